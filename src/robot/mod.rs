@@ -1,0 +1,5 @@
+//! Robot files and URDF in, [`Model`] out.
+
+pub mod model;
+
+pub use model::*;

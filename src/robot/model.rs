@@ -1,0 +1,235 @@
+//! The robot as the simulator sees it: an immutable tree of rigid links.
+//!
+//! Conventions, used by every room below this one:
+//! - **Link frame**: each moving link carries an internal frame whose origin lies on its joint and whose **z axis is
+//!   the joint axis**, so a revolute joint transform is a plane rotation. `Link::urdf_frame` leads back to the frame
+//!   the URDF file speaks of; everything a user types or reads is in that one.
+//! - **Topological order**: a link's parent has a smaller index. `joints[i]` moves `links[i + 1]`; `links[0]` is the root.
+//! - **Velocities** `v`: floating base first, `(p', omega)` = velocity of the root link's URDF frame origin and angular
+//!   velocity, both in world axes; then one number per joint. A fixed base has joints only.
+//! - The root's internal frame is its URDF frame.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+
+macro_rules! index {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+        pub struct $name(pub usize);
+    };
+}
+
+index!(
+    /// Index into [`Model::links`].
+    LinkId
+);
+index!(
+    /// Index into [`Model::joints`].
+    JointId
+);
+index!(
+    /// Index into [`Model::soles`].
+    SoleId
+);
+
+/// How the root link is held.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Base {
+    /// Free in space: six velocities.
+    Floating,
+    /// Fixed to the world (a URDF whose root link is called `world`, or `base = "fixed"` in the robot file).
+    Fixed,
+}
+
+/// What a joint lets through; the axis is z of the child's internal frame.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum JointKind {
+    /// Rotation within limits.
+    Revolute,
+    /// Rotation without limits.
+    Continuous,
+    /// Translation.
+    Prismatic,
+}
+
+/// How a joint is driven.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum DriveMode {
+    /// `tau = kp (q_des - q) + kd (qd_des - qd) + feed-forward`, clipped to the effort limit.
+    Position,
+    /// `tau` = feed-forward only, clipped.
+    Force,
+    /// No actuator torque.
+    #[default]
+    Passive,
+}
+
+/// The drive of one joint. Units: N m/rad and N m s/rad, for prismatic joints N/m and N s/m.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Drive {
+    /// What the drive follows.
+    pub mode: DriveMode,
+    /// Position gain.
+    pub kp: f64,
+    /// Velocity gain.
+    pub kd: f64,
+}
+
+/// One joint of the tree.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Joint {
+    /// Name in the URDF.
+    pub name: String,
+    /// Motion it lets through.
+    pub kind: JointKind,
+    /// Lower limit, rad or m; minus infinity when there is none.
+    pub lower: f64,
+    /// Upper limit, rad or m; infinity when there is none.
+    pub upper: f64,
+    /// Greatest speed, rad/s or m/s; infinity when not given.
+    pub velocity_limit: f64,
+    /// Greatest actuator effort, N m or N; infinity when not given.
+    pub effort_limit: f64,
+    /// Viscous friction, N m s/rad or N s/m.
+    pub damping: f64,
+    /// Coulomb friction, N m or N.
+    pub friction: f64,
+    /// Reflected rotor inertia, kg m^2 or kg.
+    pub armature: f64,
+    /// The actuator.
+    pub drive: Drive,
+    /// True when the URDF or robot file configured the drive; `joint_default` of a scenario fills the others.
+    pub drive_configured: bool,
+}
+
+/// A shape fixed to a link, for pictures, hulls and sole finding.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Shape {
+    /// Pose in the link's internal frame.
+    pub pose: Isometry3<f64>,
+    /// What it is.
+    pub geometry: Geometry,
+    /// Red, green, blue, opacity, each 0 to 1.
+    pub rgba: [f32; 4],
+}
+
+/// Geometry of a [`Shape`], metres, as URDF defines it.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Geometry {
+    /// Full edge lengths along x, y, z.
+    Box(Vector3<f64>),
+    /// Radius, length along z.
+    Cylinder(f64, f64),
+    /// Radius, length of the cylindrical part along z.
+    Capsule(f64, f64),
+    /// Radius.
+    Sphere(f64),
+    /// Vertices and triangles, already scaled.
+    Mesh(Vec<Point3<f64>>, Vec<[u32; 3]>),
+}
+
+/// A URDF link that a fixed joint welded to this one.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Merged {
+    /// Its name.
+    pub name: String,
+    /// Pose of its URDF frame in the carrying link's internal frame.
+    pub pose: Isometry3<f64>,
+}
+
+/// One rigid link.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Link {
+    /// Name in the URDF.
+    pub name: String,
+    /// The link its joint hangs on; `None` for the root.
+    pub parent: Option<LinkId>,
+    /// Orientation of the internal frame in the parent's internal frame at joint position 0.
+    pub rotation: Matrix3<f64>,
+    /// Origin of the internal frame in the parent's internal frame at joint position 0, m.
+    pub offset: Vector3<f64>,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Centre of mass in the internal frame, m.
+    pub com: Vector3<f64>,
+    /// Inertia tensor about the centre of mass in the internal frame's axes, kg m^2.
+    pub inertia: Matrix3<f64>,
+    /// Pose of the URDF link frame in the internal frame.
+    pub urdf_frame: Isometry3<f64>,
+    /// Links welded to this one.
+    pub merged: Vec<Merged>,
+    /// Visual shapes.
+    pub visuals: Vec<Shape>,
+    /// Collision shapes.
+    pub collisions: Vec<Shape>,
+}
+
+/// A convex planar polygon of vertices that may touch the floor, fixed to one link.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Sole {
+    /// Name, unique in the robot.
+    pub name: String,
+    /// Carrying link.
+    pub link: LinkId,
+    /// Vertices in the carrying link's **internal** frame, m, in order around the polygon (counter-clockwise seen from
+    /// above when the sole faces down). One vertex is a point foot, two a line foot.
+    pub vertices: Vec<Vector3<f64>>,
+}
+
+/// A robot: immutable after loading and shared by all threads.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Model {
+    /// Name in the URDF.
+    pub name: String,
+    /// How the root is held.
+    pub base: Base,
+    /// Links in topological order.
+    pub links: Vec<Link>,
+    /// `joints[i]` moves `links[i + 1]`.
+    pub joints: Vec<Joint>,
+    /// Soles, in file order.
+    pub soles: Vec<Sole>,
+    /// Home posture, one number per joint.
+    pub home: Vec<f64>,
+}
+
+impl Model {
+    /// Velocities of the base: 6 or 0.
+    pub fn nb(&self) -> usize {
+        match self.base {
+            Base::Floating => 6,
+            Base::Fixed => 0,
+        }
+    }
+
+    /// Number of joints.
+    pub fn nj(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Number of velocities, `nb + nj`.
+    pub fn nv(&self) -> usize {
+        self.nb() + self.nj()
+    }
+
+    /// Whole mass, kg (the fixed root of a fixed-base model left out).
+    pub fn mass(&self) -> f64 {
+        let first = usize::from(self.base == Base::Fixed);
+        self.links[first..].iter().map(|l| l.mass).sum()
+    }
+
+    /// The joint of that name.
+    pub fn joint(&self, name: &str) -> Option<JointId> {
+        self.joints.iter().position(|j| j.name == name).map(JointId)
+    }
+
+    /// The link of that name, welded ones included, with the pose of its URDF frame in the carrying link's internal frame.
+    pub fn link(&self, name: &str) -> Option<(LinkId, Isometry3<f64>)> {
+        self.links.iter().enumerate().find_map(|(i, l)| {
+            if l.name == name {
+                return Some((LinkId(i), l.urdf_frame));
+            }
+            l.merged.iter().find(|m| m.name == name).map(|m| (LinkId(i), m.pose))
+        })
+    }
+}

@@ -1,0 +1,5 @@
+//! One run: state, coupling of the physics rooms, outcome.
+
+pub mod report;
+
+pub use report::*;

@@ -1,0 +1,181 @@
+//! What a run tells the outside: snapshots, events, metrics and an outcome. Plain data, written by [`crate::sim`], read
+//! by [`crate::record`]; nothing here steps or writes.
+
+use nalgebra::{Isometry3, Vector3};
+
+/// The state of a run at one logged instant. World axes, SI units.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    /// Simulated time, s.
+    pub time: f64,
+    /// Pose of the root link's URDF frame.
+    pub base_pose: Isometry3<f64>,
+    /// Velocity of the root's origin.
+    pub base_linear_velocity: Vector3<f64>,
+    /// Angular velocity of the root.
+    pub base_angular_velocity: Vector3<f64>,
+    /// Joint positions.
+    pub q: Vec<f64>,
+    /// Joint velocities.
+    pub qd: Vec<f64>,
+    /// Actuator efforts (friction and stops not included).
+    pub effort: Vec<f64>,
+    /// Desired joint positions.
+    pub q_desired: Vec<f64>,
+    /// Desired joint velocities.
+    pub qd_desired: Vec<f64>,
+    /// Poses of the links' URDF frames in the world, in the model's link order.
+    pub link_poses: Vec<Isometry3<f64>>,
+    /// Centre of mass.
+    pub com: Vector3<f64>,
+    /// Velocity of the centre of mass.
+    pub com_velocity: Vector3<f64>,
+    /// Centre of pressure of all soles on the floor plane; none in flight.
+    pub centre_of_pressure: Option<Vector3<f64>>,
+    /// Convex hull of the touching vertices, in order; may be empty.
+    pub support_polygon: Vec<Vector3<f64>>,
+    /// One per sole, in the model's order.
+    pub soles: Vec<SoleSnapshot>,
+    /// External forces now acting: point, force.
+    pub external: Vec<(Vector3<f64>, Vector3<f64>)>,
+}
+
+/// One sole at one instant.
+#[derive(Clone, Debug, Default)]
+pub struct SoleSnapshot {
+    /// `free`, or pattern and mode, such as `face-static`, `edge-1-dynamic`, `vertex-0-static`.
+    pub state: String,
+    /// For each vertex: is it clamped to the floor.
+    pub clamped: Vec<bool>,
+    /// Vertex positions.
+    pub positions: Vec<Vector3<f64>>,
+    /// Vertex velocities.
+    pub velocities: Vec<Vector3<f64>>,
+    /// Force of the floor on each vertex.
+    pub forces: Vec<Vector3<f64>>,
+}
+
+/// Something that happened at an instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimEvent {
+    /// Simulated time, s.
+    pub time: f64,
+    /// Short kind: `touchdown`, `liftoff`, `slip`, `stick`, `impact`, `jam`, `inconsistent`, `state`, `fallen`, `task`, ...
+    pub kind: &'static str,
+    /// What it is about (a sole, a joint, a task), may be empty.
+    pub subject: String,
+    /// Words for a person.
+    pub message: String,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Outcome {
+    /// Reached its end, every expectation held.
+    Passed,
+    /// Reached its end, an expectation did not hold.
+    Failed,
+    /// A stop rule ended it.
+    Fallen,
+    /// A number left the representable or sensible range, or the step size collapsed.
+    Diverged,
+    /// Too many events per simulated second.
+    Stalled,
+    /// Wall-clock limit.
+    TimedOut,
+    /// A panic or an internal error.
+    Error,
+    /// Interrupted.
+    Cancelled,
+}
+
+impl Outcome {
+    /// The word in the summary.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Passed => "passed",
+            Outcome::Failed => "failed",
+            Outcome::Fallen => "fallen",
+            Outcome::Diverged => "diverged",
+            Outcome::Stalled => "stalled",
+            Outcome::TimedOut => "timed-out",
+            Outcome::Error => "error",
+            Outcome::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// What one run measured: the columns of the summary between `duration_s` and the marks, timings apart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Metrics {
+    /// Simulated time reached, s.
+    pub duration_s: f64,
+    /// Accepted integration steps.
+    pub steps: u64,
+    /// Steps tried again with a smaller size.
+    pub rejected_steps: u64,
+    /// Right-hand sides evaluated.
+    pub evaluations: u64,
+    /// Events located.
+    pub events: u64,
+    /// Changes of the contact state of any sole.
+    pub state_changes: u64,
+    /// Selections of a contact state.
+    pub selections: u64,
+    /// Candidate states tested, over all selections.
+    pub states_tested: u64,
+    /// Most candidates tested in one selection.
+    pub states_tested_max: u64,
+    /// Impacts.
+    pub impacts: u64,
+    /// Painleve configurations resolved by an impulse.
+    pub jams: u64,
+    /// Selections in which no candidate was valid.
+    pub inconsistent: u64,
+    /// Base position at the end, m.
+    pub final_base_position: [f64; 3],
+    /// Base roll, pitch, yaw at the end, rad.
+    pub final_base_rpy: [f64; 3],
+    /// Base linear velocity at the end, m/s.
+    pub final_base_velocity: [f64; 3],
+    /// Deepest vertex below the floor, m.
+    pub max_penetration_m: f64,
+    /// Greatest drift of a static sole's clamped vertex from its anchor, m.
+    pub max_static_creep_m: f64,
+    /// Greatest height of the lowest sole vertex, m.
+    pub max_lift_m: f64,
+    /// Greatest excess of tangential force over mu N, N.
+    pub max_cone_excess: f64,
+    /// Energy now - energy at start - work done, J.
+    pub energy_error_j: f64,
+    /// First marks, s.
+    pub first_touchdown_s: Option<f64>,
+    /// See `first_touchdown_s`.
+    pub first_liftoff_s: Option<f64>,
+    /// First change from static to sliding of any sole.
+    pub first_slip_s: Option<f64>,
+    /// First change from sliding to static of any sole.
+    pub first_stick_s: Option<f64>,
+    /// First time a stop rule held.
+    pub first_fall_s: Option<f64>,
+}
+
+/// Receives what a run tells while it runs. `Err` ends the run with outcome `error` and that message.
+pub trait Observer {
+    /// Called at the log rate and once at the end.
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String>;
+    /// Called at once for every event, in time order.
+    fn event(&mut self, event: &SimEvent) -> Result<(), String>;
+}
+
+/// An observer that looks away.
+pub struct Blind;
+
+impl Observer for Blind {
+    fn snapshot(&mut self, _: &Snapshot) -> Result<(), String> {
+        Ok(())
+    }
+    fn event(&mut self, _: &SimEvent) -> Result<(), String> {
+        Ok(())
+    }
+}
