@@ -1,0 +1,232 @@
+//! Is a candidate valid, and if not, what is wrong with it? (`contact.md` section 4.)
+//!
+//! Criteria in order of importance: *geometric* (nothing unclamped below the floor, nothing clamped above it),
+//! *kinematic* (no unclamped vertex driven into the floor, no clamped one that pulls or separates), *friction* (loads
+//! inside the exact capacity; sliding opposed). Each level adds up its violations in units of its tolerance. At the
+//! velocity level the kernel's answer needs no anti-chatter band, so there an unclamped touching vertex must not
+//! approach at all beyond rounding.
+
+use super::candidate::{Solution, edge_load};
+use super::capacity::{self, Slip};
+use super::problem::{Level, Problem, SoleProblem, Tolerances};
+use super::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use nalgebra::{Vector2, Vector3};
+use std::cmp::Ordering;
+
+/// What is wrong with one sole of a candidate.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Faults {
+    /// Unclamped vertices that enter the floor, one bit each.
+    pub penetrating: u64,
+    /// The floor would have to pull, or a clamped vertex is above the floor or leaving it.
+    pub pulling: bool,
+    /// The friction law does not allow it.
+    pub friction: bool,
+}
+
+/// How far each sole is from leaving its state, in units of [`Problem::scale`]; positive inside.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Margin {
+    /// Until the floor would have to pull: least vertex load, or for a face load times the distance of the centre of
+    /// pressure from the border over the sole radius.
+    pub normal: f64,
+    /// Until a static pattern slips, or a pivot does.
+    pub friction: f64,
+    /// The slip twist with least margin.
+    pub slip: Slip,
+}
+
+impl Default for Margin {
+    fn default() -> Self {
+        Margin { normal: f64::INFINITY, friction: f64::INFINITY, slip: Slip::zeros() }
+    }
+}
+
+/// A judged candidate.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Verdict {
+    /// Violations: geometric, kinematic, friction.
+    pub levels: [f64; 3],
+    /// Tie-breakers among equals: normal rows, number of dynamic soles, rows, soles that changed state.
+    pub rank: [usize; 4],
+    /// By sole.
+    pub faults: [Faults; MAX_SOLES],
+}
+
+impl Verdict {
+    /// No violation at all.
+    pub fn valid(&self) -> bool {
+        self.levels == [0.0; 3]
+    }
+
+    /// Better candidates are less. Fewer clamped normals come before sticking before sliding: counting rows alone would
+    /// prefer slip onset (3 rows) to a face that sticks within its capacity (6 rows).
+    pub fn compare(&self, other: &Verdict) -> Ordering {
+        self.levels
+            .iter()
+            .zip(&other.levels)
+            .map(|(a, b)| a.total_cmp(b))
+            .find(|o| o.is_ne())
+            .unwrap_or_else(|| self.rank.cmp(&other.rank))
+    }
+}
+
+/// What the judge needs to know besides the candidate.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules {
+    /// The scenario's tolerances.
+    pub tolerances: Tolerances,
+    /// States before.
+    pub previous: States,
+    /// Soles whose previous state an event has just put at the limit of its load: bit 0 normal, bit 1 friction. Their
+    /// margin must then be clearly positive for that state to be kept.
+    pub suspect: [u8; MAX_SOLES],
+}
+
+/// Suspect for its normal load.
+pub const SUSPECT_NORMAL: u8 = 1;
+/// Suspect for its friction load.
+pub const SUSPECT_FRICTION: u8 = 2;
+
+/// Rounding allowed in margins, relative to the load scale: solves with condition numbers up to about 1e4.
+const ROUNDING: f64 = 1e-12;
+/// Margin that clears a suspicion, relative to the load scale.
+const CLEAR: f64 = 1e-9;
+
+/// Judges a solved candidate. `slides` tells for each sole whether the implicit sliding directions were found.
+pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, rules: &Rules) -> Verdict {
+    let tol = &rules.tolerances;
+    let mut verdict = Verdict { levels: [0.0; 3], rank: [0; 4], faults: [Faults::default(); MAX_SOLES] };
+    let speed = p.soles.iter().flat_map(|s| &s.vertices).map(|v| v.velocity.norm()).fold(1.0, f64::max);
+    for (s, sole) in p.soles.iter().enumerate() {
+        let state = states[s];
+        let faults = &mut verdict.faults[s];
+        let k = sole.vertices.len();
+        for (i, v) in sole.vertices.iter().enumerate() {
+            let motion = p.vertex_motion(&solution.motion, s, i).z;
+            if state.clamps(i, k) {
+                if v.height > tol.distance {
+                    verdict.levels[0] += v.height / tol.distance;
+                    faults.pulling = true;
+                } else if p.level == Level::Acceleration && v.velocity.z > tol.velocity {
+                    verdict.levels[1] += v.velocity.z / tol.velocity;
+                    faults.pulling = true;
+                }
+                continue;
+            }
+            if v.height > tol.distance {
+                continue;
+            }
+            // At the velocity level all that counts is where the vertex goes after the impulse.
+            let (geometric, kinematic) = match p.level {
+                Level::Velocity => (0.0, if motion < -1e-10 * speed { -motion / speed } else { 0.0 }),
+                Level::Acceleration => (
+                    if v.height < -tol.distance && v.velocity.z <= 0.0 { -v.height / tol.distance } else { 0.0 },
+                    if v.velocity.z < -tol.velocity {
+                        -v.velocity.z / tol.velocity
+                    } else if v.velocity.z <= tol.velocity && motion < -tol.acceleration {
+                        -motion / tol.acceleration
+                    } else {
+                        0.0
+                    },
+                ),
+            };
+            verdict.levels[0] += geometric;
+            verdict.levels[1] += kinematic;
+            faults.penetrating |= u64::from(geometric + kinematic > 0.0) << i;
+        }
+        if state == SoleState::FREE {
+            continue;
+        }
+        let m = margin(p, s, state, solution);
+        let suspect = if state == rules.previous[s] { rules.suspect[s] } else { 0 };
+        let floor = |bit: u8| if suspect & bit != 0 { CLEAR } else { -ROUNDING };
+        if !(m.normal >= floor(SUSPECT_NORMAL)) {
+            verdict.levels[1] += 1.0 - m.normal;
+            faults.pulling = true;
+        }
+        let legal = match state.mode {
+            Mode::Static => sole.vertices.iter().enumerate().all(|(i, v)| !state.clamps(i, k) || !v.moving),
+            Mode::Sliding => true,
+            Mode::Pivoting(j) => !sole.vertices[j as usize].moving,
+        };
+        if !legal || (state.is_dynamic() && !slides) || !(m.friction >= floor(SUSPECT_FRICTION)) {
+            verdict.levels[2] += 1.0 + (-m.friction).clamp(0.0, 1e6) + f64::from(!legal);
+            faults.friction = true;
+        }
+        verdict.rank[0] += state.normal_rows();
+        verdict.rank[1] += usize::from(state.is_dynamic());
+        verdict.rank[2] += state.rows();
+    }
+    verdict.rank[3] = (0..p.soles.len()).filter(|&s| states[s] != rules.previous[s]).count();
+    verdict
+}
+
+/// Margins of one sole in its state; see [`Margin`]. Needs the per-vertex forces of the solution.
+pub fn margin(p: &Problem, s: usize, state: SoleState, solution: &Solution) -> Margin {
+    let sole = &p.soles[s];
+    let k = sole.vertices.len();
+    let (n, t) = (&solution.normal[s], &solution.tangent[s]);
+    let w = &solution.wrench[6 * s..6 * s + 6];
+    let mut m = Margin::default();
+    if state.pattern == Pattern::Free {
+        return m;
+    }
+    m.normal = match state.pattern {
+        Pattern::Free => f64::INFINITY,
+        Pattern::Vertex(i) => n[i as usize],
+        Pattern::Edge(i) => n[i as usize].min(n[(i as usize + 1) % k]),
+        Pattern::Face if state.is_static() => border(sole, w[2], [-w[4], w[3]]),
+        Pattern::Face => {
+            let moment = |axis: usize| sole.vertices.iter().zip(n).map(|(v, n)| v.r[axis] * n).sum::<f64>();
+            border(sole, n.iter().sum(), [moment(0), moment(1)])
+        }
+    } / p.scale;
+    let capacity = |i: usize| sole.vertices[i].mu_s * n[i].max(0.0);
+    m.friction = match (state.mode, state.pattern) {
+        (Mode::Sliding, _) => f64::INFINITY,
+        (Mode::Pivoting(j), _) => capacity::vertex(capacity(j as usize), &t[j as usize]),
+        (Mode::Static, Pattern::Vertex(i)) => {
+            let t = &t[i as usize];
+            let size = t.norm();
+            if size > 0.0 {
+                m.slip = Vector3::new(t.x / size, t.y / size, 0.0);
+            }
+            capacity::vertex(capacity(i as usize), t)
+        }
+        (Mode::Static, Pattern::Edge(i)) => {
+            let (i, j) = (i as usize, (i as usize + 1) % k);
+            let (_, side, along, unit) = edge_load(sole, i, j, w);
+            let across = Vector2::new(-unit.y, unit.x);
+            let pull = across * (side[0] + side[1]) + unit * along;
+            let size = pull.norm();
+            if size > 0.0 {
+                m.slip = Vector3::new(pull.x / size, pull.y / size, 0.0);
+            }
+            capacity::edge([capacity(i), capacity(j)], side, along)
+        }
+        (Mode::Static, _) => {
+            let mut points = [(0.0, Vector2::zeros()); 64];
+            (0..k).for_each(|i| points[i] = (capacity(i), sole.vertices[i].r.xy()));
+            let (margin, slip) = capacity::face(&points[..k], &Vector2::new(w[0], w[1]), w[5], sole.radius);
+            m.slip = slip;
+            margin
+        }
+    } / p.scale;
+    m
+}
+
+/// Least over the polygon's edges of load times distance of the centre of pressure inside the edge, over the radius.
+/// `moment` is the first moment of the pressure, sum of r N, in x and y.
+fn border(sole: &SoleProblem, load: f64, moment: [f64; 2]) -> f64 {
+    let k = sole.vertices.len();
+    let first = Vector2::new(moment[0], moment[1]);
+    (0..k).fold(f64::INFINITY, |least, i| {
+        let (a, b) = (sole.vertices[i].r.xy(), sole.vertices[(i + 1) % k].r.xy());
+        let d = b - a;
+        let inward = Vector2::new(-d.y, d.x).normalize();
+        // The reference point is the vertices' centroid, so it lies inside.
+        let inward = if inward.dot(&a) > 0.0 { -inward } else { inward };
+        least.min(inward.dot(&(first - a * load)) / sole.radius)
+    })
+}

@@ -1,0 +1,142 @@
+//! The reduced contact problem that every method solves.
+//!
+//! `contact.md` section 2, in floor axes (z = floor normal). The motions of the F sole frames answer the sole wrenches
+//!
+//! ```text
+//! m = b + W w        W = J M^-1 J^T (6F x 6F)
+//! ```
+//!
+//! At the acceleration level `m` are accelerations and `b = a0`; at the velocity level `m` are velocities after an
+//! impulse `w` and `b` those before. Per sole the order is linear 3, angular 3 for motions and force 3, moment 3 for
+//! wrenches, both at the sole's reference point. Vertex i of a sole moves with `m_lin + m_ang x r_i + c_i`, where `c_i`
+//! is the centripetal term `omega x (omega x r_i)` at the acceleration level and zero at the velocity level.
+
+use nalgebra::{Vector2, Vector3};
+
+/// What the motions of a [`Problem`] are.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Level {
+    /// Accelerations and forces.
+    Acceleration,
+    /// Velocities and impulses.
+    Velocity,
+}
+
+/// The tolerances of a scenario, `contact.md` section 4.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Tolerances {
+    /// d, m.
+    pub distance: f64,
+    /// v_t, m/s.
+    pub velocity: f64,
+    /// a_t, m/s^2.
+    pub acceleration: f64,
+    /// Speed below which a sliding vertex counts as at rest, m/s: what the integrator cannot resolve.
+    pub rest: f64,
+}
+
+impl Default for Tolerances {
+    fn default() -> Self {
+        Tolerances { distance: 1e-3, velocity: 0.1, acceleration: 0.1, rest: 1e-7 }
+    }
+}
+
+/// One vertex of a sole.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Vertex {
+    /// Position relative to the sole's reference point, floor axes, m.
+    pub r: Vector3<f64>,
+    /// Centripetal term c_i (zero at the velocity level).
+    pub bias: Vector3<f64>,
+    /// Height above the floor, m.
+    pub height: f64,
+    /// Velocity, floor axes, m/s.
+    pub velocity: Vector3<f64>,
+    /// Static friction coefficient under it.
+    pub mu_s: f64,
+    /// Kinetic friction coefficient under it.
+    pub mu_k: f64,
+    /// Unit direction in which it slides or is about to; zero when it has none.
+    pub direction: Vector2<f64>,
+    /// True when `direction` is given by its velocity; false when a sliding state must find it from the motion that
+    /// results (slip onset, impact).
+    pub moving: bool,
+}
+
+impl Default for Vertex {
+    fn default() -> Self {
+        Vertex {
+            r: Vector3::zeros(),
+            bias: Vector3::zeros(),
+            height: 0.0,
+            velocity: Vector3::zeros(),
+            mu_s: 0.0,
+            mu_k: 0.0,
+            direction: Vector2::zeros(),
+            moving: false,
+        }
+    }
+}
+
+/// One sole.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SoleProblem {
+    /// Its vertices in order around the polygon.
+    pub vertices: Vec<Vertex>,
+    /// Length that makes moments comparable with forces: the greatest vertex distance from the reference point, m.
+    pub radius: f64,
+    /// Motion wanted along clamped normals: of the reference point, and about x and y (restitution, gap closing).
+    pub target: Vector3<f64>,
+}
+
+impl SoleProblem {
+    /// Wanted normal motion of vertex `i`: `(target_lin + target_ang x r_i) . n`.
+    pub fn vertex_target(&self, i: usize) -> f64 {
+        let r = &self.vertices[i].r;
+        self.target.x + self.target.y * r.y - self.target.z * r.x
+    }
+}
+
+/// The problem; see the module.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Problem {
+    /// Accelerations or velocities.
+    pub level: Level,
+    /// W, 6F x 6F, symmetric.
+    pub w: Vec<f64>,
+    /// b, 6F.
+    pub b: Vec<f64>,
+    /// The soles.
+    pub soles: Vec<SoleProblem>,
+    /// A typical load, N or N s (the robot's weight, or its momentum): what a force is small against.
+    pub scale: f64,
+}
+
+impl Problem {
+    /// An empty problem for soles with these numbers of vertices.
+    pub fn new(vertices: &[usize]) -> Self {
+        let n = 6 * vertices.len();
+        Problem {
+            level: Level::Acceleration,
+            w: vec![0.0; n * n],
+            b: vec![0.0; n],
+            soles: vertices
+                .iter()
+                .map(|&k| SoleProblem { vertices: vec![Vertex::default(); k], radius: 1.0, target: Vector3::zeros() })
+                .collect(),
+            scale: 1.0,
+        }
+    }
+
+    /// Number of unknowns of the wrench vector, 6F.
+    pub fn dim(&self) -> usize {
+        self.b.len()
+    }
+
+    /// Motion of a vertex when the sole frames move with `motion` (6F).
+    pub fn vertex_motion(&self, motion: &[f64], sole: usize, vertex: usize) -> Vector3<f64> {
+        let m = &motion[6 * sole..6 * sole + 6];
+        let v = &self.soles[sole].vertices[vertex];
+        Vector3::new(m[0], m[1], m[2]) + Vector3::new(m[3], m[4], m[5]).cross(&v.r) + v.bias
+    }
+}
