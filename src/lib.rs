@@ -7,3 +7,4 @@ pub mod contact;
 pub mod integrate;
 pub mod robot;
 pub mod sim;
+pub mod task;

@@ -94,7 +94,8 @@ fn fermat_weber(
                 hessian += (Matrix2::identity() - u * u.transpose()) * (c / distance);
             }
         }
-        let Some(step) = (hessian + Matrix2::identity() * (1e-14 * hessian.trace())).cholesky().map(|h| h.solve(&gradient))
+        let Some(step) =
+            (hessian + Matrix2::identity() * (1e-14 * hessian.trace())).cholesky().map(|h| h.solve(&gradient))
         else {
             break;
         };
@@ -121,7 +122,9 @@ mod tests {
 
     /// A square sole of side 0.1 m, mu N = 1 N at each vertex.
     fn square() -> Vec<(f64, Vector2<f64>)> {
-        [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| (1.0, Vector2::new(0.05 * x, 0.05 * y))).to_vec()
+        [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
+            .map(|(x, y)| (1.0, Vector2::new(0.05 * x, 0.05 * y)))
+            .to_vec()
     }
 
     const R: f64 = 0.05 * std::f64::consts::SQRT_2;
@@ -151,7 +154,12 @@ mod tests {
 
     #[test]
     fn face_margin_is_the_least_over_a_scan_of_slip_twists() {
-        let points = [(1.0, Vector2::new(0.06, 0.03)), (0.2, Vector2::new(-0.04, 0.03)), (2.0, Vector2::new(-0.04, -0.03)), (0.7, Vector2::new(0.06, -0.03))];
+        let points = [
+            (1.0, Vector2::new(0.06, 0.03)),
+            (0.2, Vector2::new(-0.04, 0.03)),
+            (2.0, Vector2::new(-0.04, -0.03)),
+            (0.7, Vector2::new(0.06, -0.03)),
+        ];
         for k in 0..40 {
             let a = k as f64;
             let force = Vector2::new((1.3 * a).sin(), (2.1 * a).cos()) * 2.0;

@@ -23,9 +23,8 @@ pub fn is_implicit(p: &Problem, states: &States, s: usize) -> bool {
     let sole = &p.soles[s];
     let k = sole.vertices.len();
     states[s].is_dynamic()
-        && (0..k).any(|i| {
-            states[s].clamps(i, k) && states[s].mode != Mode::Pivoting(i as u8) && !sole.vertices[i].moving
-        })
+        && (0..k)
+            .any(|i| states[s].clamps(i, k) && states[s].mode != Mode::Pivoting(i as u8) && !sole.vertices[i].moving)
 }
 
 /// Solves a candidate, finding the implicit directions, which are left in the problem. `hint` is a first guess of the

@@ -61,7 +61,9 @@ impl Selector {
         let mut hint = [Vector3::zeros(); MAX_SOLES];
         if (0..p.soles.len()).any(|s| implicit::is_implicit(p, states, s)) {
             let mut stuck = *states;
-            (0..p.soles.len()).filter(|&s| implicit::is_implicit(p, states, s)).for_each(|s| stuck[s].mode = Mode::Static);
+            (0..p.soles.len())
+                .filter(|&s| implicit::is_implicit(p, states, s))
+                .for_each(|s| stuck[s].mode = Mode::Static);
             self.kernel.solve(p, &stuck, out);
             share_static(p, &stuck, out);
             for s in (0..p.soles.len()).filter(|&s| stuck[s] != states[s]) {

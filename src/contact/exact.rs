@@ -1,0 +1,86 @@
+//! The exact method: the state is searched for until it is valid, at events and nowhere else.
+
+use super::candidate::Solution;
+use super::method::{Method, Question};
+use super::problem::Problem;
+use super::select::{Selection, Selector, first_mode};
+use super::state::{Mode, Pattern, SoleState, States};
+
+/// See the module.
+pub struct Exact {
+    selector: Selector,
+}
+
+impl Exact {
+    /// For problems of this size.
+    pub fn new(p: &Problem) -> Self {
+        Exact { selector: Selector::new(p) }
+    }
+
+    /// The states as they were, with the modes that the velocities allow.
+    fn carry_over(p: &Problem, before: &States) -> States {
+        let mut start = *before;
+        for s in 0..p.soles.len() {
+            let turns_on = match before[s].mode {
+                Mode::Pivoting(j) => before[s].is_dynamic() && !p.soles[s].vertices[j as usize].moving,
+                _ => false,
+            };
+            let fresh = first_mode(p, s, before[s].pattern);
+            start[s] = if turns_on && fresh.is_dynamic() { before[s] } else { fresh };
+        }
+        start
+    }
+}
+
+/// The smallest pattern that clamps every vertex for which `clamp` holds.
+pub fn covering(k: usize, clamp: impl Fn(usize) -> bool) -> Pattern {
+    SoleState::patterns(k)
+        .find(|&p| (0..k).all(|i| !clamp(i) || SoleState::fixed(p).clamps(i, k)))
+        .filter(|_| (0..k).any(&clamp))
+        .unwrap_or(Pattern::Free)
+}
+
+impl Method for Exact {
+    fn locates_events(&self) -> bool {
+        true
+    }
+
+    fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+        let start = Self::carry_over(p, &question.rules.previous);
+        let start = permit(p, start, question);
+        self.selector.select(p, &start, !question.event, question.rules, question.allowed, out)
+    }
+
+    fn impulse(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+        // Start with everything that touches and does not already leave.
+        let d = question.rules.tolerances.distance;
+        let mut start = States::default();
+        for (s, sole) in p.soles.iter().enumerate() {
+            let approaches = |i: usize| {
+                let v = &sole.vertices[i];
+                v.height <= d && p.vertex_motion(&p.b, s, i).z < sole.vertex_target(i)
+            };
+            let k = sole.vertices.len();
+            let kept = question.rules.previous[s];
+            let pattern = covering(k, |i| approaches(i) || (kept.clamps(i, k) && sole.vertices[i].height <= d));
+            start[s] = SoleState::fixed(pattern);
+        }
+        let start = permit(p, start, question);
+        self.selector.select(p, &start, false, question.rules, question.allowed, out)
+    }
+
+    fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution) {
+        self.selector.kernel().solve(p, states, out);
+    }
+}
+
+/// Replaces states that are not allowed by the first that is.
+fn permit(p: &Problem, mut states: States, question: &Question) -> States {
+    for (s, sole) in p.soles.iter().enumerate() {
+        if !(question.allowed)(s, states[s]) {
+            let k = sole.vertices.len();
+            states[s] = SoleState::all(k).find(|&x| (question.allowed)(s, x)).unwrap_or(states[s]);
+        }
+    }
+    states
+}

@@ -1,0 +1,49 @@
+//! What a contact method offers the simulator. A new method is one file that implements [`Method`] and one line in
+//! [`make`].
+
+use super::candidate::Solution;
+use super::exact::Exact;
+use super::judge::Rules;
+use super::one_step::OneStep;
+use super::problem::Problem;
+use super::select::Selection;
+use super::state::{SoleState, States};
+
+/// Names of the methods that [`make`] knows.
+pub const NAMES: [&str; 2] = ["exact", "one-step"];
+
+/// The method of that name for problems of this size.
+pub fn make(name: &str, p: &Problem) -> Option<Box<dyn Method>> {
+    match name {
+        "exact" => Some(Box::new(Exact::new(p))),
+        "one-step" => Some(Box::new(OneStep::new(p))),
+        _ => None,
+    }
+}
+
+/// What a choice of states starts from.
+#[derive(Clone, Copy)]
+pub struct Question<'a> {
+    /// Tolerances, the states before, and which of them an event has put in doubt.
+    pub rules: &'a Rules,
+    /// False when nothing has happened since the states before were chosen.
+    pub event: bool,
+    /// Which states each sole may take (forced states of a scenario).
+    pub allowed: &'a dyn Fn(usize, SoleState) -> bool,
+}
+
+/// A contact method: decides states, answers with wrenches.
+pub trait Method: Send {
+    /// Does it want its events located, or does it look only at the start of each step?
+    fn locates_events(&self) -> bool;
+
+    /// Chooses the states at the acceleration level and leaves their wrenches in `out`, which holds the last known
+    /// solution on entry.
+    fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection;
+
+    /// Chooses states and impulses at the velocity level: an impact, or a step of a time-stepping integrator.
+    fn impulse(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection;
+
+    /// Wrenches for states held fixed, with the directions that stand in the problem: called at every evaluation.
+    fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution);
+}
