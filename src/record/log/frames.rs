@@ -1,0 +1,75 @@
+//! `/tf`: where every frame is. Each moving link hangs on its parent link, as in ROS, so that a viewer can lay the URDF
+//! over it; welded links and soles hang on the link that carries them. A sole's frame, `sole/NAME`, has its origin at
+//! the mean of the sole's vertices and the axes of the link's URDF frame.
+
+use super::Topic;
+use super::convert::{quaternion, timestamp, vector};
+use super::sink::{Channel, Sink};
+use crate::record::RecordError;
+use crate::robot::Model;
+use crate::sim::Snapshot;
+use foxglove::messages::{FrameTransform, FrameTransforms};
+use nalgebra::{Isometry3, Vector3};
+
+/// Name of the frame everything stands in: `world`, or `map` when a link is called `world` already.
+pub(super) fn world_frame(model: &Model) -> &'static str {
+    if model.link("world").is_some() { "map" } else { "world" }
+}
+
+pub(super) struct Frames {
+    channel: Channel,
+    /// One per link, in the model's order, then the frames that do not move in their link.
+    message: FrameTransforms,
+    parents: Vec<Option<usize>>,
+}
+
+impl Frames {
+    pub fn open(sink: &mut Sink, model: &Model) -> Result<Self, RecordError> {
+        let parents: Vec<Option<usize>> = model.links.iter().map(|l| l.parent.map(|p| p.0)).collect();
+        let moving = model.links.iter().zip(&parents).map(|(link, parent)| {
+            let parent = parent.map_or(world_frame(model), |p| &model.links[p].name);
+            transform(parent, &link.name, &Isometry3::identity())
+        });
+        let transforms = moving.chain(fixed(model)).collect();
+        Ok(Self { channel: sink.foxglove::<FrameTransforms>("/tf")?, message: FrameTransforms { transforms }, parents })
+    }
+}
+
+/// Frames of welded links and soles.
+fn fixed(model: &Model) -> impl Iterator<Item = FrameTransform> {
+    let welded = model.links.iter().flat_map(|link| {
+        link.merged.iter().map(|m| transform(&link.name, &m.name, &(link.urdf_frame.inverse() * m.pose)))
+    });
+    let soles = model.soles.iter().map(|sole| {
+        let link = &model.links[sole.link.0];
+        let mean = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len().max(1) as f64;
+        let origin = link.urdf_frame.inverse_transform_point(&mean.into());
+        transform(&link.name, &format!("sole/{}", sole.name), &Isometry3::from_parts(origin.into(), Default::default()))
+    });
+    welded.chain(soles)
+}
+
+fn transform(parent: &str, child: &str, pose: &Isometry3<f64>) -> FrameTransform {
+    FrameTransform {
+        timestamp: None,
+        parent_frame_id: parent.to_owned(),
+        child_frame_id: child.to_owned(),
+        translation: Some(vector(&pose.translation.vector)),
+        rotation: Some(quaternion(&pose.rotation)),
+    }
+}
+
+impl Topic for Frames {
+    fn record(&mut self, time: u64, s: &Snapshot, sink: &mut Sink) -> Result<(), RecordError> {
+        for ((to, pose), parent) in self.message.transforms.iter_mut().zip(&s.link_poses).zip(&self.parents) {
+            let local = parent.map_or(*pose, |p| s.link_poses[p].inv_mul(pose));
+            to.translation = Some(vector(&local.translation.vector));
+            to.rotation = Some(quaternion(&local.rotation));
+        }
+        let stamp = timestamp(time);
+        for to in &mut self.message.transforms {
+            to.timestamp = Some(stamp);
+        }
+        sink.send(&mut self.channel, time, &self.message)
+    }
+}
