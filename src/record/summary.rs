@@ -41,8 +41,7 @@ pub fn write_summary(folder: &Path, rows: &[SummaryRow]) -> Result<SummaryFiles,
 /// # Errors
 /// A swept parameter has the name of a column.
 pub fn summary_frame(rows: &[SummaryRow]) -> PolarsResult<DataFrame> {
-    let texts =
-        TEXT_COLUMNS.iter().map(|(name, get)| Series::new((*name).into(), rows.iter().map(get).collect::<Vec<_>>()));
+    let texts = TEXT_COLUMNS.iter().map(|(name, get)| text_series(name, rows.iter().map(|r| Some(get(r).to_owned()))));
     let seed = Series::new("seed".into(), rows.iter().map(|r| r.seed).collect::<Vec<_>>());
     let parameters = parameter_names(rows).into_iter().map(|name| parameter_series(name, rows));
     let metrics = COLUMNS.iter().map(|column| metric_series(column.name, column.get, rows));
@@ -75,8 +74,15 @@ fn parameter_series(name: &str, rows: &[SummaryRow]) -> Series {
     } else if every(|v| v.number().is_some()) {
         Series::new(name.into(), values.iter().map(|v| v.and_then(ParamValue::number)).collect::<Vec<_>>())
     } else {
-        Series::new(name.into(), values.iter().map(|v| v.map(ToString::to_string)).collect::<Vec<_>>())
+        text_series(name, values.iter().map(|v| v.map(ToString::to_string)))
     }
+}
+
+/// Words on one line each, so that a line of the CSV is a run to simple tools; no words are an empty cell.
+fn text_series(name: &str, values: impl Iterator<Item = Option<String>>) -> Series {
+    let on_one_line = |text: String| text.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+    let cells = values.map(|v| v.map(on_one_line).filter(|t| !t.is_empty()));
+    Series::new(name.into(), cells.collect::<Vec<Option<String>>>())
 }
 
 /// Counts stay whole numbers; a column is one or the other throughout.
