@@ -159,15 +159,18 @@ fn frames_compose_to_the_links_poses() {
     let all = protobuf::<FrameTransforms>("/tf");
     for (tf, s) in all.iter().zip(snapshots()) {
         let children: Vec<&str> = tf.transforms.iter().map(|t| t.child_frame_id.as_str()).collect();
-        assert_eq!(children, ["trunk", "shank", "ball", "plate", "sole/left", "sole/toe"]);
+        assert_eq!(children, ["trunk", "shank", "ball", "plate", "tip", "sole/left", "sole/toe"]);
         for (link, pose) in model.links.iter().zip(&s.link_poses) {
             // Error: three products of poses of size 1, a few units of 1e-16 each.
             assert!(distance(&to_world(tf, &link.name), pose) < 1e-14, "{}", link.name);
         }
         // The internal frame is where vertices and welds are given; the URDF frame leads back to it.
         let internal = |link: usize| s.link_poses[link] * model.links[link].urdf_frame.inverse();
-        let plate = internal(0) * model.links[0].merged[0].pose;
-        assert!(distance(&to_world(tf, "plate"), &plate) < 1e-14);
+        for weld in &model.links[0].merged {
+            assert!(distance(&to_world(tf, &weld.name), &(internal(0) * weld.pose)) < 1e-14, "{}", weld.name);
+        }
+        let parents: Vec<&str> = tf.transforms.iter().map(|t| t.parent_frame_id.as_str()).collect();
+        assert_eq!(parents, ["world", "trunk", "shank", "trunk", "plate", "shank", "ball"], "as in the URDF");
         let heel = internal(1) * Point3::new(0.0, 0.0, -0.2);
         assert!((to_world(tf, "sole/left").translation.vector - heel.coords).norm() < 1e-14);
         for t in &tf.transforms {

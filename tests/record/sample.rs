@@ -8,8 +8,9 @@ use stiction::sim::{Observer, SimEvent, Snapshot, SoleSnapshot};
 
 pub const URDF: &str = r#"<robot name="sample">
   <link name="trunk"><visual><geometry><box size="0.2 0.3 0.1"/></geometry></visual></link>
-  <link name="plate"/><link name="shank"/><link name="ball"/>
+  <link name="plate"/><link name="tip"/><link name="shank"/><link name="ball"/>
   <joint name="weld" type="fixed"><parent link="trunk"/><child link="plate"/><origin xyz="0 0 0.05"/></joint>
+  <joint name="bolt" type="fixed"><parent link="plate"/><child link="tip"/><origin xyz="0 0.1 0"/></joint>
   <joint name="hip" type="revolute"><parent link="trunk"/><child link="shank"/>
     <origin xyz="0 0 -0.1"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="10" velocity="5"/></joint>
   <joint name="ankle" type="continuous"><parent link="shank"/><child link="ball"/>
@@ -77,6 +78,7 @@ pub fn model() -> Model {
         }],
     );
     trunk.merged.push(Merged { name: "plate".into(), pose: isometry(0.0, 0.0, 0.05, [0.0; 3]) });
+    trunk.merged.push(Merged { name: "tip".into(), pose: isometry(0.0, 0.1, 0.05, [0.0; 3]) });
     let shank = link(
         "shank",
         Some(0),

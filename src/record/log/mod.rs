@@ -74,7 +74,7 @@ fn open_topics(sink: &mut Sink, model: &Model, header: &LogHeader) -> Result<Vec
         topics.push(Box::new(contact::ContactTopic::open(sink, model)?));
     }
     if header.topics.scene {
-        topics.push(Box::new(frames::Frames::open(sink, model)?));
+        topics.push(Box::new(frames::Frames::open(sink, model, header)?));
         shapes::write(sink, model, header)?;
         topics.push(Box::new(marks::Marks::open(sink, model)?));
     }

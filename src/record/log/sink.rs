@@ -31,7 +31,8 @@ impl Sink {
         let (file, temporary) = atomic::beside(path)?;
         let writer = WriteOptions::new()
             .library(concat!("stiction ", env!("CARGO_PKG_VERSION")))
-            // Zstd shrinks a log to about half of what LZ4 leaves. Runs already occupy every core: compress in place.
+            // For a 25-joint robot level 1 leaves 3.4 kB a tick (LZ4 4.0, none 9.0) for 3 us more than LZ4.
+            // Runs already occupy every core, so no threads of its own.
             .compression(Some(Compression::Zstd))
             .compression_level(1)
             .compression_threads(0)
