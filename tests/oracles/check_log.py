@@ -15,6 +15,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 
+from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory as Protobuf
 from mcap_ros2.decoder import DecoderFactory as Ros2
@@ -153,7 +154,7 @@ def read(path):
 
 def check_frames(topics, urdf, world, check):
     links = {link.get("name") for link in ElementTree.fromstring(urdf).iter("link")} - {"world"}
-    states = dict(topics["/state"])
+    states, contacts = dict(topics["/state"]), dict(topics["/contact"])
     soles = {s.name for _, c in topics["/contact"][:1] for s in c.soles}
     drawn = {e.frame_id for _, s in topics["/scene"] for e in s.entities}
     for time, tf in topics["/tf"]:
@@ -168,6 +169,10 @@ def check_frames(topics, urdf, world, check):
             check(f"sole/{name}" in found, f"/tf: no frame for sole {name}")
         for name in sorted(drawn):
             check(name in found, f"/scene: frame {name} is not in /tf")
+        for sole in contacts[time].soles if time in contacts else []:
+            mean = [math.fsum(axis) / len(sole.positions) for axis in zip(*map(xyz, sole.positions))]
+            frame = found.get(f"sole/{sole.name}")
+            check(frame is None or distance(frame[0], mean) < POSE, f"/tf: sole {sole.name} is not where its vertices are")
         if time in states:
             roots = [t.child_frame_id for t in tf.transforms if t.parent_frame_id == world]
             check(len(roots) == 1, f"/tf: {len(roots)} frames stand in the world")
@@ -236,7 +241,7 @@ def main(paths):
         return 2
     try:
         results = [check_log(path) for path in paths]
-    except OSError as error:
+    except (OSError, McapError) as error:
         print(error, file=sys.stderr)
         return 2
     return 0 if all(results) else 1

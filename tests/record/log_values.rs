@@ -4,8 +4,9 @@ use super::sample::{self, URDF};
 use foxglove::messages::{FrameTransforms, Log, Pose, Quaternion, SceneEntity, SceneUpdate, Vector3 as LogVector};
 use mcap::MessageStream;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use stiction::record::{Topics, messages, ros};
-use stiction::sim::Snapshot;
+use stiction::record::{LogWriter, Topics, messages, ros};
+use stiction::robot::Base;
+use stiction::sim::{Observer, Snapshot};
 
 const TICKS: usize = 6;
 
@@ -178,6 +179,24 @@ fn frames_compose_to_the_links_poses() {
             assert_eq!((stamp.sec(), stamp.nsec()), (0, (s.time * 1e9).round() as u32));
         }
     }
+}
+
+#[test]
+fn a_robot_whose_root_is_called_world_stands_in_a_map() {
+    let mut model = sample::model();
+    model.base = Base::Fixed;
+    model.links[0].name = "world".into();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.mcap");
+    let mut log = LogWriter::create(&path, &model, &sample::header(Topics::ALL)).unwrap();
+    log.snapshot(&sample::snapshot(0)).unwrap();
+    log.finish().unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let message = MessageStream::new(&bytes).unwrap().map(Result::unwrap).find(|m| m.channel.topic == "/tf").unwrap();
+    let tf = <FrameTransforms as prost::Message>::decode(message.data.as_ref()).unwrap();
+    // A frame that is its own parent would be drawn by nobody.
+    let first = &tf.transforms[0];
+    assert_eq!((first.parent_frame_id.as_str(), first.child_frame_id.as_str()), ("map", "world"));
 }
 
 fn entity<'a>(scene: &'a SceneUpdate, id: &str) -> &'a SceneEntity {

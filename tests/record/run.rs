@@ -18,7 +18,7 @@ pub fn metrics() -> Metrics {
         states_tested_max: 7,
         impacts: 8,
         jams: 9,
-        inconsistent: 10,
+        inconsistent: 11,
         final_base_position: [1.0 / 3.0, -2e-308, 1e300],
         final_base_rpy: [5e-324, -0.0, std::f64::consts::PI],
         final_base_velocity: [f64::MAX, f64::MIN_POSITIVE, 123_456_789.123_456_79],

@@ -127,19 +127,17 @@ fn vector(tick: usize, i: usize) -> Vector3<f64> {
     Vector3::new(wobble(tick, i), wobble(tick, i + 1), wobble(tick, i + 2))
 }
 
-fn sole(tick: usize, state: &str, vertices: usize) -> SoleSnapshot {
-    let each = |shift: usize| (0..vertices).map(|v| vector(tick, shift + 5 * v)).collect::<Vec<_>>();
+/// The vertices are where the link is: readers may compare them with the sole's frame.
+fn sole(tick: usize, state: &str, link: &Link, pose: &Isometry3<f64>, vertices: &[Vector3<f64>]) -> SoleSnapshot {
+    let internal = pose * link.urdf_frame.inverse();
+    let each = |shift: usize| (0..vertices.len()).map(|v| vector(tick, shift + 5 * v)).collect::<Vec<_>>();
     let touching = state != "free";
     SoleSnapshot {
         state: state.into(),
-        clamped: (0..vertices).map(|v| touching && v != 1).collect(),
-        positions: each(50),
+        clamped: (0..vertices.len()).map(|v| touching && v != 1).collect(),
+        positions: vertices.iter().map(|v| (internal * Point3::from(*v)).coords).collect(),
         velocities: each(70),
-        forces: if touching {
-            each(90).into_iter().map(|f| f * 20.0).collect()
-        } else {
-            vec![Vector3::zeros(); vertices]
-        },
+        forces: each(90).into_iter().map(|f| if touching { f * 20.0 } else { Vector3::zeros() }).collect(),
     }
 }
 
@@ -152,6 +150,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
         )
     };
     let link_poses: Vec<_> = (0..3).map(|i| pose(10 * i)).collect();
+    let model = model();
     let state = ["face-static", "face-dynamic", "free"][tick % 3];
     Snapshot {
         time: tick as f64 * 0.005,
@@ -163,12 +162,17 @@ pub fn snapshot(tick: usize) -> Snapshot {
         effort: vec![wobble(tick, 5), wobble(tick, 6)],
         q_desired: vec![wobble(tick, 7), wobble(tick, 8)],
         qd_desired: vec![wobble(tick, 9), 0.0],
-        link_poses,
+        link_poses: link_poses.clone(),
         com: vector(tick, 200),
         com_velocity: vector(tick, 203),
         centre_of_pressure: (state != "free").then(|| vector(tick, 206)),
         support_polygon: if state == "free" { Vec::new() } else { (0..5).map(|i| vector(tick, 300 + i)).collect() },
-        soles: vec![sole(tick, state, 4), sole(tick, "free", 1)],
+        soles: model
+            .soles
+            .iter()
+            .zip([state, "free"])
+            .map(|(s, state)| sole(tick, state, &model.links[s.link.0], &link_poses[s.link.0], &s.vertices))
+            .collect(),
         external: if tick % 2 == 0 { vec![(vector(tick, 400), vector(tick, 403) * 30.0)] } else { Vec::new() },
     }
 }

@@ -162,17 +162,55 @@ fn a_parameter_named_like_a_column_is_an_error() {
 }
 
 #[test]
-fn metrics_are_looked_up_by_column_name() {
-    let row = &rows()[0];
-    assert_eq!(metric(row, "final_base_x"), Some(1.0 / 3.0));
-    assert_eq!(metric(row, "final_base_pitch").map(f64::to_bits), Some((-0.0f64).to_bits()));
-    assert_eq!(metric(row, "final_base_vy"), Some(f64::MIN_POSITIVE));
-    assert_eq!(metric(row, "steps"), Some(u64::MAX as f64));
-    assert_eq!(metric(row, "wall_s"), Some(0.7));
-    assert_eq!(metric(row, "first_fall_s"), Some(1.0 / 7.0));
-    assert_eq!(metric(row, "first_stick_s"), None);
-    assert_eq!(metric(row, "scenario"), None);
-    assert_eq!(metric(row, "nonsense"), None);
+fn every_column_has_its_own_metric() {
+    let expected = [
+        ("duration_s", Some(0.1 + 0.2)),
+        ("wall_s", Some(0.7)),
+        ("cpu_s", Some(0.1 + 0.7)),
+        ("real_time_factor", Some((0.1 + 0.2) / 0.7)),
+        ("steps", Some(u64::MAX as f64)),
+        ("rejected_steps", Some(2.0)),
+        ("evaluations", Some(3.0)),
+        ("events", Some(4.0)),
+        ("state_changes", Some(5.0)),
+        ("states_tested_mean", Some(10.0 / 3.0)),
+        ("states_tested_max", Some(7.0)),
+        ("impacts", Some(8.0)),
+        ("jams", Some(9.0)),
+        ("inconsistent", Some(11.0)),
+        ("final_base_x", Some(1.0 / 3.0)),
+        ("final_base_y", Some(-2e-308)),
+        ("final_base_z", Some(1e300)),
+        ("final_base_roll", Some(5e-324)),
+        ("final_base_pitch", Some(-0.0)),
+        ("final_base_yaw", Some(std::f64::consts::PI)),
+        ("final_base_vx", Some(f64::MAX)),
+        ("final_base_vy", Some(f64::MIN_POSITIVE)),
+        ("final_base_vz", Some(123_456_789.123_456_79)),
+        ("max_penetration_m", Some(1.1e-7)),
+        ("max_static_creep_m", Some(2.2e-16)),
+        ("max_lift_m", Some(0.3)),
+        ("max_cone_excess", Some(1e-17)),
+        ("energy_error_J", Some(-4.900_000_000_000_001)),
+        ("error_position_rms_m", None),
+        ("error_joint_rms_rad", None),
+        ("error_force_rms_N", None),
+        ("contact_state_agreement", None),
+        ("first_touchdown_s", Some(0.049_999_999_999_999_99)),
+        ("first_liftoff_s", None),
+        ("first_slip_s", Some(0.0)),
+        ("first_stick_s", None),
+        ("first_fall_s", Some(1.0 / 7.0)),
+    ];
+    let found = NUMERIC_COLUMNS.map(|column| (column, metric(&rows()[0], column)));
+    assert_eq!(found, expected);
+    // Two marks that are empty above must not be each other.
+    let mut row = rows().remove(0);
+    row.metrics.first_stick_s = Some(0.25);
+    assert_eq!((metric(&row, "first_stick_s"), metric(&row, "first_liftoff_s")), (Some(0.25), None));
+    for name in ["scenario", "seed", "nonsense"] {
+        assert_eq!(metric(&row, name), None);
+    }
 }
 
 #[test]
