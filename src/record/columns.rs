@@ -47,14 +47,20 @@ pub(super) struct Column {
     pub get: fn(&SummaryRow) -> Number,
 }
 
+/// A column of text.
+pub(super) struct TextColumn {
+    pub name: &'static str,
+    pub get: fn(&SummaryRow) -> &str,
+}
+
 /// Columns before the swept parameters that hold text; `seed` follows them.
-pub(super) const TEXT_COLUMNS: [(&str, fn(&SummaryRow) -> &str); 6] = [
-    ("scenario", |r| &r.scenario),
-    ("key", |r| &r.key),
-    ("outcome", |r| r.outcome.name()),
-    ("message", |r| &r.message),
-    ("method", |r| &r.method),
-    ("integrator", |r| &r.integrator),
+pub(super) const TEXT_COLUMNS: &[TextColumn] = &[
+    TextColumn { name: "scenario", get: |r| &r.scenario },
+    TextColumn { name: "key", get: |r| &r.key },
+    TextColumn { name: "outcome", get: |r| r.outcome.name() },
+    TextColumn { name: "message", get: |r| &r.message },
+    TextColumn { name: "method", get: |r| &r.method },
+    TextColumn { name: "integrator", get: |r| &r.integrator },
 ];
 
 macro_rules! columns {

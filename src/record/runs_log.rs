@@ -63,8 +63,8 @@ impl Serialize for Line<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let row = self.0;
         let mut map = serializer.serialize_map(None)?;
-        for (name, get) in TEXT_COLUMNS {
-            map.serialize_entry(name, get(row))?;
+        for column in TEXT_COLUMNS {
+            map.serialize_entry(column.name, (column.get)(row))?;
         }
         map.serialize_entry("seed", &row.seed)?;
         for (name, value) in &row.parameters {

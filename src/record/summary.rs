@@ -41,7 +41,7 @@ pub fn write_summary(folder: &Path, rows: &[SummaryRow]) -> Result<SummaryFiles,
 /// # Errors
 /// A swept parameter has the name of a column.
 pub fn summary_frame(rows: &[SummaryRow]) -> PolarsResult<DataFrame> {
-    let texts = TEXT_COLUMNS.iter().map(|(name, get)| text_series(name, rows.iter().map(|r| Some(get(r).to_owned()))));
+    let texts = TEXT_COLUMNS.iter().map(|c| text_series(c.name, rows.iter().map(|r| Some((c.get)(r).to_owned()))));
     let seed = Series::new("seed".into(), rows.iter().map(|r| r.seed).collect::<Vec<_>>());
     let parameters = parameter_names(rows).into_iter().map(|name| parameter_series(name, rows));
     let metrics = COLUMNS.iter().map(|column| metric_series(column.name, column.get, rows));

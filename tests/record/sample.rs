@@ -173,7 +173,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
             .zip([state, "free"])
             .map(|(s, state)| sole(tick, state, &model.links[s.link.0], &link_poses[s.link.0], &s.vertices))
             .collect(),
-        external: if tick % 2 == 0 { vec![(vector(tick, 400), vector(tick, 403) * 30.0)] } else { Vec::new() },
+        external: if tick.is_multiple_of(2) { vec![(vector(tick, 400), vector(tick, 403) * 30.0)] } else { Vec::new() },
     }
 }
 
