@@ -1,5 +1,5 @@
 //! Our own messages in a log, package `stiction` in protobuf. World axes, SI units. Repeated numbers are packed.
-//! [`super::descriptor`] describes the same fields to readers; a test compares the two on the wire.
+//! The file `descriptor.rs` beside describes the same fields to readers; a test compares the two on the wire.
 
 /// A vector.
 #[derive(Clone, Copy, PartialEq, prost::Message)]
