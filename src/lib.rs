@@ -4,7 +4,10 @@
 //! `task` into one run; `record` keeps what it tells; `batch` drives many runs; `cli` only translates.
 
 pub mod contact;
+pub mod dynamics;
+pub mod force;
 pub mod integrate;
+pub mod record;
 pub mod robot;
 pub mod sim;
 pub mod task;

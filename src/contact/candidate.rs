@@ -54,6 +54,13 @@ impl Solution {
             inside: [true; MAX_SOLES],
         }
     }
+
+    /// Scales wrenches and forces, to read impulses over a step as forces.
+    pub fn scale(&mut self, factor: f64) {
+        self.wrench.iter_mut().for_each(|w| *w *= factor);
+        self.normal.iter_mut().flatten().for_each(|n| *n *= factor);
+        self.tangent.iter_mut().flatten().for_each(|t| *t *= factor);
+    }
 }
 
 /// Scratch of the candidate solve, allocated once.

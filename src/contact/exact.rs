@@ -53,16 +53,15 @@ impl Method for Exact {
 
     fn impulse(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
         // Start with everything that touches and does not already leave.
-        let d = question.rules.tolerances.distance;
         let mut start = States::default();
         for (s, sole) in p.soles.iter().enumerate() {
             let approaches = |i: usize| {
                 let v = &sole.vertices[i];
-                v.height <= d && p.vertex_motion(&p.b, s, i).z < sole.vertex_target(i)
+                v.near && p.vertex_motion(&p.b, s, i).z < sole.vertex_target(i)
             };
             let k = sole.vertices.len();
             let kept = question.rules.previous[s];
-            let pattern = covering(k, |i| approaches(i) || (kept.clamps(i, k) && sole.vertices[i].height <= d));
+            let pattern = covering(k, |i| approaches(i) || (kept.clamps(i, k) && sole.vertices[i].near));
             start[s] = SoleState::fixed(pattern);
         }
         let start = permit(p, start, question);

@@ -8,7 +8,7 @@
 
 use super::candidate::{Solution, edge_load};
 use super::capacity::{self, Slip};
-use super::problem::{Level, Problem, SoleProblem, Tolerances};
+use super::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
 use super::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
 use nalgebra::{Vector2, Vector3};
 use std::cmp::Ordering;
@@ -104,36 +104,20 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
         let k = sole.vertices.len();
         for (i, v) in sole.vertices.iter().enumerate() {
             let motion = p.vertex_motion(&solution.motion, s, i).z;
-            if state.clamps(i, k) {
-                if v.height > tol.distance {
-                    verdict.levels[0] += v.height / tol.distance;
-                    faults.pulling = true;
-                } else if p.level == Level::Acceleration && v.velocity.z > tol.velocity {
-                    verdict.levels[1] += v.velocity.z / tol.velocity;
-                    faults.pulling = true;
-                }
-                continue;
-            }
-            if v.height > tol.distance {
-                continue;
-            }
-            // At the velocity level all that counts is where the vertex goes after the impulse.
+            let clamped = state.clamps(i, k);
             let (geometric, kinematic) = match p.level {
-                Level::Velocity => (0.0, if motion < -1e-10 * speed { -motion / speed } else { 0.0 }),
-                Level::Acceleration => (
-                    if v.height < -tol.distance && v.velocity.z <= 0.0 { -v.height / tol.distance } else { 0.0 },
-                    if v.velocity.z < -tol.velocity {
-                        -v.velocity.z / tol.velocity
-                    } else if v.velocity.z <= tol.velocity && motion < -tol.acceleration {
-                        -motion / tol.acceleration
-                    } else {
-                        0.0
-                    },
-                ),
+                Level::Acceleration => at_rest_level(v, clamped, motion, tol),
+                // What counts is where the vertex goes after the impulse.
+                Level::Velocity if clamped => (if v.near { 0.0 } else { 1.0 + v.height.max(0.0) / tol.distance }, 0.0),
+                Level::Velocity => {
+                    let short = (sole.vertex_target(i) - motion) / speed;
+                    (0.0, if v.near && short > 1e-10 { short } else { 0.0 })
+                }
             };
+            faults.pulling |= clamped && geometric + kinematic > 0.0;
+            faults.penetrating |= u64::from(!clamped && geometric + kinematic > 0.0) << i;
             verdict.levels[0] += geometric;
             verdict.levels[1] += kinematic;
-            faults.penetrating |= u64::from(geometric + kinematic > 0.0) << i;
         }
         if state == SoleState::FREE {
             continue;
@@ -160,6 +144,25 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
     }
     verdict.rank[3] = (0..p.soles.len()).filter(|&s| states[s] != rules.previous[s]).count();
     verdict
+}
+
+/// Geometric and kinematic violation of one vertex at the acceleration level.
+fn at_rest_level(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances) -> (f64, f64) {
+    let (height, speed) = (v.height / tol.distance, v.velocity.z / tol.velocity);
+    if clamped {
+        (if height > 1.0 { height } else { 0.0 }, if speed > 1.0 { speed } else { 0.0 })
+    } else if height > 1.0 {
+        (0.0, 0.0)
+    } else {
+        let kinematic = if speed < -1.0 {
+            -speed
+        } else if speed <= 1.0 && motion < -tol.acceleration {
+            -motion / tol.acceleration
+        } else {
+            0.0
+        };
+        (if height < -1.0 && speed <= 0.0 { -height } else { 0.0 }, kinematic)
+    }
 }
 
 /// Margins of one sole in its state; see [`Margin`]. Needs the per-vertex forces of the solution.

@@ -61,6 +61,8 @@ pub struct Vertex {
     /// True when `direction` is given by its velocity; false when a sliding state must find it from the motion that
     /// results (slip onset, impact).
     pub moving: bool,
+    /// At the velocity level: may this vertex meet the floor (in this impact, or before the end of this step)?
+    pub near: bool,
 }
 
 impl Default for Vertex {
@@ -74,6 +76,7 @@ impl Default for Vertex {
             mu_k: 0.0,
             direction: Vector2::zeros(),
             moving: false,
+            near: false,
         }
     }
 }

@@ -1,5 +1,20 @@
 //! One run: state, coupling of the physics rooms, outcome.
 
+pub mod actuator;
+mod adaptive;
+mod decide;
+pub mod error;
+mod fixed;
+pub mod layout;
+pub mod observe;
+pub mod plant;
+mod project;
 pub mod report;
+pub mod setup;
+pub mod simulation;
+mod watch;
 
+pub use error::Stop;
 pub use report::*;
+pub use setup::Setup;
+pub use simulation::Simulation;

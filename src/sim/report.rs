@@ -142,6 +142,8 @@ pub struct Metrics {
     pub max_penetration_m: f64,
     /// Greatest drift of a static sole's clamped vertex from its anchor, m.
     pub max_static_creep_m: f64,
+    /// Greatest drift projected out of the clamped directions after a step, m.
+    pub max_projection_m: f64,
     /// Greatest height of the lowest sole vertex, m.
     pub max_lift_m: f64,
     /// Greatest excess of tangential force over mu N, N.

@@ -1,0 +1,71 @@
+//! External force models: one file each, behind one trait.
+//!
+//! As in the paper's section II.C a model is initialised once and then asked for its forces at any time and state that
+//! the adaptive integrator visits. Models say beforehand at which times they are not smooth, so that steps end there.
+
+pub mod friction;
+pub mod profile;
+pub mod wrench;
+
+use crate::dynamics::{State, Workspace};
+use crate::robot::{LinkId, Model};
+use nalgebra::{Matrix3, Vector3};
+
+/// The instant at which forces are wanted.
+pub struct Scene<'a> {
+    /// The robot.
+    pub model: &'a Model,
+    /// Positions and velocities.
+    pub state: &'a State,
+    /// Kinematics at that state.
+    pub kinematics: &'a Workspace,
+    /// Time, s.
+    pub time: f64,
+    /// A time inside the smooth piece being integrated: which side of a jump `time` belongs to.
+    pub within: f64,
+}
+
+impl Scene<'_> {
+    /// Rotation of a link's internal frame and position of its origin, world.
+    pub fn frame(&self, link: LinkId) -> (Matrix3<f64>, Vector3<f64>) {
+        let l = &self.kinematics.links[link.0];
+        (l.rotation, l.origin + self.kinematics.position)
+    }
+}
+
+/// Collects the forces of one instant.
+pub struct Applied<'a> {
+    tau: &'a mut [f64],
+    arrows: &'a mut Vec<(Vector3<f64>, Vector3<f64>)>,
+}
+
+impl<'a> Applied<'a> {
+    /// Adds into the generalised force `tau` (nv) and lists force arrows (world point, force) in `arrows`.
+    pub fn new(tau: &'a mut [f64], arrows: &'a mut Vec<(Vector3<f64>, Vector3<f64>)>) -> Self {
+        Applied { tau, arrows }
+    }
+
+    /// A force (N) at a world point (m) of a link and a moment (N m), world axes.
+    pub fn wrench(&mut self, scene: &Scene, link: LinkId, point: &Vector3<f64>, force: &Vector3<f64>, moment: &Vector3<f64>) {
+        crate::dynamics::force::accumulate(scene.kinematics, link, point, force, moment, self.tau);
+        if self.arrows.len() < self.arrows.capacity() && *force != Vector3::zeros() {
+            self.arrows.push((*point, *force));
+        }
+    }
+
+    /// An effort (N m or N) on a joint.
+    pub fn joint(&mut self, model: &Model, joint: usize, effort: f64) {
+        self.tau[model.nb() + joint] += effort;
+    }
+}
+
+/// An external force model.
+pub trait Force: Send {
+    /// Adds its forces at this instant.
+    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied);
+
+    /// Times at which its value or slope jumps, s.
+    fn corners(&self) -> &[f64] {
+        &[]
+    }
+}

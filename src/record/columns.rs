@@ -1,0 +1,139 @@
+//! The columns of the summary: names, order and where each value comes from. These names are the user's contract.
+
+use super::ParamValue;
+use crate::sim::{Metrics, Outcome};
+
+/// One run in the summary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SummaryRow {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Key of the run.
+    pub key: String,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Why, when there is something to say.
+    pub message: String,
+    /// Contact method.
+    pub method: String,
+    /// Integrator.
+    pub integrator: String,
+    /// Seed.
+    pub seed: u64,
+    /// Swept parameters under their dotted names, in file order.
+    pub parameters: Vec<(String, ParamValue)>,
+    /// What was measured.
+    pub metrics: Metrics,
+    /// Wall-clock time, s.
+    pub wall_s: f64,
+    /// Processor time, s.
+    pub cpu_s: f64,
+    /// Simulated over wall-clock time.
+    pub real_time_factor: f64,
+}
+
+/// A value of the summary that is a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Number {
+    /// A count.
+    Count(u64),
+    /// A measure; `None` is an empty cell.
+    Real(Option<f64>),
+}
+
+/// A numeric column.
+pub(super) struct Column {
+    pub name: &'static str,
+    pub get: fn(&SummaryRow) -> Number,
+}
+
+/// A column of text.
+pub(super) struct TextColumn {
+    pub name: &'static str,
+    pub get: fn(&SummaryRow) -> &str,
+}
+
+/// Columns before the swept parameters that hold text; `seed` follows them.
+pub(super) const TEXT_COLUMNS: &[TextColumn] = &[
+    TextColumn { name: "scenario", get: |r| &r.scenario },
+    TextColumn { name: "key", get: |r| &r.key },
+    TextColumn { name: "outcome", get: |r| r.outcome.name() },
+    TextColumn { name: "message", get: |r| &r.message },
+    TextColumn { name: "method", get: |r| &r.method },
+    TextColumn { name: "integrator", get: |r| &r.integrator },
+];
+
+macro_rules! columns {
+    ($($name:literal $kind:ident |$r:ident| $value:expr;)*) => {
+        &[$(Column { name: $name, get: |$r| Number::$kind($value) }),*]
+    };
+}
+
+/// Columns after the swept parameters, all numeric, in order.
+pub(super) const COLUMNS: &[Column] = columns! {
+    "duration_s" Real |r| Some(r.metrics.duration_s);
+    "wall_s" Real |r| Some(r.wall_s);
+    "cpu_s" Real |r| Some(r.cpu_s);
+    "real_time_factor" Real |r| Some(r.real_time_factor);
+    "steps" Count |r| r.metrics.steps;
+    "rejected_steps" Count |r| r.metrics.rejected_steps;
+    "evaluations" Count |r| r.metrics.evaluations;
+    "events" Count |r| r.metrics.events;
+    "state_changes" Count |r| r.metrics.state_changes;
+    "states_tested_mean" Real |r| states_tested_mean(&r.metrics);
+    "states_tested_max" Count |r| r.metrics.states_tested_max;
+    "impacts" Count |r| r.metrics.impacts;
+    "jams" Count |r| r.metrics.jams;
+    "inconsistent" Count |r| r.metrics.inconsistent;
+    "final_base_x" Real |r| Some(r.metrics.final_base_position[0]);
+    "final_base_y" Real |r| Some(r.metrics.final_base_position[1]);
+    "final_base_z" Real |r| Some(r.metrics.final_base_position[2]);
+    "final_base_roll" Real |r| Some(r.metrics.final_base_rpy[0]);
+    "final_base_pitch" Real |r| Some(r.metrics.final_base_rpy[1]);
+    "final_base_yaw" Real |r| Some(r.metrics.final_base_rpy[2]);
+    "final_base_vx" Real |r| Some(r.metrics.final_base_velocity[0]);
+    "final_base_vy" Real |r| Some(r.metrics.final_base_velocity[1]);
+    "final_base_vz" Real |r| Some(r.metrics.final_base_velocity[2]);
+    "max_penetration_m" Real |r| Some(r.metrics.max_penetration_m);
+    "max_static_creep_m" Real |r| Some(r.metrics.max_static_creep_m);
+    "max_lift_m" Real |r| Some(r.metrics.max_lift_m);
+    "max_cone_excess" Real |r| Some(r.metrics.max_cone_excess);
+    "energy_error_J" Real |r| Some(r.metrics.energy_error_j);
+    // Filled by a comparison with a reference run, and empty in a run of its own.
+    "error_position_rms_m" Real |_r| None;
+    "error_joint_rms_rad" Real |_r| None;
+    "error_force_rms_N" Real |_r| None;
+    "contact_state_agreement" Real |_r| None;
+    "first_touchdown_s" Real |r| r.metrics.first_touchdown_s;
+    "first_liftoff_s" Real |r| r.metrics.first_liftoff_s;
+    "first_slip_s" Real |r| r.metrics.first_slip_s;
+    "first_stick_s" Real |r| r.metrics.first_stick_s;
+    "first_fall_s" Real |r| r.metrics.first_fall_s;
+    "max_projection_m" Real |r| Some(r.metrics.max_projection_m);
+};
+
+/// Candidates tested per selection; empty when there was no selection.
+fn states_tested_mean(m: &Metrics) -> Option<f64> {
+    (m.selections > 0).then(|| m.states_tested as f64 / m.selections as f64)
+}
+
+/// Names of the columns that [`metric`] knows, in the summary's order.
+pub const NUMERIC_COLUMNS: [&str; COLUMNS.len()] = {
+    let mut names = [""; COLUMNS.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = COLUMNS[i].name;
+        i += 1;
+    }
+    names
+};
+
+/// The value of a numeric column, by its name in [`NUMERIC_COLUMNS`]; `None` for another name and for an empty cell (a
+/// first-time mark of what never happened).
+pub fn metric(row: &SummaryRow, column: &str) -> Option<f64> {
+    let column = COLUMNS.iter().find(|c| c.name == column)?;
+    match (column.get)(row) {
+        Number::Count(n) => Some(n as f64),
+        Number::Real(x) => x,
+    }
+}

@@ -1,0 +1,77 @@
+//! What can go wrong while recording.
+
+use std::path::{Path, PathBuf};
+
+/// Errors of this room. Each names the file it is about.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The file system refused.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file, or the folder when it could not be created.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// The log could not be written.
+    #[error("{path}: cannot write the log: {source}")]
+    Log {
+        /// The log.
+        path: PathBuf,
+        /// The cause.
+        source: mcap::McapError,
+    },
+    /// A message could not be encoded.
+    #[error("cannot encode a message for {topic}: {reason}")]
+    Encode {
+        /// Topic of the message.
+        topic: &'static str,
+        /// The cause.
+        reason: String,
+    },
+    /// A snapshot has another shape than the model the log was opened for.
+    #[error("snapshot at {time} s has {found} {what}, the model has {expected}")]
+    Shape {
+        /// Time of the snapshot, s.
+        time: f64,
+        /// What was counted.
+        what: &'static str,
+        /// How many the snapshot has.
+        found: usize,
+        /// How many it should have.
+        expected: usize,
+    },
+    /// A record is no valid JSON or lacks a field.
+    #[error("{path}: {source}")]
+    Json {
+        /// The record.
+        path: PathBuf,
+        /// The cause, with line and column.
+        source: serde_json::Error,
+    },
+    /// A record has a format version this program does not know.
+    #[error("{path}: record format {found}, this program reads {expected}")]
+    Version {
+        /// The record.
+        path: PathBuf,
+        /// Version in the file.
+        found: u64,
+        /// Version of this program.
+        expected: u32,
+    },
+    /// The summary table could not be built or written.
+    #[error("{path}: cannot write the summary: {source}")]
+    Summary {
+        /// The table.
+        path: PathBuf,
+        /// The cause.
+        source: polars::error::PolarsError,
+    },
+}
+
+impl RecordError {
+    /// Gives an input or output error its path.
+    pub(super) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        move |source| Self::Io { path: path.to_owned(), source }
+    }
+}

@@ -1,0 +1,101 @@
+//! Describes [`super::messages`] to readers that do not know us: a serialised `FileDescriptorSet`, which MCAP calls
+//! schema encoding `protobuf`.
+
+use prost::Message as _;
+use prost_types::field_descriptor_proto::{Label, Type};
+use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
+
+/// Type of a field: a scalar, or a message of this package.
+enum Of {
+    Scalar(Type),
+    Message(&'static str),
+}
+
+const DOUBLE: Of = Of::Scalar(Type::Double);
+const BOOL: Of = Of::Scalar(Type::Bool);
+const STRING: Of = Of::Scalar(Type::String);
+const VECTOR3: Of = Of::Message("Vector3");
+
+/// The descriptor set of all our messages. proto3, so repeated numbers are packed.
+pub(super) fn file_descriptor_set() -> Vec<u8> {
+    let file = FileDescriptorProto {
+        name: Some("stiction.proto".into()),
+        package: Some("stiction".into()),
+        syntax: Some("proto3".into()),
+        message_type: messages(),
+        ..Default::default()
+    };
+    FileDescriptorSet { file: vec![file] }.encode_to_vec()
+}
+
+fn messages() -> Vec<DescriptorProto> {
+    vec![
+        message("Vector3", [one(1, "x", DOUBLE), one(2, "y", DOUBLE), one(3, "z", DOUBLE)]),
+        message("Quaternion", [one(1, "w", DOUBLE), one(2, "x", DOUBLE), one(3, "y", DOUBLE), one(4, "z", DOUBLE)]),
+        message("Force", [one(1, "point", VECTOR3), one(2, "force", VECTOR3)]),
+        message(
+            "State",
+            [
+                one(1, "time", DOUBLE),
+                one(2, "base_position", VECTOR3),
+                one(3, "base_orientation", Of::Message("Quaternion")),
+                one(4, "base_linear_velocity", VECTOR3),
+                one(5, "base_angular_velocity", VECTOR3),
+                many(6, "q", DOUBLE),
+                many(7, "qd", DOUBLE),
+                many(8, "q_desired", DOUBLE),
+                many(9, "qd_desired", DOUBLE),
+                many(10, "effort", DOUBLE),
+                one(11, "com", VECTOR3),
+                one(12, "com_velocity", VECTOR3),
+                one(13, "cop", VECTOR3),
+                many(14, "support_polygon", VECTOR3),
+                many(15, "external", Of::Message("Force")),
+            ],
+        ),
+        message(
+            "Sole",
+            [
+                one(1, "name", STRING),
+                one(2, "state", STRING),
+                many(3, "clamped", BOOL),
+                many(4, "positions", VECTOR3),
+                many(5, "velocities", VECTOR3),
+                many(6, "forces", VECTOR3),
+                one(7, "force", VECTOR3),
+            ],
+        ),
+        message("Contact", [one(1, "time", DOUBLE), many(2, "soles", Of::Message("Sole"))]),
+        message(
+            "Event",
+            [one(1, "time", DOUBLE), one(2, "kind", STRING), one(3, "subject", STRING), one(4, "message", STRING)],
+        ),
+    ]
+}
+
+fn message<const N: usize>(name: &str, fields: [FieldDescriptorProto; N]) -> DescriptorProto {
+    DescriptorProto { name: Some(name.into()), field: fields.into(), ..Default::default() }
+}
+
+fn one(number: i32, name: &str, of: Of) -> FieldDescriptorProto {
+    field(number, name, of, Label::Optional)
+}
+
+fn many(number: i32, name: &str, of: Of) -> FieldDescriptorProto {
+    field(number, name, of, Label::Repeated)
+}
+
+fn field(number: i32, name: &str, of: Of, label: Label) -> FieldDescriptorProto {
+    let (kind, type_name) = match of {
+        Of::Scalar(kind) => (kind, None),
+        Of::Message(name) => (Type::Message, Some(format!(".stiction.{name}"))),
+    };
+    FieldDescriptorProto {
+        name: Some(name.into()),
+        number: Some(number),
+        label: Some(label.into()),
+        r#type: Some(kind.into()),
+        type_name,
+        ..Default::default()
+    }
+}

@@ -1,0 +1,148 @@
+//! Our own messages in a log, package `stiction` in protobuf. World axes, SI units. Repeated numbers are packed.
+//! The file `descriptor.rs` beside describes the same fields to readers; a test compares the two on the wire.
+
+/// A vector.
+#[derive(Clone, Copy, PartialEq, prost::Message)]
+pub struct Vector3 {
+    /// Along x.
+    #[prost(double, tag = "1")]
+    pub x: f64,
+    /// Along y.
+    #[prost(double, tag = "2")]
+    pub y: f64,
+    /// Along z.
+    #[prost(double, tag = "3")]
+    pub z: f64,
+}
+
+/// A unit quaternion.
+#[derive(Clone, Copy, PartialEq, prost::Message)]
+pub struct Quaternion {
+    /// Real part.
+    #[prost(double, tag = "1")]
+    pub w: f64,
+    /// First imaginary part.
+    #[prost(double, tag = "2")]
+    pub x: f64,
+    /// Second imaginary part.
+    #[prost(double, tag = "3")]
+    pub y: f64,
+    /// Third imaginary part.
+    #[prost(double, tag = "4")]
+    pub z: f64,
+}
+
+/// A force on the robot.
+#[derive(Clone, Copy, PartialEq, prost::Message)]
+pub struct Force {
+    /// Point of application, m.
+    #[prost(message, optional, tag = "1")]
+    pub point: Option<Vector3>,
+    /// Force, N.
+    #[prost(message, optional, tag = "2")]
+    pub force: Option<Vector3>,
+}
+
+/// Motion of the whole robot at one tick, topic `/state`. Joint arrays follow the channel's metadata entry `joints`.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct State {
+    /// Simulated time, s.
+    #[prost(double, tag = "1")]
+    pub time: f64,
+    /// Origin of the root link's URDF frame, m.
+    #[prost(message, optional, tag = "2")]
+    pub base_position: Option<Vector3>,
+    /// Orientation of the root link's URDF frame.
+    #[prost(message, optional, tag = "3")]
+    pub base_orientation: Option<Quaternion>,
+    /// Velocity of that origin, m/s.
+    #[prost(message, optional, tag = "4")]
+    pub base_linear_velocity: Option<Vector3>,
+    /// Angular velocity of the root link, rad/s.
+    #[prost(message, optional, tag = "5")]
+    pub base_angular_velocity: Option<Vector3>,
+    /// Joint positions, rad or m.
+    #[prost(double, repeated, tag = "6")]
+    pub q: Vec<f64>,
+    /// Joint velocities, rad/s or m/s.
+    #[prost(double, repeated, tag = "7")]
+    pub qd: Vec<f64>,
+    /// Desired joint positions.
+    #[prost(double, repeated, tag = "8")]
+    pub q_desired: Vec<f64>,
+    /// Desired joint velocities.
+    #[prost(double, repeated, tag = "9")]
+    pub qd_desired: Vec<f64>,
+    /// Actuator efforts, N m or N.
+    #[prost(double, repeated, tag = "10")]
+    pub effort: Vec<f64>,
+    /// Centre of mass, m.
+    #[prost(message, optional, tag = "11")]
+    pub com: Option<Vector3>,
+    /// Velocity of the centre of mass, m/s.
+    #[prost(message, optional, tag = "12")]
+    pub com_velocity: Option<Vector3>,
+    /// Centre of pressure on the floor plane, m; absent in flight.
+    #[prost(message, optional, tag = "13")]
+    pub cop: Option<Vector3>,
+    /// Convex hull of the touching vertices, m.
+    #[prost(message, repeated, tag = "14")]
+    pub support_polygon: Vec<Vector3>,
+    /// External forces now acting.
+    #[prost(message, repeated, tag = "15")]
+    pub external: Vec<Force>,
+}
+
+/// One sole at one tick. Arrays have one entry per vertex.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Sole {
+    /// Name in the robot file.
+    #[prost(string, tag = "1")]
+    pub name: String,
+    /// `free`, or pattern and mode.
+    #[prost(string, tag = "2")]
+    pub state: String,
+    /// Is the vertex clamped to the floor.
+    #[prost(bool, repeated, tag = "3")]
+    pub clamped: Vec<bool>,
+    /// Vertex positions, m.
+    #[prost(message, repeated, tag = "4")]
+    pub positions: Vec<Vector3>,
+    /// Vertex velocities, m/s.
+    #[prost(message, repeated, tag = "5")]
+    pub velocities: Vec<Vector3>,
+    /// Forces of the floor on the vertices, N.
+    #[prost(message, repeated, tag = "6")]
+    pub forces: Vec<Vector3>,
+    /// Sum of `forces`, N.
+    #[prost(message, optional, tag = "7")]
+    pub force: Option<Vector3>,
+}
+
+/// All soles at one tick, topic `/contact`.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Contact {
+    /// Simulated time, s.
+    #[prost(double, tag = "1")]
+    pub time: f64,
+    /// In the model's order.
+    #[prost(message, repeated, tag = "2")]
+    pub soles: Vec<Sole>,
+}
+
+/// Something that happened, topic `/events`.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Event {
+    /// Simulated time, s.
+    #[prost(double, tag = "1")]
+    pub time: f64,
+    /// Short kind, such as `touchdown`.
+    #[prost(string, tag = "2")]
+    pub kind: String,
+    /// What it is about; may be empty.
+    #[prost(string, tag = "3")]
+    pub subject: String,
+    /// Words for a person.
+    #[prost(string, tag = "4")]
+    pub message: String,
+}

@@ -1,0 +1,32 @@
+//! What a run leaves, and the summary over many runs.
+//!
+//! | file | written by |
+//! |---|---|
+//! | `log.mcap` | [`LogWriter`], an [`Observer`](crate::sim::Observer) of one run |
+//! | `run.json` | [`RunRecord`] |
+//! | `runs.jsonl` | [`RunsLog`], one line as each run ends |
+//! | `summary.csv`, `summary.parquet` | [`write_summary`] |
+//!
+//! Every file but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is
+//! whole. Simulated results depend on the run alone; wall-clock figures have columns and an object of their own.
+
+mod atomic;
+mod columns;
+mod error;
+mod log;
+mod number;
+mod parameter;
+mod run;
+mod runs_log;
+mod summary;
+mod table;
+
+pub use columns::{NUMERIC_COLUMNS, SummaryRow, metric};
+pub use error::RecordError;
+pub use log::messages;
+pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
+pub use parameter::ParamValue;
+pub use run::{InputHash, Machine, RUN_SCHEMA, RunRecord, Timing, hash_input};
+pub use runs_log::RunsLog;
+pub use summary::{SummaryFiles, summary_frame, write_summary};
+pub use table::table;

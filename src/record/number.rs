@@ -1,0 +1,61 @@
+//! Real numbers in JSON, which has no word for infinities and NaN: those become `"inf"`, `"-inf"` and `"NaN"`, so the
+//! record of a diverged run says what it saw and reads back.
+
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A real number that survives JSON.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Real(pub f64);
+
+impl Serialize for Real {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if self.0.is_finite() { serializer.serialize_f64(self.0) } else { serializer.collect_str(&self.0) }
+    }
+}
+
+impl<'de> Deserialize<'de> for Real {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            Number(f64),
+            Word(String),
+        }
+        match Written::deserialize(deserializer)? {
+            Written::Number(x) => Ok(Self(x)),
+            Written::Word(w) => match w.as_str() {
+                "inf" => Ok(Self(f64::INFINITY)),
+                "-inf" => Ok(Self(f64::NEG_INFINITY)),
+                "NaN" => Ok(Self(f64::NAN)),
+                _ => Err(D::Error::custom(format!("`{w}` is no number"))),
+            },
+        }
+    }
+}
+
+/// `#[serde(with = "number::real")]` for an `f64`.
+pub(super) mod real {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        Real(*value).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        Real::deserialize(deserializer).map(|r| r.0)
+    }
+}
+
+/// `#[serde(with = "number::triple")]` for an `[f64; 3]`.
+pub(super) mod triple {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &[f64; 3], serializer: S) -> Result<S::Ok, S::Error> {
+        value.map(Real).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 3], D::Error> {
+        <[Real; 3]>::deserialize(deserializer).map(|a| a.map(|r| r.0))
+    }
+}

@@ -1,0 +1,67 @@
+//! The table a person sees at the end of a batch.
+
+use super::SummaryRow;
+use super::summary::{parameter, parameter_names};
+use crate::sim::Outcome;
+use std::fmt::Write;
+
+/// Longest cell of text; longer ones end in an ellipsis.
+const WIDEST: usize = 32;
+
+/// One aligned line per run: what it was, how it ended, how long it took, how hard the contact was, where the base came
+/// to rest. Below it, a line for each run that did not simply pass and says why.
+pub fn table(rows: &[SummaryRow]) -> String {
+    let names = parameter_names(rows);
+    let mut header: Vec<String> = vec!["scenario".into()];
+    header.extend(names.iter().map(|n| clip(n)));
+    header
+        .extend(["method", "outcome", "sim s", "wall s", "x real time", "states/test", "final z m"].map(String::from));
+    let lines: Vec<Vec<String>> = std::iter::once(header).chain(rows.iter().map(|r| cells(r, &names))).collect();
+    // Words to the left, numbers to the right.
+    let numeric_from = names.len() + 3;
+    let mut out = String::new();
+    let widths: Vec<usize> =
+        (0..lines[0].len()).map(|c| lines.iter().map(|l| l[c].chars().count()).max().unwrap_or(0)).collect();
+    for line in &lines {
+        let padded: Vec<String> = line
+            .iter()
+            .zip(&widths)
+            .enumerate()
+            .map(|(c, (cell, &w))| if c < numeric_from { format!("{cell:<w$}") } else { format!("{cell:>w$}") })
+            .collect();
+        out.push_str(padded.join("  ").trim_end());
+        out.push('\n');
+    }
+    for row in rows.iter().filter(|r| r.outcome != Outcome::Passed && !r.message.is_empty()) {
+        // A String takes every write.
+        let _ = writeln!(out, "{} {} {}: {}", row.outcome.name(), row.scenario, row.key, one_line(&row.message));
+    }
+    out
+}
+
+fn cells(row: &SummaryRow, names: &[&str]) -> Vec<String> {
+    let m = &row.metrics;
+    let mut cells = vec![clip(&row.scenario)];
+    cells.extend(names.iter().map(|n| parameter(row, n).map_or_else(String::new, |v| clip(&v.to_string()))));
+    cells.push(clip(&row.method));
+    cells.push(row.outcome.name().to_owned());
+    cells.push(format!("{:.3}", m.duration_s));
+    cells.push(format!("{:.3}", row.wall_s));
+    cells.push(format!("{:.1}", row.real_time_factor));
+    cells.push(if m.selections == 0 {
+        "-".to_owned()
+    } else {
+        format!("{:.2}", m.states_tested as f64 / m.selections as f64)
+    });
+    cells.push(format!("{:.4}", m.final_base_position[2]));
+    cells
+}
+
+fn clip(text: &str) -> String {
+    let text = one_line(text);
+    if text.chars().count() <= WIDEST { text } else { text.chars().take(WIDEST - 1).chain(['…']).collect() }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}

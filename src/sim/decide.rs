@@ -1,0 +1,248 @@
+//! Choosing contact states at an instant: impacts first, then the state that the accelerations call for.
+
+use super::error::Stop;
+use super::project::anchor;
+use super::report::{Observer, Outcome};
+use super::simulation::Simulation;
+use crate::contact::judge::Rules;
+use crate::contact::method::Question;
+use crate::contact::problem::Level;
+use crate::contact::select::Selection;
+use crate::contact::state::{MAX_SOLES, SoleState, States};
+use nalgebra::{Vector2, Vector3};
+
+/// Impacts that may follow each other at one instant.
+const CASCADE: usize = 32;
+
+impl Simulation {
+    /// Chooses the contact states at the plant's present state, with impacts where something hits the floor, and leaves
+    /// the plant evaluated.
+    pub(super) fn decide(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        self.count_event()?;
+        self.plant.evaluate_free();
+        if self.plant.method.locates_events() {
+            let mut rounds = 0;
+            while self.hits() {
+                self.impact(observer)?;
+                rounds += 1;
+                if rounds > CASCADE {
+                    let t = self.plant.state.time;
+                    return Err(Stop::new(Outcome::Stalled, format!("{CASCADE} impacts in a row at {t:.9} s")));
+                }
+            }
+        }
+        let mut selection = self.choose();
+        if !selection.consistent && self.jam(observer)? {
+            selection = self.choose();
+        }
+        if !selection.consistent {
+            self.metrics.inconsistent += 1;
+            let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
+            self.event(observer, "inconsistent", "", &message)?;
+        }
+        self.count(&selection);
+        self.adopt(selection.states, observer)?;
+        self.suspect = [0; MAX_SOLES];
+        // What little normal motion (below v_t) and slip (below the rest speed) the new state does not allow ends here.
+        self.settle();
+        self.plant.evaluate();
+        Ok(())
+    }
+
+    /// Does an unclamped vertex within d of the floor approach it faster than v_t?
+    fn hits(&self) -> bool {
+        let tol = &self.tolerances;
+        self.plant.problem.soles.iter().enumerate().any(|(s, sole)| {
+            let k = sole.vertices.len();
+            let approaches = |i: usize| {
+                let v = &sole.vertices[i];
+                v.height <= tol.distance && v.velocity.z < -tol.velocity
+            };
+            (0..k).any(|i| !self.plant.states[s].clamps(i, k) && approaches(i))
+        })
+    }
+
+    pub(super) fn rules(&self) -> Rules {
+        Rules { tolerances: self.tolerances, previous: self.plant.states, suspect: self.suspect }
+    }
+
+    /// The acceleration-level choice at the present state.
+    fn choose(&mut self) -> Selection {
+        let rules = self.rules();
+        let t = self.plant.state.time;
+        let forced = self.forced(t);
+        let plant = &mut self.plant;
+        for sole in &mut plant.problem.soles {
+            for v in &mut sole.vertices {
+                let t = v.velocity.xy();
+                v.direction = if v.moving { t.normalize() } else { v.direction };
+            }
+        }
+        let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
+        let question = Question { rules: &rules, event: true, allowed: &allowed };
+        plant.method.select(&mut plant.problem, &question, &mut plant.solution)
+    }
+
+    /// Imposed states at time `t`.
+    pub(super) fn forced(&self, t: f64) -> [Option<SoleState>; MAX_SOLES] {
+        let mut forced = [None; MAX_SOLES];
+        for f in self.contact.forced.iter().filter(|f| f.from <= t && t < f.to) {
+            forced[f.sole] = Some(f.state);
+        }
+        forced
+    }
+
+    pub(super) fn count(&mut self, selection: &Selection) {
+        self.metrics.selections += 1;
+        self.metrics.states_tested += selection.tested as u64;
+        self.metrics.states_tested_max = self.metrics.states_tested_max.max(selection.tested as u64);
+    }
+
+    /// Velocity jump of an impact.
+    fn impact(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let rules = self.rules();
+        let tol = self.tolerances;
+        let forced = self.forced(self.plant.state.time);
+        let plant = &mut self.plant;
+        let p = &mut plant.problem;
+        p.level = Level::Velocity;
+        p.b.copy_from_slice(&plant.reduced.velocity);
+        let mut fastest: f64 = 0.0;
+        for (s, sole) in p.soles.iter_mut().enumerate() {
+            let mut approach: f64 = 0.0;
+            for v in &mut sole.vertices {
+                v.bias = Vector3::zeros();
+                v.moving = false;
+                v.direction = Vector2::zeros();
+                v.near = v.height <= tol.distance;
+                if v.near {
+                    approach = approach.max(-v.velocity.z);
+                }
+            }
+            fastest = fastest.max(approach);
+            // Normal velocity after = -e times before, on the whole sole; at rest speeds the floor takes it all.
+            let e = if approach > tol.velocity { self.contact.restitution } else { 0.0 };
+            let m = &plant.reduced.velocity[6 * s..6 * s + 6];
+            sole.target = Vector3::new(m[2], m[3], m[4]) * -e;
+        }
+        let allowed = |s: usize, state: SoleState| {
+            forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern)
+        };
+        let question = Question { rules: &rules, event: true, allowed: &allowed };
+        let selection = plant.method.impulse(p, &question, &mut plant.solution);
+        let impulses = std::mem::take(&mut plant.solution.wrench);
+        let loss = -plant.kick(&impulses);
+        plant.solution.wrench = impulses;
+        self.work -= loss;
+        self.metrics.impacts += 1;
+        self.count(&selection);
+        if !selection.consistent {
+            self.metrics.inconsistent += 1;
+            self.event(observer, "inconsistent", "", "no contact state is valid at an impact")?;
+        }
+        let message = format!("approach {fastest:.6} m/s, energy lost {loss:.6e} J");
+        self.event(observer, "impact", "", &message)?;
+        self.adopt(selection.states, observer)?;
+        self.plant.evaluate_free();
+        Ok(())
+    }
+
+    /// Painleve: the sliding equations have no solution. A tangential impulse in zero time stops the sliding soles.
+    fn jam(&mut self, observer: &mut dyn Observer) -> Result<bool, Stop> {
+        let plant = &mut self.plant;
+        let mut stuck = plant.states;
+        let mut any = false;
+        for s in 0..plant.problem.soles.len() {
+            if stuck[s].is_dynamic() {
+                stuck[s] = SoleState::fixed(stuck[s].pattern);
+                any = true;
+            }
+        }
+        if !any {
+            return Ok(false);
+        }
+        let p = &mut plant.problem;
+        p.level = Level::Velocity;
+        p.b.copy_from_slice(&plant.reduced.velocity);
+        for sole in &mut p.soles {
+            sole.target = Vector3::zeros();
+            sole.vertices.iter_mut().for_each(|v| v.bias = Vector3::zeros());
+        }
+        plant.method.respond(p, &stuck, &mut self.projection);
+        let pulls = (0..p.soles.len()).any(|s| self.projection.wrench[6 * s + 2] < 0.0);
+        if pulls {
+            plant.evaluate_free();
+            return Ok(false);
+        }
+        let loss = -plant.kick(&self.projection.wrench);
+        self.work -= loss;
+        self.metrics.jams += 1;
+        self.event(observer, "jam", "", &format!("sliding stopped by an impulse, energy lost {loss:.6e} J"))?;
+        self.plant.evaluate_free();
+        Ok(true)
+    }
+
+    /// Takes the states on: counts and reports what changed, ties static soles to their places.
+    pub(super) fn adopt(&mut self, states: States, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let t = self.plant.state.time;
+        for s in 0..self.plant.problem.soles.len() {
+            let (old, new) = (self.plant.states[s], states[s]);
+            for (d, v) in self.plant.directions[s].iter_mut().zip(&self.plant.problem.soles[s].vertices) {
+                *d = v.direction;
+            }
+            if old == new {
+                continue;
+            }
+            if !self.started {
+                // The first choice is where the run starts, not something that happened.
+                anchor(self, s);
+                continue;
+            }
+            let kind = match (old, new) {
+                (SoleState::FREE, _) => "touchdown",
+                (_, SoleState::FREE) => "liftoff",
+                _ if old.is_static() && new.is_dynamic() => "slip",
+                _ if old.is_dynamic() && new.is_static() => "stick",
+                _ => "state",
+            };
+            let mark = match kind {
+                "touchdown" => Some(&mut self.metrics.first_touchdown_s),
+                "liftoff" => Some(&mut self.metrics.first_liftoff_s),
+                "slip" => Some(&mut self.metrics.first_slip_s),
+                "stick" => Some(&mut self.metrics.first_stick_s),
+                _ => None,
+            };
+            if let Some(mark) = mark {
+                mark.get_or_insert(t);
+            }
+            self.metrics.state_changes += 1;
+            let subject = self.plant.model.soles[s].name.clone();
+            self.event(observer, kind, &subject, &format!("{old} to {new}"))?;
+            if new != SoleState::FREE {
+                anchor(self, s);
+            }
+        }
+        self.plant.states = states;
+        Ok(())
+    }
+
+    /// Velocity jump that brings the clamped directions to rest in the states just adopted.
+    fn settle(&mut self) {
+        let tol = self.tolerances;
+        // A method that does not look for impacts meets them here.
+        let bounce = if self.plant.method.locates_events() { 0.0 } else { self.contact.restitution };
+        let plant = &mut self.plant;
+        let p = &mut plant.problem;
+        p.level = Level::Velocity;
+        p.b.copy_from_slice(&plant.reduced.velocity);
+        for (s, sole) in p.soles.iter_mut().enumerate() {
+            let approach = sole.vertices.iter().map(|v| -v.velocity.z).fold(0.0, f64::max);
+            let e = if approach > tol.velocity { bounce } else { 0.0 };
+            let m = &plant.reduced.velocity[6 * s..6 * s + 6];
+            sole.target = Vector3::new(m[2], m[3], m[4]) * -e;
+            sole.vertices.iter_mut().for_each(|v| v.bias = Vector3::zeros());
+        }
+        plant.method.respond(p, &plant.states, &mut self.projection);
+        self.work += plant.kick(&self.projection.wrench);
+    }
+}

@@ -1,0 +1,120 @@
+//! Semi-implicit Euler at the velocity level.
+//!
+//! ```text
+//! (M + dt D + dt^2 K) v+ = (M + dt D + dt^2 K) v + dt (tau - h) + J^T p        q+ = q (+) dt v+
+//! ```
+//!
+//! with D and K the joint damping and servo gains, tau referred to the velocity v (see
+//! [`super::plant::Plant::evaluate_implicit`]), and p the contact impulses over the step. Contact states are chosen by
+//! the same kernel as impacts, on the velocities that the step would end with: a vertex may close its gap but not
+//! enter the floor, `v+_n >= -gap / dt`. First order in dt.
+
+use super::error::Stop;
+use super::project::fit_plane;
+use super::report::Observer;
+use super::simulation::Simulation;
+use crate::contact::method::Question;
+use crate::contact::problem::Level;
+use crate::contact::state::SoleState;
+use crate::dynamics::reduced;
+use nalgebra::Vector3;
+
+/// See the module.
+pub struct Fixed {
+    dt: f64,
+    begun: bool,
+}
+
+impl Fixed {
+    /// Steps of `dt` seconds.
+    pub fn new(dt: f64) -> Self {
+        Fixed { dt, begun: false }
+    }
+
+    /// One step, shortened only to end at `until`.
+    pub fn step(&mut self, sim: &mut Simulation, until: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let t = sim.plant.state.time;
+        let remaining = until - t;
+        let dt = if remaining < 1.01 * self.dt { remaining } else { self.dt };
+        if !self.begun {
+            self.begun = true;
+            sim.snapshot_now(t, observer)?;
+        }
+        sim.plant.within = t + 0.5 * dt;
+        sim.plant.evaluate_implicit(dt);
+        if let Some(failure) = sim.plant.failure {
+            return Err(sim.diverged(&failure.to_string()));
+        }
+        self.pose(sim, dt);
+        sim.choose_impulse(observer)?;
+        // v+ = v + dt M^-1 (tau - h) + M^-1 J^T p
+        let plant = &mut sim.plant;
+        sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
+        reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
+        plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
+        sim.work += plant.step_work(&sim.displacement, dt);
+        plant.solution.scale(1.0 / dt);
+        plant.state.v.iter().zip(&mut sim.displacement).for_each(|(v, d)| *d = v * dt);
+        plant.state.displace(&sim.displacement);
+        plant.state.time = if dt == remaining { until } else { t + dt };
+        plant.refresh();
+        sim.metrics.steps += 1;
+        sim.check_finite()?;
+        sim.measure();
+        let now = sim.plant.state.time;
+        sim.snapshot_now(now, observer)
+    }
+
+    /// Turns the reduced problem into the velocity-level one of this step.
+    fn pose(&self, sim: &mut Simulation, dt: f64) {
+        let tol = sim.tolerances;
+        let plant = &mut sim.plant;
+        let p = &mut plant.problem;
+        p.level = Level::Velocity;
+        for ((b, a), v) in p.b.iter_mut().zip(&plant.reduced.a0).zip(&plant.reduced.velocity) {
+            *b = v + dt * a;
+        }
+        for s in 0..p.soles.len() {
+            for v in &mut p.soles[s].vertices {
+                v.bias = Vector3::zeros();
+            }
+            let gap = fit_plane(&p.soles[s], |i| p.soles[s].vertices[i].height.max(0.0));
+            p.soles[s].target = gap * (-1.0 / dt);
+            let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm()).fold(0.0, f64::max);
+            for i in 0..p.soles[s].vertices.len() {
+                let free = p.vertex_motion(&p.b, s, i).z;
+                let v = &mut p.soles[s].vertices[i];
+                // Near: what this step could bring to the floor, with room for what other impulses do.
+                v.near = v.height + dt * free.min(0.0) <= tol.distance.min(dt * fastest) || v.height <= 0.0;
+                v.moving = false;
+            }
+        }
+    }
+}
+
+impl Simulation {
+    /// Snapshots due up to `t`; fixed steps log the first state at or after the instant.
+    pub(super) fn snapshot_now(&mut self, t: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
+        while self.next_snapshot().is_some_and(|due| due <= t + 1e-12) {
+            self.tell(observer)?;
+        }
+        Ok(())
+    }
+
+    /// Chooses states and impulses of this step.
+    fn choose_impulse(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let rules = self.rules();
+        let forced = self.forced(self.plant.state.time);
+        let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
+        let question = Question { rules: &rules, event: true, allowed: &allowed };
+        let plant = &mut self.plant;
+        let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
+        self.count(&selection);
+        if !selection.consistent {
+            self.metrics.inconsistent += 1;
+            let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
+            self.event(observer, "inconsistent", "", &message)?;
+        }
+        self.adopt(selection.states, observer)
+    }
+}

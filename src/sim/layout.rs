@@ -1,0 +1,69 @@
+//! How a state lies in the integrator's vector: position 3, quaternion 4 (i, j, k, w), joints, velocities, work.
+//!
+//! The quaternion is integrated as four numbers, `q' = 1/2 (omega, 0) q`, and normalised after every step; the last
+//! entry is the work of everything but gravity, kept out of the error control.
+
+use crate::dynamics::State;
+use crate::robot::Model;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+/// Offsets into the vector.
+#[derive(Clone, Copy, Debug)]
+pub struct Layout {
+    nj: usize,
+    nv: usize,
+    nb: usize,
+}
+
+impl Layout {
+    /// For this robot.
+    pub fn new(model: &Model) -> Self {
+        Layout { nj: model.nj(), nv: model.nv(), nb: model.nb() }
+    }
+
+    /// Length of the vector.
+    pub fn len(&self) -> usize {
+        7 + self.nj + self.nv + 1
+    }
+
+    /// Number of leading entries under error control.
+    pub fn controlled(&self) -> usize {
+        self.len() - 1
+    }
+
+    /// Index of the work.
+    pub fn work(&self) -> usize {
+        self.len() - 1
+    }
+
+    /// Reads a state; the quaternion is normalised.
+    pub fn unpack(&self, t: f64, y: &[f64], state: &mut State) {
+        state.time = t;
+        state.position = Vector3::new(y[0], y[1], y[2]);
+        state.rotation = UnitQuaternion::from_quaternion(Quaternion::new(y[6], y[3], y[4], y[5]));
+        state.joints.copy_from_slice(&y[7..7 + self.nj]);
+        state.v.copy_from_slice(&y[7 + self.nj..7 + self.nj + self.nv]);
+    }
+
+    /// Writes a state, leaving the work alone.
+    pub fn pack(&self, state: &State, y: &mut [f64]) {
+        y[..3].copy_from_slice(state.position.as_slice());
+        y[3..7].copy_from_slice(state.rotation.coords.as_slice());
+        y[7..7 + self.nj].copy_from_slice(&state.joints);
+        y[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(&state.v);
+    }
+
+    /// Writes the derivative from velocities `v`, accelerations and power.
+    pub fn derivative(&self, y: &[f64], v: &[f64], acceleration: &[f64], power: f64, dy: &mut [f64]) {
+        dy[..7].fill(0.0);
+        if self.nb == 6 {
+            dy[..3].copy_from_slice(&v[..3]);
+            let omega = Quaternion::new(0.0, v[3], v[4], v[5]);
+            let q = Quaternion::new(y[6], y[3], y[4], y[5]);
+            dy[3..7].copy_from_slice((omega * q * 0.5).coords.as_slice());
+        }
+        dy[7..7 + self.nj].copy_from_slice(&v[self.nb..]);
+        dy[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(acceleration);
+        dy[self.work()] = power;
+    }
+}

@@ -1,0 +1,153 @@
+//! What a run tells and measures: snapshots and the running maxima of the summary.
+
+use super::plant::Plant;
+use super::report::{Snapshot, SoleSnapshot};
+use super::simulation::Simulation;
+use crate::contact::candidate::share_static;
+use crate::contact::residual;
+use crate::dynamics::body;
+use crate::robot::Model;
+use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use std::fmt::Write;
+
+/// A snapshot of the right size, to be filled again and again.
+pub fn blank(model: &Model) -> Snapshot {
+    Snapshot {
+        q: vec![0.0; model.nj()],
+        qd: vec![0.0; model.nj()],
+        effort: vec![0.0; model.nj()],
+        q_desired: vec![0.0; model.nj()],
+        qd_desired: vec![0.0; model.nj()],
+        link_poses: vec![Isometry3::identity(); model.links.len()],
+        soles: model
+            .soles
+            .iter()
+            .map(|s| {
+                let k = s.vertices.len();
+                SoleSnapshot {
+                    state: String::with_capacity(32),
+                    clamped: vec![false; k],
+                    positions: vec![Vector3::zeros(); k],
+                    velocities: vec![Vector3::zeros(); k],
+                    forces: vec![Vector3::zeros(); k],
+                }
+            })
+            .collect(),
+        ..Snapshot::default()
+    }
+}
+
+/// Fills a snapshot from the plant's last evaluation.
+pub fn fill(plant: &mut Plant, out: &mut Snapshot) {
+    share_static(&plant.problem, &plant.states, &mut plant.solution);
+    let (state, model) = (&plant.state, &plant.model);
+    let nb = model.nb();
+    out.time = state.time;
+    out.base_pose = Isometry3::from_parts(Translation3::from(state.position), state.rotation);
+    if nb == 6 {
+        out.base_linear_velocity = Vector3::new(state.v[0], state.v[1], state.v[2]);
+        out.base_angular_velocity = Vector3::new(state.v[3], state.v[4], state.v[5]);
+    }
+    out.q.copy_from_slice(&state.joints);
+    out.qd.copy_from_slice(&state.v[nb..]);
+    out.effort.copy_from_slice(&plant.efforts);
+    out.q_desired.copy_from_slice(&plant.command.position);
+    out.qd_desired.copy_from_slice(&plant.command.velocity);
+    for (i, pose) in out.link_poses.iter_mut().enumerate() {
+        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(plant.ws.links[i].rotation));
+        let position = plant.ws.links[i].origin + plant.ws.position;
+        *pose = Isometry3::from_parts(Translation3::from(position), rotation) * model.links[i].urdf_frame;
+    }
+    out.com = body::center_of_mass(&plant.ws);
+    out.com_velocity = body::center_of_mass_velocity(&plant.ws);
+    out.external.clone_from(&plant.arrows);
+    let floor = &plant.floor.rotation;
+    let (mut load, mut moment) = (0.0, Vector3::zeros());
+    out.support_polygon.clear();
+    for (s, sole) in out.soles.iter_mut().enumerate() {
+        let p = &plant.problem.soles[s];
+        let k = p.vertices.len();
+        let contact = plant.states[s];
+        sole.state.clear();
+        let _ = write!(sole.state, "{contact}");
+        let origin = plant.reduced.reference[s];
+        for (i, v) in p.vertices.iter().enumerate() {
+            let (n, t) = (plant.solution.normal[s][i], plant.solution.tangent[s][i]);
+            sole.clamped[i] = contact.clamps(i, k);
+            sole.positions[i] = origin + floor * v.r;
+            sole.velocities[i] = floor * v.velocity;
+            sole.forces[i] = floor * Vector3::new(t.x, t.y, n);
+            load += n;
+            moment += sole.positions[i] * n;
+            if sole.clamped[i] {
+                out.support_polygon.push(sole.positions[i]);
+            }
+        }
+    }
+    out.centre_of_pressure = (load > 1e-9 * plant.problem.scale).then(|| moment / load);
+    hull(&mut out.support_polygon, |p| {
+        let local = plant.floor.to_floor(p);
+        (local.x, local.y)
+    });
+}
+
+/// Convex hull of points seen from above, in counter-clockwise order, in place (Andrew's monotone chain).
+fn hull(points: &mut Vec<Vector3<f64>>, flat: impl Fn(&Vector3<f64>) -> (f64, f64)) {
+    if points.len() < 3 {
+        return;
+    }
+    points.sort_by(|a, b| {
+        let ((ax, ay), (bx, by)) = (flat(a), flat(b));
+        ax.total_cmp(&bx).then(ay.total_cmp(&by))
+    });
+    let turn = |o: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>| {
+        let ((ox, oy), (ax, ay), (bx, by)) = (flat(o), flat(a), flat(b));
+        (ax - ox) * (by - oy) - (ay - oy) * (bx - ox)
+    };
+    let n = points.len();
+    // The chain is built behind the points and moved to the front.
+    for pass in 0..2 {
+        let begin = points.len();
+        for k in 0..n {
+            let next = points[if pass == 0 { k } else { n - 1 - k }];
+            while points.len() >= begin + 2 && turn(&points[points.len() - 2], &points[points.len() - 1], &next) <= 1e-12 {
+                points.pop();
+            }
+            points.push(next);
+        }
+        points.pop();
+    }
+    points.drain(..n);
+}
+
+impl Simulation {
+    /// Updates the running maxima at the end of a step.
+    pub(super) fn measure(&mut self) {
+        let plant = &mut self.plant;
+        if plant.problem.soles.is_empty() {
+            return;
+        }
+        share_static(&plant.problem, &plant.states, &mut plant.solution);
+        let r = residual::evaluate(&plant.problem, &plant.states, &plant.solution);
+        let m = &mut self.metrics;
+        m.max_penetration_m = m.max_penetration_m.max(r.penetration);
+        m.max_lift_m = m.max_lift_m.max(r.lift);
+        m.max_cone_excess = m.max_cone_excess.max(r.cone_excess);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hull_of_two_feet() {
+        let foot = |y: f64| [(0.0, y), (0.1, y), (0.1, y + 0.05), (0.0, y + 0.05)];
+        let mut points: Vec<_> = foot(-0.1).into_iter().chain(foot(0.1)).map(|(x, y)| Vector3::new(x, y, 0.0)).collect();
+        points.push(Vector3::new(0.05, 0.0, 0.0));
+        hull(&mut points, |p| (p.x, p.y));
+        let mut corners: Vec<_> = points.iter().map(|p| ((p.x * 100.0).round() as i32, (p.y * 100.0).round() as i32)).collect();
+        corners.sort();
+        assert_eq!(corners, [(0, -10), (0, 15), (10, -10), (10, 15)]);
+    }
+}

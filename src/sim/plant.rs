@@ -1,0 +1,305 @@
+//! The robot on its floor as a system of differential equations, contact states held fixed.
+//!
+//! ```text
+//! M(q) vdot + h(q, v) = tau + J^T w        w = the contact method's answer to (W, a0)
+//! ```
+//!
+//! One evaluation: kinematics, bias h, mass matrix and its factor, efforts tau, the reduced problem, wrenches,
+//! accelerations. `contact.md` section 2: every candidate state is judged with W and a0 alone.
+
+use super::actuator::{self, Stop};
+use super::layout::Layout;
+use super::setup::{Floor, Setup};
+use crate::contact::candidate::Solution;
+use crate::contact::method::Method;
+use crate::contact::problem::{Level, Problem};
+use crate::contact::state::States;
+use crate::dynamics::{DynamicsError, State, Workspace, body, crba, factor, kinematics, reduced, rnea};
+use crate::force::{Applied, Force, Scene};
+use crate::integrate::System;
+use crate::robot::{DriveMode, Model, SoleId};
+use crate::task::Command;
+use nalgebra::{Vector2, Vector3};
+use std::sync::Arc;
+
+/// Speed below which the direction of a sliding vertex is taken from its reference direction instead, m/s: far below
+/// anything the integrator resolves, far above rounding.
+const DIRECTION_SPEED: f64 = 1e-12;
+
+/// See the module.
+pub struct Plant {
+    /// The robot.
+    pub model: Arc<Model>,
+    /// Gravity, world.
+    pub gravity: Vector3<f64>,
+    /// The floor.
+    pub floor: Floor,
+    /// Where the state lies in the integrator's vector.
+    pub layout: Layout,
+    /// External forces.
+    pub forces: Vec<Box<dyn Force>>,
+    /// What the joints are asked.
+    pub command: Command,
+    /// Stiffness of the joint stops; none when limits are ignored.
+    pub stops: Option<Vec<Stop>>,
+    /// State of the last evaluation.
+    pub state: State,
+    /// Dynamics at that state.
+    pub ws: Workspace,
+    /// W, a0 and sole velocities at that state.
+    pub reduced: reduced::Reduced,
+    /// The contact problem at that state.
+    pub problem: Problem,
+    /// Contact states in force.
+    pub states: States,
+    /// The method's answer.
+    pub solution: Solution,
+    /// The method.
+    pub method: Box<dyn Method>,
+    /// Reference sliding directions, by sole and vertex, from the last choice of states.
+    pub directions: Vec<Vec<Vector2<f64>>>,
+    /// Speed below which a sliding vertex is at rest, m/s.
+    pub rest: f64,
+    /// A time inside the smooth piece being integrated.
+    pub within: f64,
+    /// Generalised force without contact and bias, nv.
+    pub tau: Vec<f64>,
+    /// Actuator efforts per joint, for the log.
+    pub efforts: Vec<f64>,
+    /// External force arrows.
+    pub arrows: Vec<(Vector3<f64>, Vector3<f64>)>,
+    /// Generalised acceleration, nv.
+    pub acceleration: Vec<f64>,
+    /// What the implicit step adds to the diagonal of M; zero for evaluations in continuous time.
+    shift: Vec<f64>,
+    scratch: Vec<f64>,
+    /// Evaluations so far.
+    pub evaluations: u64,
+    /// Why the last evaluation failed: M could not be factorised and the accelerations are not a number.
+    pub failure: Option<DynamicsError>,
+}
+
+impl Plant {
+    /// Builds the plant of a run; takes the forces out of the setup.
+    pub fn new(setup: &mut Setup, method: Box<dyn Method>, problem: Problem) -> Self {
+        let model = setup.model.clone();
+        let (nj, nv) = (model.nj(), model.nv());
+        let mut state = State::home(&model);
+        state.position = setup.start.position;
+        state.rotation = setup.start.rotation;
+        state.joints.copy_from_slice(&setup.start.joints);
+        state.v.copy_from_slice(&setup.start.v);
+        let mut ws = Workspace::new(&model);
+        kinematics::update(&model, &state, &mut ws);
+        crba::mass_matrix(&model, &mut ws);
+        let stops = setup
+            .joint_stops
+            .then(|| (0..nj).map(|j| Stop::new(ws.mass.get(model.nb() + j, model.nb() + j))).collect());
+        let directions = model.soles.iter().map(|s| vec![Vector2::zeros(); s.vertices.len()]).collect();
+        Plant {
+            layout: Layout::new(&model),
+            gravity: setup.gravity,
+            floor: setup.floor,
+            forces: std::mem::take(&mut setup.forces),
+            command: setup.tasks.command.clone(),
+            stops,
+            state,
+            reduced: reduced::Reduced::new(&model, &ws),
+            solution: Solution::new(&problem),
+            states: States::default(),
+            method,
+            problem,
+            directions,
+            rest: setup.contact.tolerances.rest,
+            within: 0.0,
+            tau: vec![0.0; nv],
+            efforts: vec![0.0; nj],
+            arrows: Vec::with_capacity(16),
+            acceleration: vec![0.0; nv],
+            shift: vec![0.0; nv],
+            scratch: vec![0.0; nv],
+            evaluations: 0,
+            failure: None,
+            ws,
+            model,
+        }
+    }
+
+    /// Everything at `self.state` that does not depend on contact: tau, M and its factor, W, a0, the vertices.
+    pub fn evaluate_free(&mut self) {
+        self.evaluations += 1;
+        kinematics::update(&self.model, &self.state, &mut self.ws);
+        self.efforts(None);
+        self.shift.fill(0.0);
+        self.finish_free();
+    }
+
+    /// As [`evaluate_free`](Self::evaluate_free) for a velocity-level step of size `dt`: servo and damping are taken at
+    /// the end of the step, which adds `dt (kd + d) + dt^2 kp` to the diagonal of M.
+    pub fn evaluate_implicit(&mut self, dt: f64) {
+        self.evaluations += 1;
+        kinematics::update(&self.model, &self.state, &mut self.ws);
+        self.efforts(Some(dt));
+        let nb = self.model.nb();
+        for (j, joint) in self.model.joints.iter().enumerate() {
+            let (q, qd) = (self.state.joints[j], self.state.v[nb + j]);
+            let follows = joint.drive.mode == DriveMode::Position && !actuator::servo(joint, j, q, qd, &self.command).1;
+            let gains = if follows { dt * joint.drive.kd + dt * dt * joint.drive.kp } else { 0.0 };
+            self.shift[nb + j] = dt * joint.damping + gains;
+        }
+        self.finish_free();
+    }
+
+    /// Fills tau with actuators, passive joint efforts and external forces. With a step size the position servo is
+    /// referred to the position that the present velocity leads to, as the implicit step requires.
+    fn efforts(&mut self, dt: Option<f64>) {
+        let nb = self.model.nb();
+        self.tau.fill(0.0);
+        for (j, joint) in self.model.joints.iter().enumerate() {
+            let (q, qd) = (self.state.joints[j], self.state.v[nb + j]);
+            let (effort, clipped) = actuator::servo(joint, j, q, qd, &self.command);
+            let ahead = match dt {
+                Some(dt) if joint.drive.mode == DriveMode::Position && !clipped => -joint.drive.kp * dt * qd,
+                _ => 0.0,
+            };
+            self.efforts[j] = effort;
+            self.tau[nb + j] = effort + ahead;
+        }
+        actuator::passive(&self.model, self.stops.as_deref(), &self.state.joints, &self.state.v[nb..], &mut self.tau[nb..]);
+        self.arrows.clear();
+        let scene = Scene {
+            model: &self.model,
+            state: &self.state,
+            kinematics: &self.ws,
+            time: self.state.time,
+            within: self.within,
+        };
+        let mut applied = Applied::new(&mut self.tau, &mut self.arrows);
+        for force in &mut self.forces {
+            force.evaluate(&scene, &mut applied);
+        }
+    }
+
+    fn finish_free(&mut self) {
+        rnea::bias(&self.model, &mut self.ws, &self.gravity);
+        crba::mass_matrix(&self.model, &mut self.ws);
+        self.failure = factor::factorize_shifted(&mut self.ws, &self.shift).err();
+        reduced::assemble(&self.model, &self.ws, &self.floor.rotation, &self.tau, &mut self.reduced);
+        self.acceleration.copy_from_slice(&self.reduced.free);
+        if self.failure.is_some() {
+            self.acceleration.fill(f64::NAN);
+        }
+        self.problem.w.copy_from_slice(&self.reduced.w);
+        self.problem.b.copy_from_slice(&self.reduced.a0);
+        self.place_vertices();
+    }
+
+    /// Brings kinematics and vertices to `self.state`; forces stay those of the last step.
+    pub fn refresh(&mut self) {
+        kinematics::update(&self.model, &self.state, &mut self.ws);
+        reduced::geometry(&self.model, &self.ws, &self.floor.rotation, &mut self.reduced);
+        self.place_vertices();
+    }
+
+    /// Copies the vertices into the contact problem, at the acceleration level.
+    fn place_vertices(&mut self) {
+        let p = &mut self.problem;
+        p.level = Level::Acceleration;
+        for (s, sole) in p.soles.iter_mut().enumerate() {
+            sole.target = Vector3::zeros();
+            let m = &self.reduced.velocity[6 * s..6 * s + 6];
+            let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
+            let height = self.floor.height(&self.reduced.reference[s]);
+            for (v, arm) in sole.vertices.iter_mut().zip(self.reduced.vertices(SoleId(s))) {
+                v.r = *arm;
+                v.height = height + v.r.z;
+                v.velocity = linear + omega.cross(&v.r);
+                v.bias = omega.cross(&omega.cross(&v.r));
+                v.moving = v.velocity.xy().norm() > self.rest;
+                v.near = false;
+            }
+        }
+    }
+
+    /// Points sliding friction against the velocity; where a vertex has turned against its reference direction the
+    /// direction is continued through zero, so that the equations stay smooth until the event is located.
+    pub fn point_directions(&mut self) {
+        for (sole, references) in self.problem.soles.iter_mut().zip(&self.directions) {
+            for (v, reference) in sole.vertices.iter_mut().zip(references) {
+                let t = v.velocity.xy();
+                let speed = t.norm();
+                v.direction = if speed <= DIRECTION_SPEED {
+                    *reference
+                } else if t.dot(reference) < 0.0 {
+                    -t / speed
+                } else {
+                    t / speed
+                };
+            }
+        }
+    }
+
+    /// Full evaluation at `self.state`: accelerations and contact wrenches with the states held.
+    pub fn evaluate(&mut self) {
+        self.evaluate_free();
+        self.point_directions();
+        self.method.respond(&self.problem, &self.states, &mut self.solution);
+        self.close();
+    }
+
+    /// Adds the contact wrenches of the solution to the accelerations.
+    pub fn close(&mut self) {
+        reduced::apply(&self.model, &self.ws, &mut self.reduced, &self.solution.wrench, &mut self.acceleration);
+    }
+
+    /// Adds the velocity jump of sole impulses (6F, floor axes) to the state. Returns the change of kinetic energy, J.
+    pub fn kick(&mut self, impulses: &[f64]) -> f64 {
+        let before = self.kinetic_energy();
+        reduced::apply(&self.model, &self.ws, &mut self.reduced, impulses, &mut self.state.v);
+        self.kinetic_energy() - before
+    }
+
+    /// Kinetic energy of the state's velocity at the configuration of the last evaluation, J.
+    pub fn kinetic_energy(&mut self) -> f64 {
+        self.ws.mass.multiply(&self.state.v, &mut self.scratch);
+        0.5 * self.scratch.iter().zip(&self.state.v).map(|(p, v)| p * v).sum::<f64>()
+    }
+
+    /// Reference point of a sole relative to the floor point, floor axes, m.
+    pub fn sole_origin(&self, s: usize) -> Vector3<f64> {
+        self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point))
+    }
+
+    /// Power of everything but gravity, W.
+    pub fn power(&self) -> f64 {
+        let joints: f64 = self.tau.iter().zip(&self.state.v).map(|(t, v)| t * v).sum();
+        let contact: f64 = self.solution.wrench.iter().zip(&self.reduced.velocity).map(|(w, v)| w * v).sum();
+        joints + contact
+    }
+
+    /// Work of everything but gravity over a velocity-level step that changed the velocity by `dv`, J:
+    /// `(v + dv / 2) . (dt tau - S dv)` with the implicit terms S, and the impulses on the mean of the sole velocities.
+    /// With the mean velocity this is exactly the change of kinetic energy less that due to the bias h.
+    pub fn step_work(&self, dv: &[f64], dt: f64) -> f64 {
+        let joints: f64 = (0..dv.len())
+            .map(|i| (self.state.v[i] - 0.5 * dv[i]) * (dt * self.tau[i] - self.shift[i] * dv[i]))
+            .sum();
+        let sole = |i: usize| 0.5 * (self.reduced.velocity[i] + self.solution.motion[i]);
+        let contact: f64 = self.solution.wrench.iter().enumerate().map(|(i, w)| w * sole(i)).sum();
+        joints + contact
+    }
+
+    /// Kinetic and potential energy at the state of the last evaluation, J.
+    pub fn energy(&mut self) -> f64 {
+        self.kinetic_energy() + body::potential_energy(&self.ws, &self.gravity)
+    }
+}
+
+impl System for Plant {
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) {
+        let layout = self.layout;
+        layout.unpack(t, y, &mut self.state);
+        self.evaluate();
+        layout.derivative(y, &self.state.v, &self.acceleration, self.power(), dy);
+    }
+}

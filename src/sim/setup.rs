@@ -1,0 +1,122 @@
+//! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
+
+use crate::contact::problem::Tolerances;
+use crate::contact::state::SoleState;
+use crate::force::Force;
+use crate::robot::Model;
+use crate::task::TaskServer;
+use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
+
+/// The floor plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floor {
+    /// Floor axes in the world; the third column is the upward normal.
+    pub rotation: Matrix3<f64>,
+    /// A point of the plane, m.
+    pub point: Vector3<f64>,
+    /// Static friction coefficient.
+    pub mu_s: f64,
+    /// Kinetic friction coefficient.
+    pub mu_k: f64,
+}
+
+impl Floor {
+    /// World vector in floor axes.
+    pub fn to_floor(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(v)
+    }
+
+    /// Height of a world point above the plane, m.
+    pub fn height(&self, p: &Vector3<f64>) -> f64 {
+        self.rotation.column(2).dot(&(p - self.point))
+    }
+}
+
+/// A state imposed on a sole for a span of time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forced {
+    /// Index of the sole.
+    pub sole: usize,
+    /// The state.
+    pub state: SoleState,
+    /// From, s.
+    pub from: f64,
+    /// To, s.
+    pub to: f64,
+}
+
+/// How contact is treated.
+#[derive(Clone, Debug)]
+pub struct ContactSetup {
+    /// Name of the method, see [`crate::contact::method::NAMES`].
+    pub method: String,
+    /// Tolerances d, v_t, a_t and the rest speed.
+    pub tolerances: Tolerances,
+    /// Coefficient of restitution e for approach speeds above v_t.
+    pub restitution: f64,
+    /// Locate events inside steps, or look only at step ends.
+    pub locate: bool,
+    /// Imposed states.
+    pub forced: Vec<Forced>,
+}
+
+/// How time is stepped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum IntegratorSetup {
+    /// Dormand-Prince 5(4) with error control.
+    Dopri5 {
+        /// Relative tolerance.
+        relative: f64,
+        /// Absolute tolerance.
+        absolute: f64,
+        /// Largest step, s.
+        max_step: f64,
+    },
+    /// Semi-implicit Euler at the velocity level, joint damping and servo gains implicit.
+    SemiImplicit {
+        /// Step, s.
+        step: f64,
+    },
+}
+
+/// Where the robot starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// Base position, world, m.
+    pub position: Vector3<f64>,
+    /// Base orientation.
+    pub rotation: nalgebra::UnitQuaternion<f64>,
+    /// Joint positions.
+    pub joints: Vec<f64>,
+    /// Generalised velocity, see [`crate::robot::model`].
+    pub v: Vec<f64>,
+}
+
+/// One run.
+pub struct Setup {
+    /// The robot, with the scenario's changes.
+    pub model: Arc<Model>,
+    /// Gravity, world, m/s^2.
+    pub gravity: Vector3<f64>,
+    /// The floor.
+    pub floor: Floor,
+    /// Contact.
+    pub contact: ContactSetup,
+    /// Integrator.
+    pub integrator: IntegratorSetup,
+    /// Initial state.
+    pub start: Start,
+    /// Do joint limits stop the joints?
+    pub joint_stops: bool,
+    /// Tasks.
+    pub tasks: TaskServer,
+    /// External forces.
+    pub forces: Vec<Box<dyn Force>>,
+    /// Simulated time, s.
+    pub duration: f64,
+    /// Snapshots per second, 0 for none but the last.
+    pub log_rate: f64,
+    /// End the run when the base is lower than this above the floor, m.
+    pub fallen_below: Option<f64>,
+}

@@ -1,0 +1,317 @@
+//! One run from start to end.
+
+use super::adaptive::Adaptive;
+use super::error::Stop;
+use super::fixed::Fixed;
+use super::plant::Plant;
+use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
+use super::setup::{ContactSetup, IntegratorSetup, Setup};
+use crate::contact::candidate::Solution;
+use crate::contact::method;
+use crate::contact::problem::{Problem, Tolerances};
+use crate::contact::state::MAX_SOLES;
+use crate::task::{Context, TaskServer};
+use nalgebra::Vector3;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Events per simulated second beyond which a run has stalled.
+const STALL_RATE: u64 = 50_000;
+/// Events in a row without progress in time beyond which a run has stalled.
+const STALL_IN_PLACE: u64 = 200;
+/// Speeds (m/s, rad/s) and positions (m) beyond this mean divergence.
+const SENSIBLE: f64 = 1e6;
+
+enum Stepper {
+    Adaptive(Box<Adaptive>),
+    Fixed(Box<Fixed>),
+}
+
+/// A run: owns its state, couples the rooms.
+pub struct Simulation {
+    pub(super) plant: Plant,
+    pub(super) tolerances: Tolerances,
+    pub(super) contact: ContactSetup,
+    pub(super) tasks: TaskServer,
+    pub(super) metrics: Metrics,
+    /// Work of everything but gravity since the start, J.
+    pub(super) work: f64,
+    /// Soles that the last event put at the limit of their load.
+    pub(super) suspect: [u8; MAX_SOLES],
+    /// Where the vertices of each clamped sole were when it was clamped, relative to the floor point, floor axes.
+    pub(super) anchors: Vec<Vec<Vector3<f64>>>,
+    pub(super) projection: Solution,
+    pub(super) displacement: Vec<f64>,
+    pub(super) snapshot: Snapshot,
+    /// Has the first choice of states been made?
+    pub(super) started: bool,
+    corners: Vec<f64>,
+    stepper: Option<Stepper>,
+    duration: f64,
+    log_rate: f64,
+    logged: u64,
+    fallen_below: Option<f64>,
+    start_energy: f64,
+    window: (f64, u64),
+    in_place: (f64, u64),
+}
+
+impl Simulation {
+    /// Prepares a run. Fails on what the physics rooms cannot do.
+    pub fn new(mut setup: Setup) -> Result<Self, Stop> {
+        let model = setup.model.clone();
+        let error = |m: String| Stop::new(Outcome::Error, m);
+        if model.soles.len() > MAX_SOLES {
+            return Err(error(format!("{} soles, at most {MAX_SOLES} are supported", model.soles.len())));
+        }
+        if let Some(s) = model.soles.iter().find(|s| s.vertices.is_empty() || s.vertices.len() > 64) {
+            return Err(error(format!("sole `{}` has {} vertices, 1 to 64 are supported", s.name, s.vertices.len())));
+        }
+        let mut problem = Problem::new(&model.soles.iter().map(|s| s.vertices.len()).collect::<Vec<_>>());
+        for (sole, geometry) in problem.soles.iter_mut().zip(&model.soles) {
+            let centre = geometry.vertices.iter().sum::<Vector3<f64>>() / geometry.vertices.len() as f64;
+            let reach = geometry.vertices.iter().map(|v| (v - centre).norm()).fold(0.0, f64::max);
+            sole.radius = if reach > 0.0 { reach } else { 1.0 };
+            for v in &mut sole.vertices {
+                (v.mu_s, v.mu_k) = (setup.floor.mu_s, setup.floor.mu_k);
+            }
+        }
+        problem.scale = model.mass() * setup.gravity.norm().max(1.0);
+        let method = method::make(&setup.contact.method, &problem)
+            .ok_or_else(|| error(format!("unknown contact method `{}`", setup.contact.method)))?;
+        let projection = Solution::new(&problem);
+        let plant = Plant::new(&mut setup, method, problem);
+        let mut corners: Vec<f64> = plant.forces.iter().flat_map(|f| f.corners().iter().copied()).collect();
+        corners.extend(setup.contact.forced.iter().flat_map(|f| [f.from, f.to]));
+        corners.retain(|c| *c > 0.0 && *c < setup.duration);
+        corners.sort_by(f64::total_cmp);
+        corners.dedup();
+        let n = plant.layout.len();
+        let stepper = match setup.integrator {
+            IntegratorSetup::Dopri5 { relative, absolute, max_step } => {
+                Stepper::Adaptive(Box::new(Adaptive::new(n, relative, absolute, max_step)))
+            }
+            IntegratorSetup::SemiImplicit { step } => Stepper::Fixed(Box::new(Fixed::new(step))),
+        };
+        let snapshot = super::observe::blank(&model);
+        let mut sim = Simulation {
+            tolerances: setup.contact.tolerances,
+            contact: setup.contact,
+            tasks: setup.tasks,
+            metrics: Metrics::default(),
+            work: 0.0,
+            suspect: [0; MAX_SOLES],
+            anchors: model.soles.iter().map(|s| vec![Vector3::zeros(); s.vertices.len()]).collect(),
+            projection,
+            displacement: vec![0.0; model.nv()],
+            snapshot,
+            started: false,
+            corners,
+            stepper: Some(stepper),
+            duration: setup.duration,
+            log_rate: setup.log_rate,
+            logged: 0,
+            fallen_below: setup.fallen_below,
+            start_energy: 0.0,
+            window: (0.0, 0),
+            in_place: (-1.0, 0),
+            plant,
+        };
+        sim.plant.evaluate_free();
+        sim.start_energy = sim.plant.energy();
+        Ok(sim)
+    }
+
+    /// Runs to the end. `cancel` ends it at the next step with outcome `cancelled`.
+    pub fn run(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> (Outcome, String) {
+        let end = self.advance(observer, cancel);
+        let end = end.and_then(|()| self.finish(observer));
+        self.sum_up();
+        match end {
+            Ok(()) => (Outcome::Passed, String::new()),
+            Err(stop) => (stop.outcome, stop.message),
+        }
+    }
+
+    /// What was measured so far.
+    pub fn metrics(&self) -> &Metrics {
+        &self.metrics
+    }
+
+    /// The plant at its present state.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Prepares the first step; [`run`](Self::run) does it by itself.
+    pub fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        self.run_tasks(observer)?;
+        self.plant.within = 0.0;
+        self.decide(observer)?;
+        self.started = true;
+        self.measure();
+        Ok(())
+    }
+
+    /// Takes one integration step, with all that belongs to it.
+    pub fn step(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let t = self.plant.state.time;
+        let tick = self.tasks.next_tick();
+        if tick.is_some_and(|tick| tick <= t) {
+            self.run_tasks(observer)?;
+        }
+        let corner = self.corners.iter().copied().find(|c| *c > t);
+        let stops = [self.tasks.next_tick(), corner];
+        let until = stops.into_iter().flatten().fold(self.duration, f64::min);
+        let mut stepper = self.stepper.take().expect("put back below");
+        let result = match &mut stepper {
+            Stepper::Adaptive(adaptive) => adaptive.step(self, until, observer),
+            Stepper::Fixed(fixed) => fixed.step(self, until, observer),
+        };
+        self.stepper = Some(stepper);
+        result?;
+        self.check_fallen(observer)
+    }
+
+    fn advance(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> Result<(), Stop> {
+        self.begin(observer)?;
+        while self.plant.state.time < self.duration {
+            if cancel.load(Ordering::Relaxed) {
+                return Err(Stop::new(Outcome::Cancelled, "interrupted"));
+            }
+            self.step(observer)?;
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        self.plant.evaluate();
+        self.tell(observer)
+    }
+
+    fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let nb = self.plant.model.nb();
+        let state = &self.plant.state;
+        let context =
+            Context { time: state.time, model: &self.plant.model, q: &state.joints, qd: &state.v[nb..] };
+        let mut failure = None;
+        self.tasks.run(&context, |what, name| {
+            let event = SimEvent {
+                time: context.time,
+                kind: "task",
+                subject: name.to_string(),
+                message: format!("task {name} {what}"),
+            };
+            failure = observer.event(&event).err().or(failure.take());
+        });
+        self.plant.command.clone_from(&self.tasks.command);
+        failure.map_or(Ok(()), |m| Err(Stop::new(Outcome::Error, m)))
+    }
+
+    fn check_fallen(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let Some(below) = self.fallen_below else { return Ok(()) };
+        let height = self.plant.floor.height(&self.plant.state.position);
+        if height >= below {
+            return Ok(());
+        }
+        let t = self.plant.state.time;
+        self.metrics.first_fall_s.get_or_insert(t);
+        let message = format!("base {height:.4} m above the floor at {t:.4} s, below {below} m");
+        self.event(observer, "fallen", "", &message)?;
+        self.plant.evaluate();
+        self.tell(observer)?;
+        Err(Stop::new(Outcome::Fallen, message))
+    }
+
+    /// Reports an event.
+    pub(super) fn event(
+        &mut self,
+        observer: &mut dyn Observer,
+        kind: &'static str,
+        subject: &str,
+        message: &str,
+    ) -> Result<(), Stop> {
+        let event = SimEvent {
+            time: self.plant.state.time,
+            kind,
+            subject: subject.to_string(),
+            message: message.to_string(),
+        };
+        observer.event(&event).map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Time of the next snapshot due, s.
+    pub(super) fn next_snapshot(&self) -> Option<f64> {
+        (self.log_rate > 0.0).then(|| self.logged as f64 / self.log_rate)
+    }
+
+    /// Tells the observer the plant's present state; needs an evaluation at it.
+    pub(super) fn tell(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        self.logged += 1;
+        super::observe::fill(&mut self.plant, &mut self.snapshot);
+        observer.snapshot(&self.snapshot).map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Are events located inside steps?
+    pub(super) fn locates(&self) -> bool {
+        self.contact.locate && self.plant.method.locates_events()
+    }
+
+    /// A `diverged` stop at the present time.
+    pub(super) fn diverged(&self, what: &str) -> Stop {
+        Stop::new(Outcome::Diverged, format!("{what} at {:.6} s", self.plant.state.time))
+    }
+
+    /// Ends the run when the state has left all sense, naming the first number that did.
+    pub(super) fn check_finite(&self) -> Result<(), Stop> {
+        let state = &self.plant.state;
+        let model = &self.plant.model;
+        let lost = |x: &f64| !(x.abs() < SENSIBLE);
+        if let Some(i) = state.v.iter().position(lost) {
+            let nb = model.nb();
+            let name = if i < nb { "base" } else { model.joints[i - nb].name.as_str() };
+            return Err(self.diverged(&format!("velocity of {name} is {:e}", state.v[i])));
+        }
+        if let Some(x) = state.position.iter().chain(&state.joints).find(|x| lost(x)) {
+            return Err(self.diverged(&format!("a position is {x:e}")));
+        }
+        Ok(())
+    }
+
+    /// Counts one event; ends the run when there are too many.
+    pub(super) fn count_event(&mut self) -> Result<(), Stop> {
+        let t = self.plant.state.time;
+        if t - self.window.0 >= 1.0 {
+            self.window = (t, 0);
+        }
+        self.window.1 += 1;
+        self.in_place = if t - self.in_place.0 > 1e-12 { (t, 1) } else { (self.in_place.0, self.in_place.1 + 1) };
+        if self.window.1 > STALL_RATE {
+            return Err(Stop::new(
+                Outcome::Stalled,
+                format!("more than {STALL_RATE} events within one second before {t:.6} s"),
+            ));
+        }
+        if self.in_place.1 > STALL_IN_PLACE {
+            return Err(Stop::new(
+                Outcome::Stalled,
+                format!("{STALL_IN_PLACE} events without progress at {t:.9} s"),
+            ));
+        }
+        Ok(())
+    }
+
+    fn sum_up(&mut self) {
+        let state = &self.plant.state;
+        let m = &mut self.metrics;
+        m.duration_s = state.time;
+        m.evaluations = self.plant.evaluations;
+        m.final_base_position = state.position.into();
+        let (roll, pitch, yaw) = state.rotation.euler_angles();
+        m.final_base_rpy = [roll, pitch, yaw];
+        if self.plant.model.nb() == 6 {
+            m.final_base_velocity = [state.v[0], state.v[1], state.v[2]];
+        }
+        self.plant.evaluate_free();
+        self.metrics.energy_error_j = self.plant.energy() - self.start_energy - self.work;
+    }
+}

@@ -1,0 +1,115 @@
+//! Event functions of the contact states in force: positive while the states stay true.
+//!
+//! | watched | event when it reaches zero |
+//! |---|---|
+//! | height of an unclamped vertex above the floor | touch-down |
+//! | the same vertex while it lies within the tolerance band: room below and approach speed | entering the floor |
+//! | normal margin of a clamped pattern | lift-off, or the centre of pressure leaves it |
+//! | friction margin of a static pattern or a pivot | slip onset |
+//! | sliding velocity along the reference direction | stick, or turning round |
+
+use super::simulation::Simulation;
+use crate::contact::candidate::share_static;
+use crate::contact::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL, margin};
+use crate::contact::state::{MAX_SOLES, Mode};
+
+/// Most event functions watched at once.
+pub const MAX_WATCHED: usize = 512;
+
+/// Height above which a vertex is in flight, m: rounding of positions of a few metres, far below any tolerance.
+const AIRBORNE: f64 = 1e-10;
+
+#[derive(Clone, Copy, Debug)]
+enum Item {
+    Height(usize, usize),
+    Band(usize, usize),
+    Normal(usize),
+    Friction(usize),
+    Slide(usize, usize),
+}
+
+/// The functions watched during one step.
+#[derive(Default)]
+pub struct Watch {
+    items: Vec<Item>,
+}
+
+impl Watch {
+    /// Chooses what to watch from the states and the vertices at the start of a step.
+    pub fn begin(&mut self, sim: &Simulation) {
+        self.items.clear();
+        let p = &sim.plant.problem;
+        for (s, sole) in p.soles.iter().enumerate() {
+            let state = sim.plant.states[s];
+            let k = sole.vertices.len();
+            for (i, v) in sole.vertices.iter().enumerate() {
+                if !state.clamps(i, k) {
+                    self.items.push(if v.height > AIRBORNE { Item::Height(s, i) } else { Item::Band(s, i) });
+                } else if state.is_dynamic() && state.mode != Mode::Pivoting(i as u8) {
+                    self.items.push(Item::Slide(s, i));
+                }
+            }
+            if state.is_static() || state.is_dynamic() {
+                self.items.push(Item::Normal(s));
+                if state.mode != Mode::Sliding {
+                    self.items.push(Item::Friction(s));
+                }
+            }
+        }
+    }
+
+    /// Values at the plant's present evaluation.
+    pub fn values(&self, sim: &mut Simulation, out: &mut Vec<f64>) {
+        out.resize(self.items.len(), 0.0);
+        self.fill(sim, out);
+    }
+
+    /// As [`values`](Self::values), into a slice of the right length.
+    pub fn fill(&self, sim: &mut Simulation, out: &mut [f64]) {
+        let tol = sim.tolerances;
+        let plant = &mut sim.plant;
+        share_static(&plant.problem, &plant.states, &mut plant.solution);
+        let p = &plant.problem;
+        let mut margins = [None; MAX_SOLES];
+        let mut of = |s: usize| *margins[s].get_or_insert_with(|| margin(p, s, plant.states[s], &plant.solution));
+        for (item, g) in self.items.iter().zip(out) {
+            *g = match *item {
+                Item::Height(s, i) => p.soles[s].vertices[i].height,
+                Item::Band(s, i) => {
+                    let v = &p.soles[s].vertices[i];
+                    (v.height + tol.distance).min(v.velocity.z + tol.velocity)
+                }
+                Item::Normal(s) => of(s).normal,
+                Item::Friction(s) => of(s).friction,
+                Item::Slide(s, i) => p.soles[s].vertices[i].velocity.xy().dot(&plant.directions[s][i]),
+            };
+        }
+    }
+
+    /// Marks the soles whose load reached its limit, from values of which some are negative.
+    pub fn suspects(&self, values: &[f64], suspect: &mut [u8; MAX_SOLES]) {
+        suspect.fill(0);
+        for (item, _) in self.items.iter().zip(values).filter(|(_, g)| **g < 0.0) {
+            match *item {
+                Item::Normal(s) => suspect[s] |= SUSPECT_NORMAL,
+                Item::Friction(s) => suspect[s] |= SUSPECT_FRICTION,
+                _ => {}
+            }
+        }
+    }
+
+    /// Has an unclamped vertex in the tolerance band begun to accelerate into the floor by more than a_t?
+    pub fn tolerated_too_much(&self, sim: &Simulation) -> bool {
+        let tol = &sim.tolerances;
+        let p = &sim.plant.problem;
+        p.soles.iter().enumerate().any(|(s, sole)| {
+            let k = sole.vertices.len();
+            sole.vertices.iter().enumerate().any(|(i, v)| {
+                !sim.plant.states[s].clamps(i, k)
+                    && v.height <= tol.distance
+                    && v.velocity.z.abs() <= tol.velocity
+                    && p.vertex_motion(&sim.plant.solution.motion, s, i).z < -tol.acceleration
+            })
+        })
+    }
+}

@@ -1,0 +1,290 @@
+//! `log.mcap` value by value: what is read back is what was put in.
+
+use super::sample::{self, URDF};
+use foxglove::messages::{FrameTransforms, Log, Pose, Quaternion, SceneEntity, SceneUpdate, Vector3 as LogVector};
+use mcap::MessageStream;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use stiction::record::{LogWriter, Topics, messages, ros};
+use stiction::robot::Base;
+use stiction::sim::{Observer, Snapshot};
+
+const TICKS: usize = 6;
+
+/// All messages of one topic, encoded.
+fn raw(topic: &str) -> Vec<Vec<u8>> {
+    let bytes = sample::log(TICKS, Topics::ALL);
+    let messages = MessageStream::new(&bytes).unwrap().map(Result::unwrap);
+    messages.filter(|m| m.channel.topic == topic).map(|m| m.data.into_owned()).collect()
+}
+
+fn protobuf<M: prost::Message + Default>(topic: &str) -> Vec<M> {
+    raw(topic).iter().map(|b| M::decode(b.as_slice()).unwrap()).collect()
+}
+
+fn snapshots() -> impl Iterator<Item = Snapshot> {
+    (0..TICKS).map(sample::snapshot)
+}
+
+fn own(v: &Vector3<f64>) -> messages::Vector3 {
+    messages::Vector3 { x: v.x, y: v.y, z: v.z }
+}
+
+fn own_all(v: &[Vector3<f64>]) -> Vec<messages::Vector3> {
+    v.iter().map(own).collect()
+}
+
+fn vector(v: Option<LogVector>) -> Vector3<f64> {
+    v.map(|v| Vector3::new(v.x, v.y, v.z)).unwrap()
+}
+
+fn rotation(q: Option<Quaternion>) -> UnitQuaternion<f64> {
+    let q = q.unwrap();
+    // Not normalised: a wrong norm is to be seen.
+    UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(q.w, q.x, q.y, q.z))
+}
+
+fn isometry(p: Option<Pose>) -> Isometry3<f64> {
+    let p = p.unwrap();
+    Isometry3::from_parts(Translation3::from(vector(p.position)), rotation(p.orientation))
+}
+
+#[test]
+fn state_holds_the_snapshot_to_the_last_bit() {
+    for (found, s) in protobuf::<messages::State>("/state").iter().zip(snapshots()) {
+        let r = s.base_pose.rotation;
+        let expected = messages::State {
+            time: s.time,
+            base_position: Some(own(&s.base_pose.translation.vector)),
+            base_orientation: Some(messages::Quaternion { w: r.w, x: r.i, y: r.j, z: r.k }),
+            base_linear_velocity: Some(own(&s.base_linear_velocity)),
+            base_angular_velocity: Some(own(&s.base_angular_velocity)),
+            q: s.q,
+            qd: s.qd,
+            q_desired: s.q_desired,
+            qd_desired: s.qd_desired,
+            effort: s.effort,
+            com: Some(own(&s.com)),
+            com_velocity: Some(own(&s.com_velocity)),
+            cop: s.centre_of_pressure.as_ref().map(own),
+            support_polygon: own_all(&s.support_polygon),
+            external: s
+                .external
+                .iter()
+                .map(|(p, f)| messages::Force { point: Some(own(p)), force: Some(own(f)) })
+                .collect(),
+        };
+        assert_eq!(found, &expected);
+    }
+}
+
+#[test]
+fn contact_holds_every_sole_to_the_last_bit() {
+    let names = sample::model().soles.into_iter().map(|s| s.name).collect::<Vec<_>>();
+    for (found, s) in protobuf::<messages::Contact>("/contact").iter().zip(snapshots()) {
+        let soles = s.soles.iter().zip(&names).map(|(sole, name)| {
+            // Summed by hand, in the order of the vertices.
+            let force = sole.forces.iter().fold(Vector3::zeros(), |sum, f| sum + f);
+            messages::Sole {
+                name: name.clone(),
+                state: sole.state.clone(),
+                clamped: sole.clamped.clone(),
+                positions: own_all(&sole.positions),
+                velocities: own_all(&sole.velocities),
+                forces: own_all(&sole.forces),
+                force: Some(own(&force)),
+            }
+        });
+        assert_eq!(found, &messages::Contact { time: s.time, soles: soles.collect() });
+    }
+}
+
+#[test]
+fn events_are_told_to_programs_and_to_people() {
+    let events = protobuf::<messages::Event>("/events");
+    let log = protobuf::<Log>("/log");
+    assert_eq!((events.len(), log.len()), (4, 4));
+    for (tick, (event, log)) in events.iter().zip(&log).enumerate() {
+        let e = sample::event(tick);
+        assert_eq!(
+            (event.time, event.kind.as_str(), &event.subject, &event.message),
+            (e.time, e.kind, &e.subject, &e.message)
+        );
+        assert_eq!(log.message, if tick == 2 { "jam left" } else { &e.message });
+        let ns = u64::from(log.timestamp.unwrap().sec()) * 1_000_000_000 + u64::from(log.timestamp.unwrap().nsec());
+        assert_eq!(ns, (e.time * 1e9).round() as u64);
+    }
+    let levels: Vec<&str> = log.iter().map(|l| l.level().as_str_name()).collect();
+    assert_eq!(levels, ["INFO", "INFO", "WARNING", "ERROR"]);
+}
+
+#[test]
+fn joint_states_and_robot_description_are_cdr() {
+    let joint_states = raw("/joint_states");
+    assert_eq!(joint_states.len(), TICKS);
+    for (bytes, s) in joint_states.iter().zip(snapshots()) {
+        let expected = ros::JointState {
+            header: ros::Header {
+                stamp: ros::Time { sec: 0, nanosec: (s.time * 1e9).round() as u32 },
+                frame_id: String::new(),
+            },
+            name: vec!["hip".into(), "ankle".into()],
+            position: s.q,
+            velocity: s.qd,
+            effort: s.effort,
+        };
+        assert_eq!(cdr::deserialize::<ros::JointState>(bytes).unwrap(), expected);
+    }
+    let description: ros::Text = cdr::deserialize(&raw("/robot_description")[0]).unwrap();
+    assert_eq!(description.data, URDF);
+}
+
+/// Composes the transforms from `frame` up to the world.
+fn to_world(tf: &FrameTransforms, frame: &str) -> Isometry3<f64> {
+    let mut pose = Isometry3::identity();
+    let mut frame = frame.to_owned();
+    while frame != "world" {
+        let t = tf.transforms.iter().find(|t| t.child_frame_id == frame).expect("every frame leads to the world");
+        pose = Isometry3::from_parts(Translation3::from(vector(t.translation)), rotation(t.rotation)) * pose;
+        frame.clone_from(&t.parent_frame_id);
+    }
+    pose
+}
+
+fn distance(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
+    (a.to_homogeneous() - b.to_homogeneous()).amax()
+}
+
+#[test]
+fn frames_compose_to_the_links_poses() {
+    let model = sample::model();
+    let all = protobuf::<FrameTransforms>("/tf");
+    for (tf, s) in all.iter().zip(snapshots()) {
+        let children: Vec<&str> = tf.transforms.iter().map(|t| t.child_frame_id.as_str()).collect();
+        assert_eq!(children, ["trunk", "shank", "ball", "plate", "tip", "sole/left", "sole/toe"]);
+        for (link, pose) in model.links.iter().zip(&s.link_poses) {
+            // Error: three products of poses of size 1, a few units of 1e-16 each.
+            assert!(distance(&to_world(tf, &link.name), pose) < 1e-14, "{}", link.name);
+        }
+        // The internal frame is where vertices and welds are given; the URDF frame leads back to it.
+        let internal = |link: usize| s.link_poses[link] * model.links[link].urdf_frame.inverse();
+        for weld in &model.links[0].merged {
+            assert!(distance(&to_world(tf, &weld.name), &(internal(0) * weld.pose)) < 1e-14, "{}", weld.name);
+        }
+        let parents: Vec<&str> = tf.transforms.iter().map(|t| t.parent_frame_id.as_str()).collect();
+        assert_eq!(parents, ["world", "trunk", "shank", "trunk", "plate", "shank", "ball"], "as in the URDF");
+        let heel = internal(1) * Point3::new(0.0, 0.0, -0.2);
+        assert!((to_world(tf, "sole/left").translation.vector - heel.coords).norm() < 1e-14);
+        for t in &tf.transforms {
+            let stamp = t.timestamp.unwrap();
+            assert_eq!((stamp.sec(), stamp.nsec()), (0, (s.time * 1e9).round() as u32));
+        }
+    }
+}
+
+#[test]
+fn a_robot_whose_root_is_called_world_stands_in_a_map() {
+    let mut model = sample::model();
+    model.base = Base::Fixed;
+    model.links[0].name = "world".into();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.mcap");
+    let mut log = LogWriter::create(&path, &model, &sample::header(Topics::ALL)).unwrap();
+    log.snapshot(&sample::snapshot(0)).unwrap();
+    log.finish().unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let message = MessageStream::new(&bytes).unwrap().map(Result::unwrap).find(|m| m.channel.topic == "/tf").unwrap();
+    let tf = <FrameTransforms as prost::Message>::decode(message.data.as_ref()).unwrap();
+    // A frame that is its own parent would be drawn by nobody.
+    let first = &tf.transforms[0];
+    assert_eq!((first.parent_frame_id.as_str(), first.child_frame_id.as_str()), ("map", "world"));
+}
+
+fn entity<'a>(scene: &'a SceneUpdate, id: &str) -> &'a SceneEntity {
+    scene.entities.iter().find(|e| e.id == id).expect(id)
+}
+
+#[test]
+fn the_scene_draws_each_shape_in_its_links_urdf_frame() {
+    let scene = &protobuf::<SceneUpdate>("/scene")[0];
+    let model = sample::model();
+    let trunk = entity(scene, "link/trunk");
+    assert_eq!((trunk.frame_id.as_str(), trunk.frame_locked, trunk.lifetime), ("trunk", true, None));
+    let cube = trunk.cubes[0];
+    assert_eq!(vector(cube.size), Vector3::new(0.2, 0.3, 0.1));
+    assert!(distance(&isometry(cube.pose), &model.links[0].visuals[0].pose) < 1e-15);
+    let colour = cube.color.unwrap();
+    assert_eq!([colour.r, colour.g, colour.b, colour.a], [0.25, 0.5, 0.75, 1.0]);
+
+    let mesh = &entity(scene, "link/shank").triangles[0];
+    let (points, triangles) = sample::mesh();
+    assert!(distance(&isometry(mesh.pose), &Isometry3::identity()) < 1e-15, "inverse of a pose times itself");
+    let found: Vec<[f64; 3]> = mesh.points.iter().map(|p| [p.x, p.y, p.z]).collect();
+    assert_eq!(found, points.iter().map(|p| [p.x, p.y, p.z]).collect::<Vec<_>>());
+    assert_eq!(mesh.indices, triangles.concat());
+
+    let ball = entity(scene, "link/ball");
+    assert_eq!((ball.spheres.len(), ball.cylinders.len()), (3, 2), "a sphere, a capsule of three, a cylinder");
+    assert_eq!(vector(ball.spheres[0].size), Vector3::repeat(0.06));
+    assert_eq!(vector(ball.cylinders[1].size), Vector3::new(0.04, 0.04, 0.2));
+    let frame = model.links[2].urdf_frame;
+    for (sphere, z) in ball.spheres[1..].iter().zip([-0.1, 0.1]) {
+        // Back in the internal frame the capsule's ends are where the model has them.
+        let end = frame * Point3::from(isometry(sphere.pose).translation.vector);
+        assert!((end.coords - Vector3::new(0.1, 0.0, z)).norm() < 1e-15);
+    }
+}
+
+#[test]
+fn the_floor_slabs_upper_face_is_the_floor() {
+    let scene = &protobuf::<SceneUpdate>("/scene")[0];
+    let floor = entity(scene, "floor");
+    assert_eq!(floor.frame_id, "world");
+    let slab = floor.cubes[0];
+    let top = isometry(slab.pose) * Translation3::new(0.0, 0.0, 0.5 * slab.size.unwrap().z);
+    assert!(distance(&top, &sample::header(Topics::ALL).floor) < 1e-15);
+    assert!(floor.lines[0].points.iter().all(|p| p.z == 0.0 && p.x.abs() <= 5.0 && p.y.abs() <= 5.0));
+}
+
+#[test]
+fn marks_show_forces_clamped_vertices_and_balance() {
+    let model = sample::model();
+    // Half a metre stands for the weight.
+    let metres_per_newton = 0.5 / (model.mass() * 9.806_65);
+    for (scene, s) in protobuf::<SceneUpdate>("/scene/contact").iter().zip(snapshots()) {
+        assert_eq!(scene.entities.len(), 4);
+        for (sole, name) in s.soles.iter().zip(["left", "toe"]) {
+            let drawn = entity(scene, &format!("contact/{name}"));
+            let clamped: Vec<_> = sole.positions.iter().zip(&sole.clamped).filter(|(_, c)| **c).collect();
+            assert_eq!(drawn.spheres.len(), clamped.len());
+            for (ball, (at, _)) in drawn.spheres.iter().zip(clamped) {
+                assert_eq!(isometry(ball.pose).translation.vector, *at);
+            }
+            let pushing: Vec<_> = sole.positions.iter().zip(&sole.forces).filter(|(_, f)| f.norm() > 0.0).collect();
+            assert_eq!(drawn.arrows.len(), pushing.len());
+            for (arrow, (at, force)) in drawn.arrows.iter().zip(pushing) {
+                let pose = isometry(arrow.pose);
+                assert_eq!(pose.translation.vector, *at);
+                let length = arrow.shaft_length + arrow.head_length;
+                // Error: the rotation comes from an acos, which keeps half the digits near 0 and pi.
+                assert!(
+                    (pose.rotation * Vector3::x() * length / metres_per_newton - force).norm() < 1e-7 * force.norm()
+                );
+            }
+        }
+        assert_eq!(entity(scene, "external").arrows.len(), s.external.len());
+        let balance = entity(scene, "balance");
+        assert_eq!(balance.spheres.len(), 1 + usize::from(s.centre_of_pressure.is_some()));
+        let polygon = balance.lines.first().map_or(0, |l| l.points.len());
+        assert_eq!(polygon, s.support_polygon.len());
+    }
+}
+
+#[test]
+fn colours_tell_static_from_sliding() {
+    let colours: Vec<_> = protobuf::<SceneUpdate>("/scene/contact")
+        .iter()
+        .map(|scene| entity(scene, "contact/left").spheres.first().map(|s| s.color.unwrap()))
+        .collect();
+    let [Some(fixed), Some(sliding), None] = colours[..3] else { panic!("static, dynamic, free: {colours:?}") };
+    assert!(fixed.g > fixed.r && sliding.r > sliding.g);
+}

@@ -1,0 +1,8 @@
+//! What a run leaves: written, then read back by other libraries.
+
+mod log;
+mod log_values;
+mod run;
+mod sample;
+mod summary;
+mod wire;

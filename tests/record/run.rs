@@ -1,0 +1,165 @@
+//! `run.json` and `runs.jsonl`, written and read back.
+
+use std::path::Path;
+use stiction::record::{Machine, ParamValue, RUN_SCHEMA, RecordError, RunRecord, RunsLog, Timing, hash_input};
+use stiction::sim::{Metrics, Outcome};
+
+/// Metrics whose digits would show any rounding on the way.
+pub fn metrics() -> Metrics {
+    Metrics {
+        duration_s: 0.1 + 0.2,
+        steps: u64::MAX,
+        rejected_steps: 2,
+        evaluations: 3,
+        events: 4,
+        state_changes: 5,
+        selections: 3,
+        states_tested: 10,
+        states_tested_max: 7,
+        impacts: 8,
+        jams: 9,
+        inconsistent: 11,
+        final_base_position: [1.0 / 3.0, -2e-308, 1e300],
+        final_base_rpy: [5e-324, -0.0, std::f64::consts::PI],
+        final_base_velocity: [f64::MAX, f64::MIN_POSITIVE, 123_456_789.123_456_79],
+        max_penetration_m: 1.1e-7,
+        max_static_creep_m: 2.2e-16,
+        max_projection_m: 1e-13,
+        max_lift_m: 0.3,
+        max_cone_excess: 1e-17,
+        energy_error_j: -4.900_000_000_000_001,
+        first_touchdown_s: Some(0.049_999_999_999_999_99),
+        first_liftoff_s: None,
+        first_slip_s: Some(0.0),
+        first_stick_s: None,
+        first_fall_s: Some(1.0 / 7.0),
+    }
+}
+
+pub fn record() -> RunRecord {
+    RunRecord {
+        schema: RUN_SCHEMA,
+        scenario: "push".into(),
+        key: "0123abcd".into(),
+        outcome: Outcome::Fallen,
+        message: "base below 0.2 m\nat 1.5 s, \"left\" foot first".into(),
+        method: "exact".into(),
+        integrator: "dopri5".into(),
+        seed: u64::MAX,
+        parameters: vec![
+            ("floor.friction".into(), ParamValue::Number(0.1 + 0.2)),
+            ("contact.method".into(), "exact".into()),
+            ("repeat".into(), 3.into()),
+            ("log.on".into(), true.into()),
+        ],
+        metrics: metrics(),
+        program: "stiction 0.1.0".into(),
+        inputs: vec![hash_input("block.urdf", b"abc")],
+        resolved: "schema = 1\n[robot]\nmodel = \"größe.urdf\"\n".into(),
+        timing: Timing { wall_s: 0.7, cpu_s: 0.1 + 0.7, machine: Machine::here() },
+    }
+}
+
+fn read_back(record: &RunRecord) -> RunRecord {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("push/0123abcd/run.json");
+    record.write(&path).unwrap();
+    RunRecord::read(&path).unwrap()
+}
+
+#[test]
+fn a_record_reads_back_to_the_last_bit() {
+    let record = record();
+    let back = read_back(&record);
+    assert_eq!(back, record);
+    // Equality of floats does not see the sign of zero.
+    assert!(back.metrics.final_base_rpy[1].is_sign_negative());
+}
+
+#[test]
+fn every_outcome_has_its_word() {
+    use Outcome::*;
+    for outcome in [Passed, Failed, Fallen, Diverged, Stalled, TimedOut, Error, Cancelled] {
+        assert_eq!(read_back(&RunRecord { outcome, ..record() }).outcome, outcome);
+    }
+}
+
+#[test]
+fn what_a_diverged_run_saw_survives() {
+    let mut record = record();
+    record.metrics.final_base_position = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+    record.metrics.energy_error_j = f64::INFINITY;
+    let back = read_back(&record).metrics;
+    assert!(back.final_base_position[0].is_nan());
+    assert_eq!(back.final_base_position[1..], [f64::INFINITY, f64::NEG_INFINITY]);
+    assert_eq!(back.energy_error_j, f64::INFINITY);
+}
+
+#[test]
+fn inputs_are_hashed_with_blake3() {
+    // BLAKE3 of "abc", from the test vectors of its authors' tool.
+    assert_eq!(hash_input("x", b"abc").blake3, "6437b3ac38465133ffb63b75273a8db548c558465d79db03fd359c6cd5bd9d85");
+}
+
+#[test]
+fn timings_and_machine_are_apart_from_results() {
+    let json: serde_json::Value = serde_json::to_value(record()).unwrap();
+    let timing = json["timing"].as_object().unwrap();
+    assert_eq!(timing.keys().collect::<Vec<_>>(), ["cpu_s", "machine", "wall_s"]);
+    assert_eq!(timing["machine"]["os"], std::env::consts::OS);
+    assert_eq!(json["outcome"], "fallen");
+    assert_eq!(json["metrics"]["energy_error_J"], -4.900_000_000_000_001);
+    assert_eq!(json["metrics"]["first_liftoff_s"], serde_json::Value::Null);
+}
+
+#[test]
+fn a_record_of_another_format_or_none_is_refused_with_its_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.json");
+    let refused = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        let error = RunRecord::read(&path).unwrap_err();
+        assert!(error.to_string().contains("run.json"), "{error}");
+        error
+    };
+    assert!(matches!(refused("{\"schema\": 2}"), RecordError::Version { found: 2, .. }));
+    assert!(matches!(refused("{\"schema\": 1}"), RecordError::Json { .. }));
+    assert!(matches!(refused("{"), RecordError::Json { .. }));
+    let unknown = serde_json::to_string(&record()).unwrap().replace("\"fallen\"", "\"flown\"");
+    assert!(refused(&unknown).to_string().contains("flown"));
+    assert!(matches!(RunRecord::read(Path::new("/no/such/run.json")), Err(RecordError::Io { .. })));
+}
+
+#[test]
+fn runs_jsonl_has_a_whole_line_at_once_for_every_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out/runs.jsonl");
+    let row = record().summary_row();
+    let lines = || -> Vec<serde_json::Value> {
+        std::fs::read_to_string(&path).unwrap().lines().map(|l| serde_json::from_str(l).unwrap()).collect()
+    };
+    let mut log = RunsLog::append(&path).unwrap();
+    log.push(&row).unwrap();
+    assert_eq!(lines().len(), 1, "on disk while the log is open");
+    log.push(&row).unwrap();
+    drop(log);
+    RunsLog::append(&path).unwrap().push(&row).unwrap();
+    let lines = lines();
+    assert_eq!(lines.len(), 3, "a later batch appends");
+    assert_eq!(lines[0]["contact.method"], "exact");
+    assert_eq!(lines[0]["floor.friction"].as_f64(), Some(0.1 + 0.2));
+    assert_eq!(lines[0]["seed"].as_u64(), Some(u64::MAX));
+    assert_eq!(lines[0]["final_base_x"].as_f64(), Some(1.0 / 3.0));
+    assert_eq!(lines[0]["first_liftoff_s"], serde_json::Value::Null);
+}
+
+#[test]
+fn a_line_torn_by_a_crash_does_not_spoil_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("runs.jsonl");
+    std::fs::write(&path, "{\"scenario\":\"pu").unwrap();
+    RunsLog::append(&path).unwrap().push(&record().summary_row()).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(text.lines().count(), 2);
+    assert!(serde_json::from_str::<serde_json::Value>(text.lines().nth(1).unwrap()).is_ok());
+}

@@ -1,0 +1,221 @@
+//! A small robot, a made-up motion and a log of it.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
+use std::path::Path;
+use stiction::record::{Document, LogHeader, LogWriter, Topics};
+use stiction::robot::{Base, Drive, Geometry, Joint, JointKind, Link, LinkId, Merged, Model, Shape, Sole};
+use stiction::sim::{Observer, SimEvent, Snapshot, SoleSnapshot};
+
+pub const URDF: &str = r#"<robot name="sample">
+  <link name="trunk"><visual><geometry><box size="0.2 0.3 0.1"/></geometry></visual></link>
+  <link name="plate"/><link name="tip"/><link name="shank"/><link name="ball"/>
+  <joint name="weld" type="fixed"><parent link="trunk"/><child link="plate"/><origin xyz="0 0 0.05"/></joint>
+  <joint name="bolt" type="fixed"><parent link="plate"/><child link="tip"/><origin xyz="0 0.1 0"/></joint>
+  <joint name="hip" type="revolute"><parent link="trunk"/><child link="shank"/>
+    <origin xyz="0 0 -0.1"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="10" velocity="5"/></joint>
+  <joint name="ankle" type="continuous"><parent link="shank"/><child link="ball"/>
+    <origin xyz="0 0 -0.2"/><axis xyz="1 0 0"/></joint>
+</robot>
+"#;
+pub const SCENARIO: &str = "schema = 1\nduration = 0.1 # größer\n";
+pub const ROBOT: &str = "urdf = \"sample.urdf\"\n";
+
+fn isometry(x: f64, y: f64, z: f64, axis_angle: [f64; 3]) -> Isometry3<f64> {
+    Isometry3::new(Vector3::new(x, y, z), axis_angle.into())
+}
+
+fn link(name: &str, parent: Option<usize>, urdf_frame: Isometry3<f64>, visuals: Vec<Shape>) -> Link {
+    Link {
+        name: name.into(),
+        parent: parent.map(LinkId),
+        rotation: Matrix3::identity(),
+        offset: Vector3::zeros(),
+        mass: 1.5,
+        com: Vector3::zeros(),
+        inertia: Matrix3::identity() * 0.01,
+        urdf_frame,
+        merged: Vec::new(),
+        visuals,
+        collisions: Vec::new(),
+    }
+}
+
+fn joint(name: &str, kind: JointKind) -> Joint {
+    Joint {
+        name: name.into(),
+        kind,
+        lower: -1.0,
+        upper: 1.0,
+        velocity_limit: f64::INFINITY,
+        effort_limit: f64::INFINITY,
+        damping: 0.0,
+        friction: 0.0,
+        armature: 0.0,
+        drive: Drive::default(),
+        drive_configured: false,
+    }
+}
+
+/// A tetrahedron.
+pub fn mesh() -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    let points = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.25]];
+    (points.map(Point3::from).to_vec(), vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+}
+
+/// A box, a mesh whose internal frame is turned, and a sphere under it; two soles.
+pub fn model() -> Model {
+    let colour = [0.25, 0.5, 0.75, 1.0];
+    let turned = isometry(0.01, 0.02, 0.03, [std::f64::consts::FRAC_PI_2, 0.0, 0.0]);
+    let (points, triangles) = mesh();
+    let mut trunk = link(
+        "trunk",
+        None,
+        Isometry3::identity(),
+        vec![Shape {
+            pose: isometry(0.0, 0.0, 0.4, [0.0, 0.0, 0.3]),
+            geometry: Geometry::Box(Vector3::new(0.2, 0.3, 0.1)),
+            rgba: colour,
+        }],
+    );
+    trunk.merged.push(Merged { name: "plate".into(), pose: isometry(0.0, 0.0, 0.05, [0.0; 3]) });
+    trunk.merged.push(Merged { name: "tip".into(), pose: isometry(0.0, 0.1, 0.05, [0.0; 3]) });
+    let shank = link(
+        "shank",
+        Some(0),
+        turned,
+        vec![Shape {
+            // Exactly the URDF frame: seen from there, the mesh must sit at the origin.
+            pose: turned,
+            geometry: Geometry::Mesh(points, triangles),
+            rgba: colour,
+        }],
+    );
+    let ball = link(
+        "ball",
+        Some(1),
+        isometry(0.0, 0.0, 0.0, [0.0, -0.4, 0.0]),
+        vec![
+            Shape { pose: Isometry3::identity(), geometry: Geometry::Sphere(0.03), rgba: colour },
+            Shape { pose: isometry(0.1, 0.0, 0.0, [0.0; 3]), geometry: Geometry::Capsule(0.02, 0.2), rgba: colour },
+            Shape { pose: isometry(0.2, 0.0, 0.0, [0.0; 3]), geometry: Geometry::Cylinder(0.02, 0.2), rgba: colour },
+        ],
+    );
+    let square = [[0.05, 0.03], [-0.05, 0.03], [-0.05, -0.03], [0.05, -0.03]];
+    Model {
+        name: "sample".into(),
+        base: Base::Floating,
+        links: vec![trunk, shank, ball],
+        joints: vec![joint("hip", JointKind::Revolute), joint("ankle", JointKind::Continuous)],
+        soles: vec![
+            Sole {
+                name: "left".into(),
+                link: LinkId(1),
+                vertices: square.map(|[x, y]| Vector3::new(x, y, -0.2)).to_vec(),
+            },
+            Sole { name: "toe".into(), link: LinkId(2), vertices: vec![Vector3::new(0.0, 0.0, -0.03)] },
+        ],
+        home: vec![0.0, 0.0],
+    }
+}
+
+/// Numbers without pattern, but the same each time.
+fn wobble(tick: usize, i: usize) -> f64 {
+    ((tick * 31 + i * 17) as f64 * 0.618_033_988_749_894_9).sin()
+}
+
+fn vector(tick: usize, i: usize) -> Vector3<f64> {
+    Vector3::new(wobble(tick, i), wobble(tick, i + 1), wobble(tick, i + 2))
+}
+
+/// The vertices are where the link is: readers may compare them with the sole's frame.
+fn sole(tick: usize, state: &str, link: &Link, pose: &Isometry3<f64>, vertices: &[Vector3<f64>]) -> SoleSnapshot {
+    let internal = pose * link.urdf_frame.inverse();
+    let each = |shift: usize| (0..vertices.len()).map(|v| vector(tick, shift + 5 * v)).collect::<Vec<_>>();
+    let touching = state != "free";
+    SoleSnapshot {
+        state: state.into(),
+        clamped: (0..vertices.len()).map(|v| touching && v != 1).collect(),
+        positions: vertices.iter().map(|v| (internal * Point3::from(*v)).coords).collect(),
+        velocities: each(70),
+        forces: each(90).into_iter().map(|f| if touching { f * 20.0 } else { Vector3::zeros() }).collect(),
+    }
+}
+
+/// Tick `tick` of a motion logged at 200 Hz: both soles down, then sliding, then in flight.
+pub fn snapshot(tick: usize) -> Snapshot {
+    let pose = |i: usize| {
+        Isometry3::from_parts(
+            Translation3::from(vector(tick, i)),
+            UnitQuaternion::from_scaled_axis(vector(tick, i + 3) * 2.0),
+        )
+    };
+    let link_poses: Vec<_> = (0..3).map(|i| pose(10 * i)).collect();
+    let model = model();
+    let state = ["face-static", "face-dynamic", "free"][tick % 3];
+    Snapshot {
+        time: tick as f64 * 0.005,
+        base_pose: link_poses[0],
+        base_linear_velocity: vector(tick, 100),
+        base_angular_velocity: vector(tick, 103),
+        q: vec![wobble(tick, 1), wobble(tick, 2)],
+        qd: vec![wobble(tick, 3), wobble(tick, 4)],
+        effort: vec![wobble(tick, 5), wobble(tick, 6)],
+        q_desired: vec![wobble(tick, 7), wobble(tick, 8)],
+        qd_desired: vec![wobble(tick, 9), 0.0],
+        link_poses: link_poses.clone(),
+        com: vector(tick, 200),
+        com_velocity: vector(tick, 203),
+        centre_of_pressure: (state != "free").then(|| vector(tick, 206)),
+        support_polygon: if state == "free" { Vec::new() } else { (0..5).map(|i| vector(tick, 300 + i)).collect() },
+        soles: model
+            .soles
+            .iter()
+            .zip([state, "free"])
+            .map(|(s, state)| sole(tick, state, &model.links[s.link.0], &link_poses[s.link.0], &s.vertices))
+            .collect(),
+        external: if tick.is_multiple_of(2) { vec![(vector(tick, 400), vector(tick, 403) * 30.0)] } else { Vec::new() },
+    }
+}
+
+pub fn event(tick: usize) -> SimEvent {
+    let kinds = ["touchdown", "slip", "jam", "inconsistent"];
+    SimEvent {
+        time: tick as f64 * 0.005 + 0.001_234_567_8,
+        kind: kinds[tick % kinds.len()],
+        subject: "left".into(),
+        message: if tick == 2 { String::new() } else { format!("left sole at tick {tick}") },
+    }
+}
+
+pub fn header(topics: Topics) -> LogHeader<'static> {
+    LogHeader {
+        scenario_name: "sample",
+        key: "0123abcd",
+        method: "exact",
+        scenario: Document { name: "sample.toml", text: SCENARIO },
+        robot: Some(Document { name: "robot.toml", text: ROBOT }),
+        urdf: Document { name: "sample.urdf", text: URDF },
+        floor: isometry(0.0, 0.0, -0.1, [0.2, 0.0, 0.0]),
+        topics,
+    }
+}
+
+/// A writer that has seen `ticks` snapshots and three events.
+pub fn started(path: &Path, ticks: usize, topics: Topics) -> LogWriter {
+    let mut log = LogWriter::create(path, &model(), &header(topics)).unwrap();
+    for tick in 0..ticks {
+        log.snapshot(&snapshot(tick)).unwrap();
+        if tick < 4 {
+            log.event(&event(tick)).unwrap();
+        }
+    }
+    log
+}
+
+/// The bytes of a finished log.
+pub fn log(ticks: usize, topics: Topics) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.mcap");
+    started(&path, ticks, topics).finish().unwrap();
+    std::fs::read(&path).unwrap()
+}

@@ -1,0 +1,228 @@
+//! `summary.csv` and `summary.parquet`, read back; the table for people.
+
+use super::run::record;
+use polars::prelude::{AnyValue, DataFrame, DataType};
+use polars_io::SerReader;
+use polars_io::csv::read::CsvReadOptions;
+use polars_io::parquet::read::ParquetReader;
+use std::fs::File;
+use stiction::record::{NUMERIC_COLUMNS, ParamValue, SummaryRow, metric, table, write_summary};
+use stiction::sim::Outcome;
+
+/// The contract, typed from the description for users.
+const BEFORE: &str = "scenario, key, outcome, message, method, integrator, seed";
+const AFTER: &str = "duration_s, wall_s, cpu_s, real_time_factor, steps, rejected_steps, evaluations, events, \
+    state_changes, states_tested_mean, states_tested_max, impacts, jams, inconsistent, final_base_x, final_base_y, \
+    final_base_z, final_base_roll, final_base_pitch, final_base_yaw, final_base_vx, final_base_vy, final_base_vz, \
+    max_penetration_m, max_static_creep_m, max_lift_m, max_cone_excess, energy_error_J, error_position_rms_m, \
+    error_joint_rms_rad, error_force_rms_N, contact_state_agreement, first_touchdown_s, first_liftoff_s, \
+    first_slip_s, first_stick_s, first_fall_s, max_projection_m";
+
+fn row(parameters: &[(&str, ParamValue)]) -> SummaryRow {
+    let parameters = parameters.iter().map(|(n, v)| ((*n).to_owned(), v.clone())).collect();
+    SummaryRow { parameters, ..record().summary_row() }
+}
+
+/// Three rows with different parameters: whole numbers, mixed numbers, numbers and text.
+fn rows() -> Vec<SummaryRow> {
+    let mut last = row(&[("n", 3.into()), ("mu", 1.into()), ("contact.method", "one-step".into())]);
+    last.outcome = Outcome::Passed;
+    last.message.clear();
+    last.metrics.selections = 0;
+    last.metrics.first_liftoff_s = Some(0.1 + 0.2);
+    last.metrics.final_base_position[2] = f64::NAN;
+    vec![
+        row(&[("mu", 0.3.into()), ("n", 1.into())]),
+        row(&[("mu", (0.1 + 0.2).into()), ("step", 1e-3.into()), ("contact.method", 2.5.into())]),
+        last,
+    ]
+}
+
+/// The text of both files, as tables.
+fn written(rows: &[SummaryRow]) -> (DataFrame, DataFrame, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let files = write_summary(&folder.path().join("results"), rows).unwrap();
+    assert_eq!(std::fs::read_dir(folder.path().join("results")).unwrap().count(), 2, "nothing else is left");
+    let text = std::fs::read_to_string(&files.csv).unwrap();
+    let csv = CsvReadOptions::default()
+        // Every cell as its text: the numbers are read below, not by the writer's own library.
+        .with_infer_schema_length(Some(0))
+        .try_into_reader_with_file_path(Some(files.csv))
+        .unwrap()
+        .finish()
+        .unwrap();
+    (csv, ParquetReader::new(File::open(files.parquet).unwrap()).finish().unwrap(), text)
+}
+
+fn names(frame: &DataFrame) -> Vec<String> {
+    frame.get_column_names().into_iter().map(ToString::to_string).collect()
+}
+
+/// A cell as a number; `None` when empty.
+fn number(frame: &DataFrame, column: &str, row: usize) -> Option<f64> {
+    match frame.column(column).unwrap().get(row).unwrap() {
+        AnyValue::Null => None,
+        AnyValue::Float64(x) => Some(x),
+        AnyValue::UInt64(n) => Some(n as f64),
+        AnyValue::Int64(n) => Some(n as f64),
+        AnyValue::String(text) => Some(text.parse().unwrap()),
+        other => panic!("{column} is no number: {other:?}"),
+    }
+}
+
+#[test]
+fn columns_are_those_of_the_contract_with_the_parameters_between() {
+    let (csv, parquet, _) = written(&rows());
+    let expected: Vec<&str> =
+        BEFORE.split(", ").chain(["mu", "n", "step", "contact.method"]).chain(AFTER.split(", ")).collect();
+    assert_eq!(names(&csv), expected);
+    assert_eq!(names(&parquet), expected);
+    assert_eq!(NUMERIC_COLUMNS.to_vec(), AFTER.split(", ").collect::<Vec<_>>());
+}
+
+#[test]
+fn numbers_read_back_to_the_last_bit_from_both_files() {
+    let rows = rows();
+    let (csv, parquet, _) = written(&rows);
+    for (i, row) in rows.iter().enumerate() {
+        for column in NUMERIC_COLUMNS {
+            let expected = metric(row, column).map(f64::to_bits);
+            assert_eq!(number(&parquet, column, i).map(f64::to_bits), expected, "parquet {column} {i}");
+            // Text keeps every value; of a NaN it keeps that it is one.
+            let found = number(&csv, column, i);
+            let same = found.map(f64::to_bits) == expected || found.is_some_and(f64::is_nan);
+            assert!(same, "csv {column} {i}: {found:?}");
+        }
+        assert_eq!(parquet.column("seed").unwrap().get(i).unwrap(), AnyValue::UInt64(row.seed));
+    }
+    assert_eq!(number(&parquet, "energy_error_J", 0), Some(-4.900_000_000_000_001));
+    assert_eq!(parquet.column("steps").unwrap().get(0).unwrap(), AnyValue::UInt64(u64::MAX));
+}
+
+#[test]
+fn what_never_happened_is_empty() {
+    let (csv, parquet, text) = written(&rows());
+    for frame in [&csv, &parquet] {
+        assert_eq!(frame.column("first_stick_s").unwrap().null_count(), 3);
+        assert_eq!(frame.column("error_position_rms_m").unwrap().null_count(), 3);
+        assert_eq!(number(frame, "first_liftoff_s", 0), None);
+        assert_eq!(number(frame, "first_liftoff_s", 2), Some(0.1 + 0.2));
+        assert_eq!(number(frame, "first_slip_s", 0), Some(0.0), "happened at the start, not never");
+        assert_eq!(number(frame, "states_tested_mean", 0), Some(10.0 / 3.0));
+        assert_eq!(number(frame, "states_tested_mean", 2), None, "no selection, no mean");
+    }
+    assert!(
+        text.lines().last().unwrap().ends_with(",,,,,0.04999999999999999,0.30000000000000004,0.0,,0.14285714285714285"),
+        "{text}"
+    );
+}
+
+#[test]
+fn parameters_are_a_union_typed_by_their_values() {
+    let (_, parquet, _) = written(&rows());
+    let column = |name: &str| parquet.column(name).unwrap().clone();
+    assert_eq!(*column("n").dtype(), DataType::Int64);
+    assert_eq!(column("n").get(1).unwrap(), AnyValue::Null);
+    assert_eq!(*column("mu").dtype(), DataType::Float64);
+    assert_eq!(column("mu").get(1).unwrap(), AnyValue::Float64(0.1 + 0.2));
+    assert_eq!(column("mu").get(2).unwrap(), AnyValue::Float64(1.0));
+    assert_eq!(column("step").null_count(), 2);
+    let mixed = column("contact.method");
+    assert_eq!(mixed.str().unwrap().iter().collect::<Vec<_>>(), [None, Some("2.5"), Some("one-step")]);
+}
+
+#[test]
+fn words_survive_commas_and_quotes_on_one_line_per_run() {
+    let (csv, parquet, text) = written(&rows());
+    for frame in [&csv, &parquet] {
+        let messages = frame.column("message").unwrap().str().unwrap();
+        assert_eq!(messages.get(0), Some("base below 0.2 m at 1.5 s, \"left\" foot first"));
+        assert_eq!(messages.get(2), None, "nothing to say");
+        let outcomes = frame.column("outcome").unwrap().str().unwrap();
+        assert_eq!(outcomes.iter().flatten().collect::<Vec<_>>(), ["fallen", "fallen", "passed"]);
+    }
+    assert_eq!(text.lines().count(), 4, "{text}");
+    assert!(text.lines().last().unwrap().starts_with("push,0123abcd,passed,,exact,"), "{text}");
+}
+
+#[test]
+fn a_summary_replaces_the_last_one_and_may_be_empty() {
+    let folder = tempfile::tempdir().unwrap();
+    write_summary(folder.path(), &rows()).unwrap();
+    let files = write_summary(folder.path(), &[]).unwrap();
+    assert_eq!(std::fs::read_to_string(files.csv).unwrap(), format!("{BEFORE}, {AFTER}\n").replace(", ", ","));
+}
+
+#[test]
+fn a_parameter_named_like_a_column_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = write_summary(folder.path(), &[row(&[("steps", 1.into())])]).unwrap_err();
+    assert!(error.to_string().contains("steps"), "{error}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn every_column_has_its_own_metric() {
+    let expected = [
+        ("duration_s", Some(0.1 + 0.2)),
+        ("wall_s", Some(0.7)),
+        ("cpu_s", Some(0.1 + 0.7)),
+        ("real_time_factor", Some((0.1 + 0.2) / 0.7)),
+        ("steps", Some(u64::MAX as f64)),
+        ("rejected_steps", Some(2.0)),
+        ("evaluations", Some(3.0)),
+        ("events", Some(4.0)),
+        ("state_changes", Some(5.0)),
+        ("states_tested_mean", Some(10.0 / 3.0)),
+        ("states_tested_max", Some(7.0)),
+        ("impacts", Some(8.0)),
+        ("jams", Some(9.0)),
+        ("inconsistent", Some(11.0)),
+        ("final_base_x", Some(1.0 / 3.0)),
+        ("final_base_y", Some(-2e-308)),
+        ("final_base_z", Some(1e300)),
+        ("final_base_roll", Some(5e-324)),
+        ("final_base_pitch", Some(-0.0)),
+        ("final_base_yaw", Some(std::f64::consts::PI)),
+        ("final_base_vx", Some(f64::MAX)),
+        ("final_base_vy", Some(f64::MIN_POSITIVE)),
+        ("final_base_vz", Some(123_456_789.123_456_79)),
+        ("max_penetration_m", Some(1.1e-7)),
+        ("max_static_creep_m", Some(2.2e-16)),
+        ("max_lift_m", Some(0.3)),
+        ("max_cone_excess", Some(1e-17)),
+        ("energy_error_J", Some(-4.900_000_000_000_001)),
+        ("error_position_rms_m", None),
+        ("error_joint_rms_rad", None),
+        ("error_force_rms_N", None),
+        ("contact_state_agreement", None),
+        ("first_touchdown_s", Some(0.049_999_999_999_999_99)),
+        ("first_liftoff_s", None),
+        ("first_slip_s", Some(0.0)),
+        ("first_stick_s", None),
+        ("first_fall_s", Some(1.0 / 7.0)),
+    ];
+    let found = NUMERIC_COLUMNS.map(|column| (column, metric(&rows()[0], column)));
+    assert_eq!(found, expected);
+    // Two marks that are empty above must not be each other.
+    let mut row = rows().remove(0);
+    row.metrics.first_stick_s = Some(0.25);
+    assert_eq!((metric(&row, "first_stick_s"), metric(&row, "first_liftoff_s")), (Some(0.25), None));
+    for name in ["scenario", "seed", "nonsense"] {
+        assert_eq!(metric(&row, name), None);
+    }
+}
+
+#[test]
+fn the_table_is_aligned_and_says_what_went_wrong() {
+    let text = table(&rows());
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 6, "header, three runs, two reasons\n{text}");
+    let end = |line: &str, cell: &str| line.find(cell).map(|at| line[..at].chars().count() + cell.len());
+    assert_eq!(end(lines[0], "wall s"), end(lines[1], "0.700"));
+    assert_eq!(lines[0].find("mu"), lines[1].find("0.3"));
+    assert_eq!(lines[0].find("outcome"), lines[3].find("passed"));
+    assert!(lines[3].contains("one-step"));
+    assert_eq!(lines[4], "fallen push 0123abcd: base below 0.2 m at 1.5 s, \"left\" foot first");
+    assert!(lines.iter().all(|l| !l.ends_with(' ')));
+}
