@@ -4,4 +4,5 @@
 //! `task` into one run; `record` keeps what it tells; `batch` drives many runs; `cli` only translates.
 
 pub mod robot;
+pub mod scenario;
 pub mod sim;

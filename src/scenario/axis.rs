@@ -93,6 +93,9 @@ fn ends(a: f64, b: f64, n: usize, inner: impl Fn(usize) -> f64) -> Vec<f64> {
 /// The number with 14 significant decimal digits relative to `scale`: what was meant when both ends are decimal, and
 /// nearer than any simulation resolves when not.
 fn decimal(x: f64, scale: f64) -> f64 {
+    if scale == 0.0 {
+        return 0.0;
+    }
     let digits = 13 - scale.log10().floor() as i64;
     let rounded = format!("{x:.*}", digits.clamp(0, 330) as usize).parse().unwrap_or(x);
     // No negative zero.

@@ -66,7 +66,15 @@ impl Grid {
         for (path, entry, axis) in axes {
             let values = match axis {
                 Some(axis) => axis::nodes(axis, &entry.node),
-                None => path.get(root).cloned().into_iter().collect(),
+                None => match path.get(root) {
+                    Some(value) => vec![value.clone()],
+                    // Overridden, and then overridden as a whole.
+                    None => {
+                        let message = format!("`{}` is swept, and overrides leave no such value", entry.key);
+                        findings.error(entry.key_span.clone(), message, None);
+                        continue;
+                    }
+                },
             };
             refuse_twins(&entry.key, &values, findings);
             keys.push(Key { name: entry.key.clone(), path, values });

@@ -41,7 +41,9 @@ impl Path {
             segments.push((key.get_ref().to_string(), place(key.span())));
             match value.get_ref() {
                 DeValue::Table(inner) => table = inner,
-                _ => return Ok(Path { segments }),
+                // The text is a key and nothing else if the value is the one put behind it.
+                _ if value.span().start + 1 == document.len() => return Ok(Path { segments }),
+                _ => return Err(bad()),
             }
         }
     }

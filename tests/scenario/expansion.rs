@@ -211,3 +211,10 @@ fn later_findings_are_shown_where_the_value_of_that_run_was_written() {
     let runs = file.expand(&set(&["force.0.link=z"])).unwrap();
     assert_eq!(runs[0].error_at("force.0.link", "x", None).location(), "--set:1:16");
 }
+
+#[test]
+fn overrides_of_a_swept_key_and_then_of_its_table() {
+    let text = format!("{SMALLEST}[sweep]\ngrid = {{ \"floor.height\" = [0, 1] }}\n");
+    let found = wrong(&text, &set(&["floor.height=2", "floor={}"]));
+    assert!(found.to_string().contains("overrides leave no such value"), "{found}");
+}

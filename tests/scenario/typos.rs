@@ -2,6 +2,8 @@
 
 use proptest::prelude::*;
 
+use stiction::scenario::parse_override;
+
 use super::{FULL, file, runs};
 
 /// Every key of [`FULL`] that the format knows, by its byte range; names of joints are the robot's and any word is one.
@@ -82,6 +84,25 @@ proptest! {
             Err(found) => {
                 let named = found.iter().any(|d| d.place.is_some_and(|p| p.line == line) && d.message.contains(&typo));
                 prop_assert!(named, "line {line}, `{typo}`:\n{found}");
+            }
+        }
+    }
+
+    /// Text that is cut, doubled or sprinkled is accepted or refused, and what is refused can be shown.
+    #[test]
+    fn no_text_makes_it_panic(
+        cut in any::<(prop::sample::Index, prop::sample::Index)>(),
+        junk in "[\\PC\n\"\\[\\]{}=.,#0-9]{0,12}",
+        assignment in ("[a-z_.0-9\"]{1,20}", "[0-9a-z\\[\\]\",.{}= -]{0,12}"),
+    ) {
+        let (a, b) = (cut.0.index(FULL.len()), cut.1.index(FULL.len()));
+        let text = format!("{}{junk}{}", &FULL[..a], &FULL[b..]);
+        let overrides: Vec<_> = parse_override(&format!("{}={}", assignment.0, assignment.1)).into_iter().collect();
+        match file(&text).and_then(|f| f.expand(&overrides)) {
+            Ok(runs) => prop_assert!(!runs.is_empty()),
+            Err(found) => {
+                prop_assert!(found.has_errors());
+                prop_assert!(!found.to_string().is_empty());
             }
         }
     }

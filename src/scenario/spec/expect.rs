@@ -120,21 +120,23 @@ impl Expect {
     /// Does the metric's value hold? `Err` says in words why not. A value that is not a number never holds.
     pub fn check(&self, value: f64) -> Result<(), String> {
         let name = self.metric.as_deref().unwrap_or("value");
+        if value.is_nan() {
+            return Err(format!("{name} is not a number"));
+        }
         if let Some(wanted) = self.value {
             let tolerance = self.tolerance.unwrap_or(0.0);
             let distance = (value - wanted).abs();
-            // Written so that NaN fails.
-            if !(distance <= tolerance) {
+            if distance > tolerance {
                 return Err(format!("{name} is {value}, {distance:e} from {wanted} (tolerance {tolerance:e})"));
             }
         }
         if let Some(min) = self.min
-            && !(value >= min)
+            && value < min
         {
             return Err(format!("{name} is {value}, below {min}"));
         }
         if let Some(max) = self.max
-            && !(value <= max)
+            && value > max
         {
             return Err(format!("{name} is {value}, above {max}"));
         }
