@@ -9,5 +9,6 @@ pub mod force;
 pub mod integrate;
 pub mod record;
 pub mod robot;
+pub mod scenario;
 pub mod sim;
 pub mod task;

@@ -1,1 +1,5 @@
+//! The one integration test program; each folder is a kind of truth.
+
 mod record;
+mod robot;
+mod scenario;

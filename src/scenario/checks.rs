@@ -1,0 +1,185 @@
+//! Rules between several values of a scenario, each shown at the value that breaks it.
+
+use super::{
+    diagnostic::Findings,
+    path::Path,
+    scenario::Scenario,
+    source::Span,
+    spec::{
+        expect::Expect,
+        floor::Friction,
+        force::ForceSpec,
+        robot::{PayloadSpec, SoleSpec},
+        task::TaskSpec,
+    },
+    tree::Node,
+};
+
+/// A scenario whose single values are sound, its tree, and what is found.
+struct Check<'a> {
+    root: &'a Node,
+    findings: &'a mut Findings,
+}
+
+/// Report what does not fit together.
+pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
+    let mut check = Check { root, findings };
+    if scenario.robot.model.is_empty() {
+        check.error("robot.model", "must name a file");
+    }
+    check.friction("floor.friction", scenario.floor.friction);
+    for (i, patch) in scenario.floor.patches.iter().enumerate() {
+        check.friction(&format!("floor.patches.{i}.friction"), patch.friction);
+    }
+    check.soles(scenario.robot.soles.as_deref().unwrap_or_default());
+    for (i, payload) in scenario.robot.payload.iter().enumerate() {
+        check.payload(i, payload);
+    }
+    for (i, forced) in scenario.contact.forced.iter().enumerate() {
+        if let Some(to) = forced.to
+            && to <= forced.from
+        {
+            check.error(&format!("contact.forced.{i}.to"), format!("must be after `from` = {}, not {to}", forced.from));
+        }
+    }
+    for (i, task) in scenario.task.iter().enumerate() {
+        let TaskSpec::Posture(posture) = task;
+        if posture.joints.is_empty() {
+            check.error(&format!("task.{i}.joints"), "must name at least one joint");
+        }
+        check.starts_in_time(&format!("task.{i}"), posture.start, scenario.duration);
+    }
+    for (i, force) in scenario.force.iter().enumerate() {
+        check.force(&format!("force.{i}"), force, scenario.duration);
+    }
+    for (i, expect) in scenario.expect.iter().enumerate() {
+        check.expect(&format!("expect.{i}"), expect);
+    }
+}
+
+impl Check<'_> {
+    fn place(&self, path: &str) -> (Span, Span) {
+        Path::internal(path).locate(self.root)
+    }
+
+    fn has(&self, path: &str, key: &str) -> bool {
+        Path::internal(path).get(self.root).is_some_and(|node| node.get(key).is_some())
+    }
+
+    fn error(&mut self, path: &str, must: impl AsRef<str>) {
+        let span = self.place(path).1;
+        self.findings.error(span, format!("`{path}` {}", must.as_ref()), None);
+    }
+
+    fn friction(&mut self, path: &str, friction: Friction) {
+        let Friction { static_, kinetic } = friction;
+        if kinetic > static_ {
+            self.error(
+                &format!("{path}.kinetic"),
+                format!("must not be greater than `static` = {static_}, not {kinetic}"),
+            );
+        }
+    }
+
+    fn soles(&mut self, soles: &[SoleSpec]) {
+        for (i, sole) in soles.iter().enumerate() {
+            if sole.polygon.is_empty() {
+                self.error(&format!("robot.soles.{i}.polygon"), "must have at least one vertex");
+            }
+            if soles[..i].iter().any(|other| other.name == sole.name) {
+                self.error(&format!("robot.soles.{i}.name"), format!("{:?} is the name of two soles", sole.name));
+            }
+        }
+    }
+
+    /// A rigid body's inertia tensor is positive semidefinite, and so is `trace/2 * 1 - inertia`, the second moment of its
+    /// mass (the triangle inequality in any axes).
+    fn payload(&mut self, i: usize, payload: &PayloadSpec) {
+        let [xx, yy, zz, xy, xz, yz] = payload.inertia;
+        let half = (xx + yy + zz) / 2.0;
+        let tolerance = 1e-9 * half.abs();
+        if !semidefinite([half - xx, half - yy, half - zz, -xy, -xz, -yz], tolerance) {
+            self.error(
+                &format!("robot.payload.{i}.inertia"),
+                "is not the inertia of a rigid body (order: ixx, iyy, izz, ixy, ixz, iyz; triangle inequality)",
+            );
+        }
+    }
+
+    fn force(&mut self, path: &str, force: &ForceSpec, end: f64) {
+        let start = match force {
+            ForceSpec::Push(push) => push.start,
+            ForceSpec::Constant(constant) => constant.start,
+            ForceSpec::JointFriction(friction) => {
+                if friction.all.is_none() && friction.joints.is_empty() {
+                    self.error(path, "needs `all`, or `joints` with at least one joint");
+                }
+                return;
+            }
+        };
+        if !self.has(path, "force") && !self.has(path, "moment") {
+            self.error(path, "needs `force` or `moment`");
+        }
+        self.starts_in_time(path, start, end);
+    }
+
+    fn starts_in_time(&mut self, path: &str, start: f64, end: f64) {
+        if start >= end {
+            let span = self.place(&format!("{path}.start")).1;
+            self.findings.warning(span, format!("`{path}` starts at {start} s, but the run ends at {end} s"), None);
+        }
+    }
+
+    fn expect(&mut self, path: &str, expect: &Expect) {
+        let limits = expect.min.is_some() || expect.max.is_some();
+        let complaint = match (&expect.metric, expect.outcome) {
+            (Some(_), Some(_)) => Some("must have either `metric` or `outcome`, not both"),
+            (None, None) => Some("lacks the key `metric` (or `outcome`)"),
+            (None, Some(_)) if expect.value.is_some() || expect.tolerance.is_some() || limits => {
+                Some("with `outcome` takes no value and no limits")
+            }
+            (None, Some(_)) => None,
+            (Some(_), None) => match (expect.value, expect.tolerance) {
+                (Some(_), None) => Some("lacks the key `tolerance` beside `value`"),
+                (None, Some(_)) => Some("lacks the key `value` beside `tolerance`"),
+                (Some(_), Some(_)) if limits => Some("must have either `value` or `min` and `max`, not both"),
+                (None, None) if !limits => Some("needs `value` and `tolerance`, or `min` or `max`"),
+                _ => None,
+            },
+        };
+        if let Some(complaint) = complaint {
+            self.error(path, complaint);
+        }
+        if let (Some(min), Some(max)) = (expect.min, expect.max)
+            && max < min
+        {
+            self.error(&format!("{path}.max"), format!("must not be smaller than `min` = {min}, not {max}"));
+        }
+    }
+}
+
+/// Is a symmetric matrix `[xx, yy, zz, xy, xz, yz]` positive semidefinite: no principal minor below zero.
+fn semidefinite([xx, yy, zz, xy, xz, yz]: [f64; 6], tolerance: f64) -> bool {
+    let (t, t2, t3) = (tolerance, tolerance * tolerance.max(xx + yy + zz), tolerance * (xx + yy + zz).powi(2));
+    let determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+    [xx, yy, zz].iter().all(|d| *d >= -t)
+        && [xx * yy - xy * xy, xx * zz - xz * xz, yy * zz - yz * yz].iter().all(|d| *d >= -t2)
+        && determinant >= -t3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::semidefinite;
+
+    #[test]
+    fn semidefiniteness_by_known_matrices() {
+        assert!(semidefinite([1.0, 1.0, 1.0, 0.0, 0.0, 0.0], 1e-12));
+        assert!(semidefinite([0.0; 6], 0.0));
+        // The outer product of (1, 2, 3) with itself: eigenvalues 14, 0, 0.
+        assert!(semidefinite([1.0, 4.0, 9.0, 2.0, 3.0, 6.0], 1e-12));
+        assert!(!semidefinite([1.0, 4.0, 9.0, 2.1, 3.0, 6.0], 1e-12));
+        assert!(!semidefinite([1.0, 1.0, -0.1, 0.0, 0.0, 0.0], 1e-12));
+        // Every 2x2 minor is positive, the determinant is 1 - 3 * 0.81 - 2 * 0.729 < 0.
+        assert!(!semidefinite([1.0, 1.0, 1.0, 0.9, 0.9, -0.9], 1e-12));
+    }
+}

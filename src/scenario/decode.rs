@@ -1,0 +1,288 @@
+//! From a [`Node`] to a typed value: a serde deserializer whose errors know their place and their path.
+//!
+//! serde's own errors carry text only. This one keeps the span of the key or value, the dotted path that leads there
+//! and a help line apart, and words messages so that they read after the path: "`floor.friction` must be ...".
+
+use std::fmt;
+
+use serde::{
+    de::{
+        self, DeserializeSeed, Deserializer, EnumAccess, Expected, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
+        VariantAccess, Visitor,
+    },
+    forward_to_deserialize_any,
+};
+
+use super::{
+    diagnostic::Findings,
+    source::Span,
+    suggest,
+    tree::{Entry, Node, Value},
+};
+
+/// Why a value could not be read.
+#[derive(Debug)]
+pub struct DecodeError {
+    span: Option<Span>,
+    path: Vec<String>,
+    what: String,
+    help: Option<String>,
+    /// The message names its own subject and needs no path in front.
+    whole: bool,
+}
+
+impl DecodeError {
+    /// Shown at `span` unless a nearer place is known.
+    pub fn at(mut self, span: &Span) -> Self {
+        self.span.get_or_insert_with(|| span.clone());
+        self
+    }
+
+    fn below(mut self, key: &str) -> Self {
+        self.path.insert(0, key.to_owned());
+        self
+    }
+
+    fn predicate(what: impl Into<String>, help: Option<String>) -> Self {
+        DecodeError { span: None, path: Vec::new(), what: what.into(), help, whole: false }
+    }
+
+    /// Report it, as a part of what stands at `prefix`.
+    pub fn report(mut self, prefix: &str, findings: &mut Findings) {
+        for segment in prefix.rsplit('.') {
+            self = self.below(segment);
+        }
+        // A key with a dot in it, such as a swept path, stays one key.
+        let quoted = |key: &String| if key.contains('.') { format!("{key:?}") } else { key.clone() };
+        let path = self.path.iter().map(quoted).collect::<Vec<_>>().join(".");
+        let message = match (self.whole, path.is_empty()) {
+            (true, true) => self.what,
+            (true, false) => format!("{} in `{path}`", self.what),
+            (false, true) => format!("the scenario {}", self.what),
+            (false, false) => format!("`{path}` {}", self.what),
+        };
+        findings.error(self.span.unwrap_or(0..0), message, self.help);
+    }
+}
+
+impl fmt::Display for DecodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.what)
+    }
+}
+
+impl std::error::Error for DecodeError {}
+
+impl de::Error for DecodeError {
+    /// A predicate such as "must be positive"; a second line becomes the help.
+    fn custom<T: fmt::Display>(message: T) -> Self {
+        let text = message.to_string();
+        match text.split_once('\n') {
+            Some((what, help)) => Self::predicate(what, Some(help.to_owned())),
+            None => Self::predicate(text, None),
+        }
+    }
+
+    fn invalid_type(found: Unexpected<'_>, wanted: &dyn Expected) -> Self {
+        Self::predicate(format!("must be {}, not {}", plain(wanted), found_in_words(&found)), None)
+    }
+
+    fn invalid_value(found: Unexpected<'_>, wanted: &dyn Expected) -> Self {
+        Self::invalid_type(found, wanted)
+    }
+
+    fn invalid_length(length: usize, wanted: &dyn Expected) -> Self {
+        Self::predicate(format!("must be {}, not of length {length}", plain(wanted)), None)
+    }
+
+    fn unknown_variant(found: &str, known: &'static [&'static str]) -> Self {
+        let help = suggest::help(found, known.iter().copied());
+        Self::predicate(format!("cannot be {found:?}"), Some(help))
+    }
+
+    fn unknown_field(found: &str, known: &'static [&'static str]) -> Self {
+        let help = suggest::help(found, known.iter().copied());
+        DecodeError { whole: true, ..Self::predicate(format!("unknown key `{found}`"), Some(help)) }
+    }
+
+    fn missing_field(field: &'static str) -> Self {
+        Self::predicate(format!("lacks the key `{field}`"), None)
+    }
+
+    fn duplicate_field(field: &'static str) -> Self {
+        Self::predicate(format!("has the key `{field}` twice"), None)
+    }
+}
+
+/// serde names Rust types; a user knows TOML's.
+fn plain(wanted: &dyn Expected) -> String {
+    let text = wanted.to_string();
+    match text.as_str() {
+        "f64" => "a number".into(),
+        "u64" | "u32" | "u8" | "usize" => "a whole number that is not negative".into(),
+        "i64" | "i32" => "a whole number".into(),
+        "a map" => "a table".into(),
+        "a sequence" => "an array".into(),
+        _ if text.starts_with("struct ") => "a table".into(),
+        _ => text,
+    }
+}
+
+fn found_in_words(found: &Unexpected<'_>) -> String {
+    match found {
+        Unexpected::Float(x) => format!("the number {x}"),
+        Unexpected::Signed(n) => format!("the number {n}"),
+        Unexpected::Unsigned(n) => format!("the number {n}"),
+        Unexpected::Map => "a table".into(),
+        Unexpected::Seq => "an array".into(),
+        Unexpected::Bool(yes) => format!("`{yes}`"),
+        Unexpected::Str(text) => format!("the string {text:?}"),
+        other => other.to_string(),
+    }
+}
+
+/// Reads one node.
+#[derive(Clone, Copy)]
+pub struct NodeDeserializer<'a>(pub &'a Node);
+
+impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
+    type Error = DecodeError;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DecodeError> {
+        match &self.0.value {
+            Value::String(text) | Value::Datetime(text) => visitor.visit_borrowed_str(text),
+            Value::Integer(number) => visitor.visit_i64(*number),
+            Value::Float(number) => visitor.visit_f64(*number),
+            Value::Boolean(yes) => visitor.visit_bool(*yes),
+            Value::Array(items) => {
+                let mut access = Items { items, next: 0 };
+                visitor.visit_seq(&mut access).and_then(|value| {
+                    // Fixed-size arrays stop reading when they are full.
+                    if access.next == items.len() {
+                        return Ok(value);
+                    }
+                    let (has, wanted) = (items.len(), access.next);
+                    Err(DecodeError::predicate(
+                        format!("must be an array of length {wanted}, not of length {has}"),
+                        None,
+                    ))
+                })
+            }
+            Value::Table(entries) => visitor.visit_map(Entries { entries, next: 0 }),
+        }
+        .map_err(|e| e.at(&self.0.span))
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DecodeError> {
+        visitor.visit_some(self)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, DecodeError> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, DecodeError> {
+        // serde would read a struct from an array by position; a reader of the file could not tell what is what.
+        match self.0.value {
+            Value::Array(_) => Err(DecodeError::predicate("must be a table, not an array", None).at(&self.0.span)),
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        known: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, DecodeError> {
+        match &self.0.value {
+            Value::String(text) => visitor.visit_enum(Name(text)),
+            other => {
+                let known: Vec<_> = known.iter().map(|k| format!("\"{k}\"")).collect();
+                Err(DecodeError::predicate(format!("must be {}, not {other}", known.join(" or ")), None))
+            }
+        }
+        .map_err(|e| e.at(&self.0.span))
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple
+        tuple_struct map identifier ignored_any
+    }
+}
+
+struct Items<'a> {
+    items: &'a [Node],
+    next: usize,
+}
+
+impl<'de> SeqAccess<'de> for &mut Items<'de> {
+    type Error = DecodeError;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, DecodeError> {
+        let Some(item) = self.items.get(self.next) else { return Ok(None) };
+        let index = self.next.to_string();
+        self.next += 1;
+        seed.deserialize(NodeDeserializer(item)).map(Some).map_err(|e| e.at(&item.span).below(&index))
+    }
+}
+
+struct Entries<'a> {
+    entries: &'a [Entry],
+    next: usize,
+}
+
+impl<'de> MapAccess<'de> for Entries<'de> {
+    type Error = DecodeError;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, DecodeError> {
+        let Some(entry) = self.entries.get(self.next) else { return Ok(None) };
+        self.next += 1;
+        let key: de::value::StrDeserializer<'_, DecodeError> = entry.key.as_str().into_deserializer();
+        seed.deserialize(key).map(Some).map_err(|e| e.at(&entry.key_span))
+    }
+
+    fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, DecodeError> {
+        let entry = &self.entries[self.next - 1];
+        seed.deserialize(NodeDeserializer(&entry.node)).map_err(|e| e.at(&entry.node.span).below(&entry.key))
+    }
+}
+
+/// An enum without data, by its name.
+struct Name<'a>(&'a str);
+
+impl<'de> EnumAccess<'de> for Name<'de> {
+    type Error = DecodeError;
+    type Variant = Self;
+
+    fn variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<(T::Value, Self), DecodeError> {
+        let name: de::value::BorrowedStrDeserializer<'de, DecodeError> =
+            de::value::BorrowedStrDeserializer::new(self.0);
+        Ok((seed.deserialize(name)?, self))
+    }
+}
+
+impl<'de> VariantAccess<'de> for Name<'de> {
+    type Error = DecodeError;
+
+    fn unit_variant(self) -> Result<(), DecodeError> {
+        Ok(())
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, _: T) -> Result<T::Value, DecodeError> {
+        Err(DecodeError::predicate("must be a table", None))
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, _: usize, _: V) -> Result<V::Value, DecodeError> {
+        Err(DecodeError::predicate("must be an array", None))
+    }
+
+    fn struct_variant<V: Visitor<'de>>(self, _: &'static [&'static str], _: V) -> Result<V::Value, DecodeError> {
+        Err(DecodeError::predicate("must be a table", None))
+    }
+}

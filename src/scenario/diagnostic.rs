@@ -1,0 +1,210 @@
+//! What is wrong with a scenario, shown with file, line, column, the line itself and a caret.
+
+use std::{fmt, ops::Range, sync::Arc};
+
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+
+use super::source::{Source, Sources, Span, line_column};
+
+/// How bad it is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Severity {
+    /// The scenario cannot run.
+    Error,
+    /// It runs, but probably not as meant.
+    Warning,
+}
+
+/// Where in a text, both numbers from 1.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Place {
+    /// Line.
+    pub line: usize,
+    /// Column, in characters.
+    pub column: usize,
+}
+
+/// One thing that is wrong.
+#[derive(Clone, Debug)]
+pub struct Diagnostic {
+    /// Error or warning.
+    pub severity: Severity,
+    /// The file as it was named, or `--set` for an override.
+    pub file: String,
+    /// Where; none when the file could not even be read.
+    pub place: Option<Place>,
+    /// What is wrong, one line.
+    pub message: String,
+    /// What to do about it.
+    pub help: Option<String>,
+    snippet: Option<(Arc<Source>, Range<usize>)>,
+}
+
+impl Diagnostic {
+    pub(super) fn new(
+        severity: Severity,
+        sources: &Sources,
+        span: &Span,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) -> Self {
+        let snippet = sources.find(span).map(|(source, range)| {
+            // One line is shown, however far a table or an array reaches.
+            let line_end = source.text[range.start..].find('\n').map_or(source.text.len(), |n| range.start + n);
+            let end = range.end.min(line_end).max(range.start);
+            (source, range.start..end)
+        });
+        let (file, place) = match &snippet {
+            Some((source, range)) => {
+                let (line, column) = line_column(&source.text, range.start);
+                (source.name.clone(), Some(Place { line, column }))
+            }
+            None => (String::new(), None),
+        };
+        Diagnostic { severity, file, place, message: message.into(), help, snippet }
+    }
+
+    pub(super) fn error(sources: &Sources, span: &Span, message: impl Into<String>, help: Option<String>) -> Self {
+        Self::new(Severity::Error, sources, span, message, help)
+    }
+
+    /// An error about a file as a whole.
+    pub fn unreadable(file: impl Into<String>, message: impl Into<String>) -> Self {
+        Diagnostic {
+            severity: Severity::Error,
+            file: file.into(),
+            place: None,
+            message: message.into(),
+            help: None,
+            snippet: None,
+        }
+    }
+
+    /// `file:line:column`, or the file alone.
+    pub fn location(&self) -> String {
+        match self.place {
+            Some(Place { line, column }) => format!("{}:{line}:{column}", self.file),
+            None => self.file.clone(),
+        }
+    }
+
+    /// The diagnostic as a compiler shows it, with terminal colours or without; no newline at the end.
+    pub fn render(&self, colour: bool) -> String {
+        let level = match self.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+        };
+        let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
+        let mut group = level.primary_title(&self.message).elements(self.snippet.iter().map(|(source, range)| {
+            Snippet::source(&source.text).path(&self.file).annotation(AnnotationKind::Primary.span(range.clone()))
+        }));
+        if self.snippet.is_none() {
+            group = group.element(annotate_snippets::Origin::path(&self.file));
+        }
+        if let Some(help) = &self.help {
+            group = group.element(Level::HELP.message(help));
+        }
+        renderer.render(&[group])
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for Diagnostic {}
+
+/// One or more [`Diagnostic`]s, in the order of their places.
+#[derive(Clone, Debug, Default)]
+pub struct Diagnostics(pub Vec<Diagnostic>);
+
+impl Diagnostics {
+    /// Are there none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// In order.
+    pub fn iter(&self) -> std::slice::Iter<'_, Diagnostic> {
+        self.0.iter()
+    }
+
+    /// Is there an error among them.
+    pub fn has_errors(&self) -> bool {
+        self.0.iter().any(|d| d.severity == Severity::Error)
+    }
+
+    /// All of them as a compiler shows them, an empty line between two.
+    pub fn render(&self, colour: bool) -> String {
+        self.0.iter().map(|d| d.render(colour)).collect::<Vec<_>>().join("\n\n")
+    }
+}
+
+impl From<Diagnostic> for Diagnostics {
+    fn from(one: Diagnostic) -> Self {
+        Diagnostics(vec![one])
+    }
+}
+
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
+/// Collects what is wrong while a scenario is read: at one place only the first finding counts, since later ones
+/// follow from it.
+#[derive(Default)]
+pub struct Findings {
+    found: Vec<(Span, Severity, String, Option<String>)>,
+}
+
+impl Findings {
+    pub fn error(&mut self, span: Span, message: impl Into<String>, help: Option<String>) {
+        self.add(Severity::Error, span, message.into(), help);
+    }
+
+    pub fn warning(&mut self, span: Span, message: impl Into<String>, help: Option<String>) {
+        self.add(Severity::Warning, span, message.into(), help);
+    }
+
+    fn add(&mut self, severity: Severity, span: Span, message: String, help: Option<String>) -> bool {
+        let new = !self.found.iter().any(|(s, v, _, _)| *s == span && *v <= severity);
+        if new {
+            self.found.push((span, severity, message, help));
+        }
+        new
+    }
+
+    pub fn has_errors(&self) -> bool {
+        self.errors() > 0
+    }
+
+    pub fn errors(&self) -> usize {
+        self.found.iter().filter(|f| f.1 == Severity::Error).count()
+    }
+
+    /// Take over all of another's; what was not known before is returned too.
+    pub fn append(&mut self, other: Findings) -> Findings {
+        let mut new = other;
+        new.found
+            .retain(|(span, severity, message, help)| self.add(*severity, span.clone(), message.clone(), help.clone()));
+        new
+    }
+
+    pub fn into_diagnostics(mut self, sources: &Sources) -> Diagnostics {
+        self.found.sort_by_key(|f| (f.0.start, f.0.end));
+        let shown =
+            self.found.into_iter().map(|(span, severity, m, h)| Diagnostic::new(severity, sources, &span, m, h));
+        Diagnostics(shown.collect())
+    }
+}

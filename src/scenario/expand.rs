@@ -1,0 +1,184 @@
+//! From one file to its runs: overrides, then every combination of the swept values, each judged as a whole.
+
+use std::{
+    path::{Path as FsPath, PathBuf},
+    sync::Arc,
+};
+
+use super::{
+    availability,
+    diagnostic::{Diagnostic, Diagnostics, Findings},
+    file::{ScenarioFile, resolve},
+    grid::Grid,
+    overrides,
+    path::Path,
+    scenario::{self, Scenario},
+    source::Sources,
+    tree::Node,
+};
+
+/// The most runs a file may expand to when nothing else is said.
+pub const DEFAULT_MAX_RUNS: usize = 10_000;
+
+/// Errors after which an expansion gives up.
+const MAX_ERRORS: usize = 50;
+
+/// One run of a scenario, everything decided.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The scenario's name.
+    pub name: String,
+    /// The scenario's file, as it was named.
+    pub file: PathBuf,
+    /// Position among the runs of the file, from 0.
+    pub index: usize,
+    /// Every value, defaults included.
+    pub scenario: Scenario,
+    /// The swept values, under their dotted names as written, in the order of the file. Repetitions differ in
+    /// `scenario.seed` and are not listed.
+    pub parameters: Vec<(String, toml::Value)>,
+    /// `scenario` as TOML; it reads back to the same.
+    pub resolved_toml: String,
+    /// What is probably not meant. A warning that several runs of a file share stands with the first of them.
+    pub warnings: Diagnostics,
+    /// Where the values come from.
+    pub origin: Origin,
+}
+
+/// Where the values of a run were written: the file with its overrides, and what the sweep put into it.
+#[derive(Clone, Debug)]
+pub struct Origin {
+    sources: Sources,
+    base: Arc<Node>,
+    swept: Vec<(Path, Node)>,
+}
+
+impl Run {
+    /// Where a path written in the scenario leads: relative ones start at the scenario file's folder.
+    pub fn resolve(&self, written: impl AsRef<FsPath>) -> PathBuf {
+        resolve(&self.file, written.as_ref())
+    }
+
+    /// An error about the value at a dotted path (such as `force.0.link`), shown where that value of this run was written,
+    /// be it in the file, its sweep or an override. For what can only be told with the robot at hand.
+    pub fn error_at(&self, path: &str, message: impl Into<String>, help: Option<String>) -> Diagnostic {
+        self.diagnose(path, false, message.into(), help)
+    }
+
+    /// The same, shown at the key: for names that are keys, such as `task.0.joints.knee`.
+    pub fn error_at_key(&self, path: &str, message: impl Into<String>, help: Option<String>) -> Diagnostic {
+        self.diagnose(path, true, message.into(), help)
+    }
+
+    fn diagnose(&self, path: &str, at_key: bool, message: String, help: Option<String>) -> Diagnostic {
+        let Origin { sources, base, swept } = &self.origin;
+        let mut root = Node::clone(base);
+        for (path, value) in swept {
+            // These have been set before, when the run was made.
+            let _ = path.set(&mut root, value.clone());
+        }
+        let (key, value) = Path::internal(path).locate(&root);
+        Diagnostic::error(sources, if at_key { &key } else { &value }, message, help)
+    }
+}
+
+impl ScenarioFile {
+    /// The runs of the file, at most [`DEFAULT_MAX_RUNS`]. See [`ScenarioFile::expand_at_most`].
+    ///
+    /// # Errors
+    /// See there.
+    pub fn expand(&self, overrides: &[(String, toml::Value)]) -> Result<Vec<Run>, Diagnostics> {
+        self.expand_at_most(overrides, DEFAULT_MAX_RUNS)
+    }
+
+    /// The runs of the file in a fixed order: the grid's keys are nested in the order of the file, the last one changing
+    /// fastest, and repetitions change faster still.
+    ///
+    /// `overrides` are values under dotted paths that replace those of the file, as `--set` gives them. A swept key that
+    /// is overridden keeps that one value.
+    ///
+    /// # Errors
+    /// Everything found wrong with any of the runs; more than `max_runs` of them.
+    pub fn expand_at_most(
+        &self,
+        overrides: &[(String, toml::Value)],
+        max_runs: usize,
+    ) -> Result<Vec<Run>, Diagnostics> {
+        let mut sources = self.sources.clone();
+        let mut findings = Findings::default();
+        let runs = expand(self, overrides, max_runs, &mut sources, &mut findings);
+        match runs {
+            Some(runs) if !findings.has_errors() => Ok(runs),
+            _ => Err(findings.into_diagnostics(&sources)),
+        }
+    }
+}
+
+fn expand(
+    file: &ScenarioFile,
+    overrides: &[(String, toml::Value)],
+    max_runs: usize,
+    sources: &mut Sources,
+    findings: &mut Findings,
+) -> Option<Vec<Run>> {
+    let mut base = Node::clone(&file.root);
+    let fixed = overrides::apply(&mut base, overrides, sources, findings);
+    if findings.has_errors() {
+        return None;
+    }
+    let grid = Grid::read(&base, &fixed, sources, max_runs, findings);
+    availability::check(&base, findings);
+    if findings.has_errors() {
+        // Mistakes outside the sweep are told together with those in it.
+        findings.append(scenario::read(&base).1);
+        return None;
+    }
+    base.remove("sweep");
+    let base = Arc::new(base);
+    let mut runs = Vec::with_capacity(grid.runs());
+    for cell in 0..grid.cells() {
+        let swept = grid.cell(cell);
+        let mut root = Node::clone(&base);
+        for (path, value) in &swept {
+            if let Err(error) = path.set(&mut root, value.clone()) {
+                findings.error(error.span, error.message, None);
+            }
+        }
+        let (scenario, found) = scenario::read(&root);
+        let mut warnings = findings.append(found).into_diagnostics(sources);
+        if findings.errors() >= MAX_ERRORS {
+            return None;
+        }
+        let Some(scenario) = scenario else { continue };
+        for repetition in 0..grid.repeat {
+            let mut scenario = scenario.clone();
+            scenario.seed += u64::from(repetition);
+            let resolved_toml = match resolved(&scenario) {
+                Ok(text) => text,
+                Err(message) => {
+                    findings.error(Path::internal("seed").locate(&root).1, message, None);
+                    return None;
+                }
+            };
+            runs.push(Run {
+                name: file.name(),
+                file: file.path.clone(),
+                index: runs.len(),
+                resolved_toml,
+                scenario,
+                parameters: grid.parameters(&swept),
+                warnings: std::mem::take(&mut warnings),
+                origin: Origin { sources: sources.clone(), base: base.clone(), swept: swept.clone() },
+            });
+        }
+    }
+    Some(runs)
+}
+
+/// The scenario with every value written out.
+fn resolved(scenario: &Scenario) -> Result<String, String> {
+    if i64::try_from(scenario.seed).is_err() {
+        return Err(format!("`seed` with its repetitions reaches {}, which TOML cannot hold", scenario.seed));
+    }
+    toml::to_string(scenario).map_err(|error| format!("the scenario cannot be written out: {error}"))
+}

@@ -1,0 +1,87 @@
+//! A scenario file: reading it, and what belongs to the file rather than to a run.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use super::{
+    diagnostic::{Diagnostic, Diagnostics, Findings},
+    scenario,
+    source::Sources,
+    tree::Node,
+};
+
+/// A scenario file whose TOML is sound. Its values are judged by [`ScenarioFile::expand`], since overrides and sweeps
+/// may change any of them.
+#[derive(Clone, Debug)]
+pub struct ScenarioFile {
+    /// As it was named.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+    pub(super) sources: Sources,
+    pub(super) root: Arc<Node>,
+}
+
+/// Read a scenario file.
+///
+/// # Errors
+/// The file cannot be read, is not UTF-8 or not TOML, holds a number that is not finite, or is of another format
+/// version; as many of these as can be told at once.
+pub fn load(path: &Path) -> Result<ScenarioFile, Diagnostics> {
+    let name = path.display().to_string();
+    let bytes = fs::read(path).map_err(|error| Diagnostic::unreadable(&name, format!("cannot read it: {error}")))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let mut sources = Sources::default();
+        sources.add(&name, String::from_utf8_lossy(error.as_bytes()));
+        Diagnostic::error(&sources, &(at..at), "the file is not UTF-8 from here on", None)
+    })?;
+    parse(path, text)
+}
+
+/// The same for a text that is already at hand; `path` is what diagnostics call it and what relative paths start from.
+///
+/// # Errors
+/// See [`load`].
+pub fn parse(path: &Path, text: impl Into<String>) -> Result<ScenarioFile, Diagnostics> {
+    let text = text.into();
+    let mut sources = Sources::default();
+    let start = sources.add(path.display().to_string(), &text);
+    let mut findings = Findings::default();
+    let root = Node::parse(&text, start, &mut findings);
+    if !findings.has_errors() {
+        scenario::check_format(&root, &mut findings);
+    }
+    if findings.has_errors() {
+        return Err(findings.into_diagnostics(&sources));
+    }
+    Ok(ScenarioFile { path: path.to_owned(), text, sources, root: Arc::new(root) })
+}
+
+impl ScenarioFile {
+    /// The name of the scenario: the file's name without its extension.
+    pub fn name(&self) -> String {
+        self.path.file_stem().map_or_else(|| "scenario".into(), |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// The file as a plain TOML table, sweep and all, without defaults.
+    pub fn table(&self) -> toml::Table {
+        match self.root.to_toml() {
+            toml::Value::Table(table) => table,
+            _ => toml::Table::new(),
+        }
+    }
+
+    /// Where a path written in this file leads: relative ones start at the file's folder.
+    pub fn resolve(&self, written: impl AsRef<Path>) -> PathBuf {
+        resolve(&self.path, written.as_ref())
+    }
+}
+
+/// A path written in `file`.
+pub(super) fn resolve(file: &Path, written: &Path) -> PathBuf {
+    file.parent().unwrap_or(Path::new("")).join(written)
+}

@@ -1,0 +1,53 @@
+//! Scenario files: from TOML to runs in which everything is decided.
+//!
+//! ```text
+//! file -> tree (every value knows its place) -> overrides -> sweep -> Scenario (typed, checked) -> Run
+//! ```
+//!
+//! [`load`] reads a file, [`ScenarioFile::expand`] gives its [`Run`]s. Whatever is wrong comes back as [`Diagnostics`]:
+//! with file, line and column, the line itself, and a guess at what was meant. Nothing here opens a robot file, loads a
+//! mesh or steps.
+
+mod availability;
+mod axis;
+mod checks;
+mod decode;
+mod diagnostic;
+mod expand;
+mod file;
+mod grid;
+mod key;
+mod overrides;
+mod path;
+mod quantity;
+#[expect(clippy::module_inception)]
+mod scenario;
+mod schema;
+mod source;
+mod spec;
+mod suggest;
+mod tree;
+
+pub use diagnostic::{Diagnostic, Diagnostics, Place, Severity};
+pub use expand::{DEFAULT_MAX_RUNS, Origin, Run};
+pub use file::{ScenarioFile, load, parse};
+pub use key::key;
+pub use overrides::parse_override;
+pub use scenario::{FORMAT, Scenario};
+pub use schema::schema;
+pub use spec::{
+    contact::{
+        ContactMethod, ContactSpec, ControlSpec, Estimator, EventHandling, ForcedState, IntegratorMethod,
+        IntegratorSpec,
+    },
+    expect::{Expect, ExpectedOutcome, METRICS},
+    floor::{FloorSpec, Friction, PatchSpec},
+    force::{ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, Profile, PushForce},
+    planned::{CompareSpec, EventSpec, SelfCollisionSpec},
+    robot::{
+        BaseSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec, SoleSpec,
+    },
+    run::{FallenRule, LogSpec, LogTopic, StopSpec},
+    sweep::{Axis, SweepSpec},
+    task::{PostureTask, TaskSpec},
+};

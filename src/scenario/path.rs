@@ -1,0 +1,136 @@
+//! Dotted paths into a scenario, `floor.friction` or `force.0.force`, as sweeps and overrides use them.
+//!
+//! A path is written like a dotted key of TOML, so a name with a dot in it stands in quotes.
+
+use toml::de::{DeTable, DeValue};
+
+use super::{
+    source::{Sources, Span},
+    tree::{Entry, Node, Value},
+};
+
+/// A path whose segments know where they were written.
+#[derive(Clone, Debug)]
+pub struct Path {
+    pub segments: Vec<(String, Span)>,
+}
+
+/// Why a path leads nowhere.
+pub struct PathError {
+    pub span: Span,
+    pub message: String,
+}
+
+impl Path {
+    /// Read a path that is written at `span` (with quotes around it or not) in the sources.
+    pub fn parse(text: &str, span: &Span, sources: &Sources) -> Result<Path, PathError> {
+        let bad = || PathError { span: span.clone(), message: format!("`{text}` is not a dotted path") };
+        if text.contains(['\n', '\r']) {
+            return Err(bad());
+        }
+        let document = format!("{text} = 0");
+        let table = DeTable::parse(&document).map_err(|_| bad())?;
+        // Escapes inside quotes move characters; then every segment is shown as the whole.
+        let origin = sources.slice(span).find(text).map(|i| span.start + i);
+        let place = |at: Span| origin.map_or_else(|| span.clone(), |o| o + at.start..o + at.end);
+        let mut segments = Vec::new();
+        let mut table = table.get_ref();
+        loop {
+            let mut entries = table.iter();
+            let (Some((key, value)), None) = (entries.next(), entries.next()) else { return Err(bad()) };
+            segments.push((key.get_ref().to_string(), place(key.span())));
+            match value.get_ref() {
+                DeValue::Table(inner) => table = inner,
+                // The text is a key and nothing else if the value is the one put behind it.
+                _ if value.span().start + 1 == document.len() => return Ok(Path { segments }),
+                _ => return Err(bad()),
+            }
+        }
+    }
+
+    /// Does one of the two paths lead through the other's end.
+    pub fn overlaps(&self, other: &Path) -> bool {
+        self.segments.iter().zip(&other.segments).all(|(a, b)| a.0 == b.0)
+    }
+
+    /// Put a value where the path leads, in place of what is there. Tables that are missing on the way are made; entries
+    /// of arrays must exist.
+    pub fn set(&self, root: &mut Node, value: Node) -> Result<(), PathError> {
+        let mut node = root;
+        let last = self.segments.len() - 1;
+        let mut done: Vec<&str> = Vec::new();
+        for (i, (key, span)) in self.segments.iter().enumerate() {
+            let fail = |message: String| PathError { span: span.clone(), message };
+            let here = done.join(".");
+            node = match &mut node.value {
+                Value::Array(items) => {
+                    let length = items.len();
+                    let index: usize = key
+                        .parse()
+                        .map_err(|_| fail(format!("`{here}` is an array: `{key}` must be an index from 0")))?;
+                    let entries = if length == 1 { "entry" } else { "entries" };
+                    items
+                        .get_mut(index)
+                        .ok_or_else(|| fail(format!("there is no `{here}.{index}`: `{here}` has {length} {entries}")))?
+                }
+                Value::Table(entries) => {
+                    let at = match entries.iter().position(|e| e.key == *key) {
+                        Some(at) => at,
+                        None => {
+                            // A top-level array of tables that the file does not have.
+                            if i == 0 && self.segments.get(1).is_some_and(|s| s.0.parse::<usize>().is_ok()) {
+                                return Err(fail(format!(
+                                    "there is no `{key}.{}`: the file has no `{key}`",
+                                    self.segments[1].0
+                                )));
+                            }
+                            let node = Node { span: span.clone(), value: Value::Table(Vec::new()) };
+                            entries.push(Entry { key: key.clone(), key_span: span.clone(), node });
+                            entries.len() - 1
+                        }
+                    };
+                    &mut entries[at].node
+                }
+                other => return Err(fail(format!("`{here}` is {other} and has no `{key}`"))),
+            };
+            done.push(key);
+            if i == last {
+                *node = value;
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// The value the path leads to.
+    pub fn get<'a>(&self, root: &'a Node) -> Option<&'a Node> {
+        self.segments.iter().try_fold(root, |node, (key, _)| match &node.value {
+            Value::Array(items) => items.get(key.parse::<usize>().ok()?),
+            _ => node.get(key),
+        })
+    }
+
+    /// The places of the key and of the value the path leads to, or of the nearest part of the way that exists.
+    pub fn locate(&self, root: &Node) -> (Span, Span) {
+        let mut found = (root.span.clone(), root.span.clone());
+        let mut node = root;
+        for (key, _) in &self.segments {
+            let next = match &node.value {
+                Value::Table(_) => node.entry(key).map(|e| (e.key_span.clone(), &e.node)),
+                Value::Array(items) => key.parse().ok().and_then(|i: usize| items.get(i)).map(|n| (n.span.clone(), n)),
+                _ => None,
+            };
+            let Some((key_span, child)) = next else { break };
+            found = (key_span, child.span.clone());
+            node = child;
+        }
+        found
+    }
+
+    /// A path in the program's own words, without a place of its own.
+    pub fn internal(text: &str) -> Path {
+        let nowhere = Sources::default();
+        Path::parse(text, &(0..0), &nowhere)
+            .unwrap_or_else(|_| Path { segments: text.split('.').map(|s| (s.to_owned(), 0..0)).collect() })
+    }
+}

@@ -1,0 +1,229 @@
+//! A whole scenario as types, and how it is read from its tree section by section.
+//!
+//! Sections are read one by one so that a mistake in one does not hide those in others.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    availability, checks,
+    decode::{DecodeError, NodeDeserializer},
+    diagnostic::Findings,
+    quantity::{json, positive},
+    spec::{
+        contact::{ContactSpec, ControlSpec, IntegratorSpec},
+        expect::Expect,
+        floor::FloorSpec,
+        force::ForceSpec,
+        planned::{CompareSpec, EventSpec, SelfCollisionSpec},
+        robot::RobotSpec,
+        run::{LogSpec, StopSpec},
+        sweep::SweepSpec,
+        tagged::{self, Tagged},
+        task::TaskSpec,
+    },
+    suggest,
+    tree::{Node, Value},
+};
+
+/// The version of the file format this program reads.
+pub const FORMAT: u32 = 1;
+
+/// One scenario. SI units, angles in radians (or strings such as `"30 deg"`), vectors `[x, y, z]`.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+#[schemars(title = "Scenario", extend("required" = ["robot"]))]
+pub struct Scenario {
+    /// Version of the file format.
+    #[schemars(extend("const" = FORMAT))]
+    pub schema: u32,
+    /// What it is about, for people.
+    pub description: String,
+    /// Simulated time, s.
+    #[schemars(with = "json::Positive")]
+    pub duration: f64,
+    /// Every random draw derives from this and the run's key.
+    pub seed: u64,
+    /// Acceleration of free fall in world axes, m/s^2.
+    pub gravity: [f64; 3],
+    /// The robot.
+    pub robot: RobotSpec,
+    /// The floor.
+    pub floor: FloorSpec,
+    /// How contact is decided.
+    pub contact: ContactSpec,
+    /// How the equations of motion are integrated.
+    pub integrator: IntegratorSpec,
+    /// The task server.
+    pub control: ControlSpec,
+    /// Tasks; where they overlap in time, later ones win per joint.
+    pub task: Vec<TaskSpec>,
+    /// External forces.
+    pub force: Vec<ForceSpec>,
+    /// Parameters that change while running.
+    pub event: Vec<EventSpec>,
+    /// What happens when the robot is about to touch itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub self_collision: Option<SelfCollisionSpec>,
+    /// The log.
+    pub log: LogSpec,
+    /// Rules that end a run early.
+    pub stop: StopSpec,
+    /// Verdicts.
+    pub expect: Vec<Expect>,
+    /// One file, many runs. A run that came out of an expansion has none.
+    #[serde(skip_serializing_if = "SweepSpec::is_single")]
+    pub sweep: SweepSpec,
+    /// Accuracy against a reference run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compare: Option<CompareSpec>,
+}
+
+/// The scenario of a file that names a robot `""` and nothing else.
+impl Default for Scenario {
+    fn default() -> Self {
+        Scenario {
+            schema: FORMAT,
+            description: String::new(),
+            duration: 5.0,
+            seed: 1,
+            gravity: [0.0, 0.0, -9.81],
+            robot: RobotSpec::default(),
+            floor: FloorSpec::default(),
+            contact: ContactSpec::default(),
+            integrator: IntegratorSpec::default(),
+            control: ControlSpec::default(),
+            task: Vec::new(),
+            force: Vec::new(),
+            event: Vec::new(),
+            self_collision: None,
+            log: LogSpec::default(),
+            stop: StopSpec::default(),
+            expect: Vec::new(),
+            sweep: SweepSpec::default(),
+            compare: None,
+        }
+    }
+}
+
+/// Is the tree of a format this program reads? If not nothing else in it can be judged.
+pub(super) fn check_format(root: &Node, findings: &mut Findings) -> bool {
+    let Some(node) = root.get("schema") else { return true };
+    match node.value {
+        Value::Integer(version) if version == i64::from(FORMAT) => return true,
+        Value::Integer(version) => {
+            let message = format!("schema = {version} is not a file format this program reads");
+            findings.error(node.span.clone(), message, Some(format!("it reads schema = {FORMAT}")));
+        }
+        _ => findings.error(node.span.clone(), format!("`schema` must be {FORMAT}, not {}", node.value), None),
+    }
+    false
+}
+
+/// Read a scenario; `None` when something in it is wrong, which then is among the findings.
+pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
+    let mut findings = Findings::default();
+    if !check_format(root, &mut findings) {
+        return (None, findings);
+    }
+    availability::check(root, &mut findings);
+    let default = Scenario::default();
+    let mut part = Sections { root, known: vec!["schema"], findings: &mut findings };
+    let scenario = Scenario {
+        schema: FORMAT,
+        description: part.value("description", default.description),
+        duration: part.with("duration", default.duration, positive),
+        seed: part.value("seed", default.seed),
+        gravity: part.value("gravity", default.gravity),
+        robot: part.required("robot", "model"),
+        floor: part.value("floor", default.floor),
+        contact: part.value("contact", default.contact),
+        integrator: part.value("integrator", default.integrator),
+        control: part.value("control", default.control),
+        task: part.tagged("task"),
+        force: part.tagged("force"),
+        event: part.list("event"),
+        self_collision: part.with("self_collision", None, |d| SelfCollisionSpec::deserialize(d).map(Some)),
+        log: part.value("log", default.log),
+        stop: part.value("stop", default.stop),
+        expect: part.list("expect"),
+        sweep: part.value("sweep", default.sweep),
+        compare: part.with("compare", None, |d| CompareSpec::deserialize(d).map(Some)),
+    };
+    part.refuse_others();
+    // Values that do not stand for themselves are not compared with others.
+    if !findings.has_errors() {
+        checks::check(&scenario, root, &mut findings);
+    }
+    let sound = !findings.has_errors();
+    (sound.then_some(scenario), findings)
+}
+
+/// Reads the top-level keys of a scenario and remembers which there are.
+struct Sections<'a, 'f> {
+    root: &'a Node,
+    known: Vec<&'static str>,
+    findings: &'f mut Findings,
+}
+
+impl<'a> Sections<'a, '_> {
+    fn with<T>(
+        &mut self,
+        key: &'static str,
+        default: T,
+        read: impl FnOnce(NodeDeserializer<'a>) -> Result<T, DecodeError>,
+    ) -> T {
+        self.known.push(key);
+        let Some(node) = self.root.get(key) else { return default };
+        read(NodeDeserializer(node)).unwrap_or_else(|error| {
+            error.at(&node.span).report(key, self.findings);
+            default
+        })
+    }
+
+    fn value<T: Deserialize<'a>>(&mut self, key: &'static str, default: T) -> T {
+        self.with(key, default, |d| T::deserialize(d))
+    }
+
+    fn required<T: Deserialize<'a> + Default>(&mut self, key: &'static str, example: &str) -> T {
+        if self.root.get(key).is_none() {
+            let help = format!("the smallest scenario is\n[{key}]\n{example} = \"...\"");
+            self.findings.error(self.root.span.clone(), format!("the scenario lacks the table `[{key}]`"), Some(help));
+        }
+        self.value(key, T::default())
+    }
+
+    fn items(&mut self, key: &'static str) -> impl Iterator<Item = (String, &'a Node)> + use<'a> {
+        self.known.push(key);
+        let node = self.root.get(key);
+        if let Some(node) = node
+            && !matches!(node.value, Value::Array(_))
+        {
+            let message = format!("`{key}` must be an array of tables, not {}", node.value);
+            self.findings.error(node.span.clone(), message, Some(format!("write `[[{key}]]`")));
+        }
+        node.map_or(&[][..], Node::items).iter().enumerate().map(move |(i, n)| (format!("{key}.{i}"), n))
+    }
+
+    fn list<T: Deserialize<'a>>(&mut self, key: &'static str) -> Vec<T> {
+        let mut list = Vec::new();
+        for (path, node) in self.items(key) {
+            match T::deserialize(NodeDeserializer(node)) {
+                Ok(value) => list.push(value),
+                Err(error) => error.at(&node.span).report(&path, self.findings),
+            }
+        }
+        list
+    }
+
+    fn tagged<T: Tagged>(&mut self, key: &'static str) -> Vec<T> {
+        self.items(key).filter_map(|(path, node)| tagged::read(node, &path, self.findings)).collect()
+    }
+
+    fn refuse_others(self) {
+        for entry in self.root.entries().iter().filter(|e| !self.known.contains(&e.key.as_str())) {
+            let help = suggest::help(&entry.key, self.known.iter().copied());
+            self.findings.error(entry.key_span.clone(), format!("unknown key `{}`", entry.key), Some(help));
+        }
+    }
+}

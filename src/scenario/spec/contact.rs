@@ -1,0 +1,222 @@
+//! `[contact]`, `[integrator]`, `[control]`: how the run is computed.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
+
+use crate::scenario::quantity::{fraction, json, non_negative, positive};
+
+/// How contact is decided.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ContactSpec {
+    /// Which rule finds the contact states and forces.
+    pub method: ContactMethod,
+    /// A vertex this near to the floor touches it, m.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub distance_tolerance: f64,
+    /// Slower than this counts as resting, m/s.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub velocity_tolerance: f64,
+    /// Less than this counts as not accelerating, m/s^2.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub acceleration_tolerance: f64,
+    /// Normal velocity after an impact over that before, 0 to 1.
+    #[serde(deserialize_with = "fraction")]
+    #[schemars(with = "json::Fraction")]
+    pub restitution: f64,
+    /// When contact changes take place.
+    pub events: EventHandling,
+    /// Contact states imposed for a time.
+    pub forced: Vec<ForcedState>,
+}
+
+impl Default for ContactSpec {
+    fn default() -> Self {
+        ContactSpec {
+            method: ContactMethod::Exact,
+            distance_tolerance: 1e-3,
+            velocity_tolerance: 0.1,
+            acceleration_tolerance: 0.1,
+            restitution: 0.0,
+            events: EventHandling::Locate,
+            forced: Vec::new(),
+        }
+    }
+}
+
+/// The contact method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactMethod {
+    /// Exact Coulomb friction: the contact states are tried until one holds.
+    Exact,
+    /// One decision per vertex from present quantities, no trial.
+    OneStep,
+}
+
+impl ContactMethod {
+    /// The word in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            ContactMethod::Exact => "exact",
+            ContactMethod::OneStep => "one-step",
+        }
+    }
+}
+
+/// When contact changes take place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum EventHandling {
+    /// At their own instants, located inside a step.
+    Locate,
+    /// At the ends of steps.
+    Step,
+}
+
+/// A contact state imposed on one sole for a time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ForcedState {
+    /// The sole.
+    pub sole: String,
+    /// `free`, or pattern and mode: `face-static`, `edge-1-dynamic`, `vertex-0-static` (counted from 0).
+    #[serde(deserialize_with = "state_name")]
+    #[schemars(regex(pattern = r"^(free|(face|(edge|vertex)-\d+)-(static|dynamic))$"))]
+    pub state: String,
+    /// First instant, s.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub from: f64,
+    /// Last instant, s; left out: the end of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to: Option<f64>,
+}
+
+fn state_name<'de, D: Deserializer<'de>>(d: D) -> Result<String, D::Error> {
+    let name = String::deserialize(d)?;
+    if is_state_name(&name) {
+        return Ok(name);
+    }
+    Err(D::Error::custom(format!(
+        "cannot be {name:?}\na contact state is `free`, or `face`, `edge-N` or `vertex-N` followed by `-static` or `-dynamic`"
+    )))
+}
+
+fn is_state_name(name: &str) -> bool {
+    let Some((pattern, "static" | "dynamic")) = name.rsplit_once('-') else { return name == "free" };
+    let counted = |kind: &str| {
+        let digits = pattern.strip_prefix(kind).unwrap_or("");
+        !digits.is_empty() && digits.len() < 10 && digits.bytes().all(|b| b.is_ascii_digit())
+    };
+    pattern == "face" || counted("edge-") || counted("vertex-")
+}
+
+/// How the equations of motion are integrated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct IntegratorSpec {
+    /// The method.
+    pub method: IntegratorMethod,
+    /// Error allowed per step in proportion to the state, adaptive methods.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub relative_tolerance: f64,
+    /// Error allowed per step beside that, adaptive methods, SI units.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub absolute_tolerance: f64,
+    /// Longest step, adaptive methods, s.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub max_step: f64,
+    /// Step of fixed-step methods, s.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub step: f64,
+}
+
+impl Default for IntegratorSpec {
+    fn default() -> Self {
+        IntegratorSpec {
+            method: IntegratorMethod::Dopri5,
+            relative_tolerance: 1e-6,
+            absolute_tolerance: 1e-8,
+            max_step: 0.01,
+            step: 1e-3,
+        }
+    }
+}
+
+/// The integration method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum IntegratorMethod {
+    /// Dormand and Prince's embedded Runge-Kutta pair of order 5(4), adaptive.
+    Dopri5,
+    /// Semi-implicit Euler, fixed step.
+    SemiImplicit,
+}
+
+impl IntegratorMethod {
+    /// The word in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            IntegratorMethod::Dopri5 => "dopri5",
+            IntegratorMethod::SemiImplicit => "semi-implicit",
+        }
+    }
+}
+
+/// The task server.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ControlSpec {
+    /// How often tasks run, Hz.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub rate: f64,
+    /// Where tasks have the base's state from.
+    pub estimator: Estimator,
+}
+
+impl Default for ControlSpec {
+    fn default() -> Self {
+        ControlSpec { rate: 1000.0, estimator: Estimator::Truth }
+    }
+}
+
+/// Where tasks have the base's state from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Estimator {
+    /// The simulated state itself.
+    Truth,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_state_name;
+
+    #[test]
+    fn contact_state_names() {
+        for good in ["free", "face-static", "face-dynamic", "edge-1-dynamic", "vertex-0-static"] {
+            assert!(is_state_name(good), "{good}");
+        }
+        for bad in [
+            "",
+            "free-static",
+            "face",
+            "edge-static",
+            "vertex--static",
+            "face-0-static",
+            "edge-x-static",
+            "face-sticky",
+        ] {
+            assert!(!is_state_name(bad), "{bad}");
+        }
+    }
+}

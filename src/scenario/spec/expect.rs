@@ -1,0 +1,159 @@
+//! `[[expect]]`: verdicts about a run.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
+
+use crate::scenario::{
+    quantity::{json, some_non_negative},
+    suggest,
+};
+
+/// The columns of the summary that hold a measured number, by which a run can be judged.
+pub const METRICS: &[&str] = &[
+    "duration_s",
+    "wall_s",
+    "cpu_s",
+    "real_time_factor",
+    "steps",
+    "rejected_steps",
+    "evaluations",
+    "events",
+    "state_changes",
+    "states_tested_mean",
+    "states_tested_max",
+    "impacts",
+    "jams",
+    "inconsistent",
+    "final_base_x",
+    "final_base_y",
+    "final_base_z",
+    "final_base_roll",
+    "final_base_pitch",
+    "final_base_yaw",
+    "final_base_vx",
+    "final_base_vy",
+    "final_base_vz",
+    "max_penetration_m",
+    "max_static_creep_m",
+    "max_lift_m",
+    "max_cone_excess",
+    "energy_error_J",
+    "error_position_rms_m",
+    "error_joint_rms_rad",
+    "error_force_rms_N",
+    "contact_state_agreement",
+    "first_touchdown_s",
+    "first_liftoff_s",
+    "first_slip_s",
+    "first_stick_s",
+    "first_fall_s",
+];
+
+/// One expectation: a metric with `value` and `tolerance`, or with `min`, `max` or both; or an outcome.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Expect {
+    /// A numeric column of the summary.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "metric")]
+    #[schemars(extend("enum" = METRICS))]
+    pub metric: Option<String>,
+    /// Wanted value, in the metric's unit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// Greatest distance from `value`.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub tolerance: Option<f64>,
+    /// Smallest value allowed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// Greatest value allowed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+    /// How the run must end, instead of a metric.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outcome: Option<ExpectedOutcome>,
+}
+
+/// How a run must end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ExpectedOutcome {
+    /// At its end.
+    Passed,
+    /// By a stop rule.
+    Fallen,
+    /// By numbers out of range.
+    Diverged,
+    /// By too many events in too little time.
+    Stalled,
+    /// By the wall clock.
+    TimedOut,
+    /// By an error.
+    Error,
+}
+
+impl ExpectedOutcome {
+    /// The word in the summary.
+    pub fn name(self) -> &'static str {
+        match self {
+            ExpectedOutcome::Passed => "passed",
+            ExpectedOutcome::Fallen => "fallen",
+            ExpectedOutcome::Diverged => "diverged",
+            ExpectedOutcome::Stalled => "stalled",
+            ExpectedOutcome::TimedOut => "timed-out",
+            ExpectedOutcome::Error => "error",
+        }
+    }
+}
+
+fn metric<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
+    let name = String::deserialize(d)?;
+    if METRICS.contains(&name.as_str()) {
+        return Ok(Some(name));
+    }
+    let help = suggest::help(&name, METRICS.iter().copied());
+    Err(D::Error::custom(format!("names no numeric column of the summary: `{name}`\n{help}")))
+}
+
+impl Expect {
+    /// Does the metric's value hold? `Err` says in words why not. A value that is not a number never holds.
+    pub fn check(&self, value: f64) -> Result<(), String> {
+        let name = self.metric.as_deref().unwrap_or("value");
+        if value.is_nan() {
+            return Err(format!("{name} is not a number"));
+        }
+        if let Some(wanted) = self.value {
+            let tolerance = self.tolerance.unwrap_or(0.0);
+            let distance = (value - wanted).abs();
+            if distance > tolerance {
+                return Err(format!("{name} is {value}, {distance:e} from {wanted} (tolerance {tolerance:e})"));
+            }
+        }
+        if let Some(min) = self.min
+            && value < min
+        {
+            return Err(format!("{name} is {value}, below {min}"));
+        }
+        if let Some(max) = self.max
+            && value > max
+        {
+            return Err(format!("{name} is {value}, above {max}"));
+        }
+        Ok(())
+    }
+
+    /// Judge a run by the word for how it ended and a look-up of its metrics; `Err` says in words what did not hold.
+    /// A metric that the run did not measure, such as the time of a slip that never came, does not hold.
+    pub fn judge(&self, outcome: &str, metric: impl Fn(&str) -> Option<f64>) -> Result<(), String> {
+        if let Some(wanted) = self.outcome
+            && wanted.name() != outcome
+        {
+            return Err(format!("outcome is {outcome}, not {}", wanted.name()));
+        }
+        match &self.metric {
+            Some(name) => self.check(metric(name).ok_or_else(|| format!("{name} has no value"))?),
+            None => Ok(()),
+        }
+    }
+}

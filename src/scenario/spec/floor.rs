@@ -1,0 +1,123 @@
+//! `[floor]`: a plane with friction.
+
+use std::{borrow::Cow, fmt};
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{Error, MapAccess, Visitor, value::MapAccessDeserializer},
+};
+
+use crate::scenario::quantity::{angles, json, non_negative};
+
+/// The floor.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FloorSpec {
+    /// Coulomb friction: one number, or static and kinetic.
+    pub friction: Friction,
+    /// Height of the plane's point above the world's origin, m.
+    pub height: f64,
+    /// Tilt of the plane: roll, pitch, yaw as in URDF, rad.
+    #[serde(deserialize_with = "angles")]
+    #[schemars(with = "[json::Angle; 3]")]
+    pub rpy: [f64; 3],
+    /// Regions of other friction.
+    pub patches: Vec<PatchSpec>,
+}
+
+/// Isotropic Coulomb friction. `static` is not smaller than `kinetic`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Friction {
+    /// Coefficient that a sticking sole holds.
+    #[serde(rename = "static")]
+    pub static_: f64,
+    /// Coefficient of a sliding one.
+    pub kinetic: f64,
+}
+
+impl Default for Friction {
+    fn default() -> Self {
+        Friction { static_: 0.8, kinetic: 0.6 }
+    }
+}
+
+/// A region of the floor with friction of its own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PatchSpec {
+    /// Corners on the floor, m, in order around the region.
+    #[schemars(length(min = 3))]
+    pub polygon: Vec<[f64; 2]>,
+    /// Friction there.
+    pub friction: Friction,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Both {
+    #[serde(rename = "static", deserialize_with = "non_negative")]
+    static_: f64,
+    #[serde(deserialize_with = "non_negative")]
+    kinetic: f64,
+}
+
+struct FrictionVisitor;
+
+impl<'de> Visitor<'de> for FrictionVisitor {
+    type Value = Friction;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number or `{ static, kinetic }`")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Friction, E> {
+        if value >= 0.0 {
+            return Ok(Friction { static_: value, kinetic: value });
+        }
+        Err(E::custom(format!("must be 0 or greater, not {value}")))
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Friction, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Friction, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Friction, A::Error> {
+        let both = Both::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Friction { static_: both.static_, kinetic: both.kinetic })
+    }
+}
+
+impl<'de> Deserialize<'de> for Friction {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(FrictionVisitor)
+    }
+}
+
+impl JsonSchema for Friction {
+    fn schema_name() -> Cow<'static, str> {
+        "Friction".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "Coulomb friction: one coefficient, or static (not smaller) and kinetic.",
+            "anyOf": [
+                {"type": "number", "minimum": 0},
+                {
+                    "type": "object",
+                    "properties": {
+                        "static": {"type": "number", "minimum": 0},
+                        "kinetic": {"type": "number", "minimum": 0}
+                    },
+                    "required": ["static", "kinetic"],
+                    "additionalProperties": false
+                }
+            ]
+        })
+    }
+}

@@ -1,0 +1,12 @@
+//! The types of a scenario, one file per part, every field with its unit and default.
+
+pub mod contact;
+pub mod expect;
+pub mod floor;
+pub mod force;
+pub mod planned;
+pub mod robot;
+pub mod run;
+pub mod sweep;
+pub mod tagged;
+pub mod task;

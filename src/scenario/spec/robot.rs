@@ -1,0 +1,178 @@
+//! `[robot]`: which robot, where it starts, and what differs from its own files.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::quantity::{
+    angles, angular_rates, joint_positions, joint_velocities, json, non_negative, positive, some_non_negative,
+};
+
+/// The robot of a scenario.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobotSpec {
+    /// Path of a robot file (`.toml`) or a `.urdf`, relative to the scenario file.
+    pub model: String,
+    /// Pose and velocity of the root link's frame at the start.
+    #[serde(default)]
+    pub base: BaseSpec,
+    /// Initial joint positions by joint name, rad or m; joints left out start at the robot's home.
+    #[serde(default, deserialize_with = "joint_positions")]
+    #[schemars(with = "BTreeMap<String, json::Angle>")]
+    pub posture: BTreeMap<String, f64>,
+    /// Initial joint velocities by joint name, rad/s or m/s; joints left out start at rest.
+    #[serde(default, deserialize_with = "joint_velocities")]
+    #[schemars(with = "BTreeMap<String, json::AngularRate>")]
+    pub velocity: BTreeMap<String, f64>,
+    /// The drive of joints that no robot file configures.
+    #[serde(default)]
+    pub joint_default: JointDefault,
+    /// What happens at a joint's position limits.
+    #[serde(default)]
+    pub joint_limits: JointLimits,
+    /// Soles instead of the robot's own; an empty list means no contact. Left out: the robot's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub soles: Option<Vec<SoleSpec>>,
+    /// Masses welded to links.
+    #[serde(default)]
+    pub payload: Vec<PayloadSpec>,
+    /// Changes to single joints, by name.
+    #[serde(default)]
+    pub joint: BTreeMap<String, JointSpec>,
+}
+
+/// Pose and velocity of the root link's frame in the world.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct BaseSpec {
+    /// Origin, m. Left out: above the world's origin, lowest sole vertex on the floor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
+    /// Roll, pitch, yaw as in URDF (about fixed x, then y, then z), rad.
+    #[serde(deserialize_with = "angles")]
+    #[schemars(with = "[json::Angle; 3]")]
+    pub rpy: [f64; 3],
+    /// Velocity of the origin in world axes, m/s.
+    pub linear_velocity: [f64; 3],
+    /// Angular velocity in world axes, rad/s.
+    #[serde(deserialize_with = "angular_rates")]
+    #[schemars(with = "[json::AngularRate; 3]")]
+    pub angular_velocity: [f64; 3],
+}
+
+/// What a joint's drive follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum JointMode {
+    /// No drive.
+    Passive,
+    /// A position, by `kp` and `kd`.
+    Position,
+    /// A force or torque, as commanded.
+    Force,
+}
+
+/// The drive of joints that no robot file configures.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct JointDefault {
+    /// What the drive follows.
+    pub mode: JointMode,
+    /// Position gain, N m/rad or N/m; only for `position`.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub kp: f64,
+    /// Velocity gain, N m s/rad or N s/m; only for `position`.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub kd: f64,
+}
+
+impl Default for JointDefault {
+    fn default() -> Self {
+        JointDefault { mode: JointMode::Position, kp: 100.0, kd: 5.0 }
+    }
+}
+
+/// What happens at a joint's position limits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum JointLimits {
+    /// A mechanical stop.
+    #[default]
+    Stop,
+    /// Nothing.
+    Ignore,
+}
+
+/// A convex planar polygon that may touch the floor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SoleSpec {
+    /// Name, unique in the robot.
+    pub name: String,
+    /// Carrying link.
+    pub link: String,
+    /// Vertices in the link's frame, m, in order around the polygon. One is a point foot, two a line foot.
+    #[schemars(length(min = 1))]
+    pub polygon: Vec<[f64; 3]>,
+}
+
+/// A mass welded to a link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PayloadSpec {
+    /// Carrying link.
+    pub link: String,
+    /// Mass, kg.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub mass: f64,
+    /// Centre of mass in the link's frame, m.
+    #[serde(default)]
+    pub position: [f64; 3],
+    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about the payload's centre of mass in the link's axes, kg m^2. Left out: a
+    /// point mass.
+    #[serde(default)]
+    pub inertia: [f64; 6],
+}
+
+/// Changes to one joint; what is left out stays as the robot's files have it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct JointSpec {
+    /// What the drive follows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mode: Option<JointMode>,
+    /// Position gain, N m/rad or N/m.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub kp: Option<f64>,
+    /// Velocity gain, N m s/rad or N s/m.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub kd: Option<f64>,
+    /// Friction in the joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<JointFriction>,
+    /// Greatest actuator effort, N m or N.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub effort: Option<f64>,
+}
+
+/// Friction in a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct JointFriction {
+    /// Coulomb friction, N m or N.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub coulomb: f64,
+    /// Viscous friction, N m s/rad or N s/m.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub viscous: f64,
+}

@@ -1,0 +1,53 @@
+//! `[log]` and `[stop]`: what a run leaves and when it ends early.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::quantity::{json, non_negative};
+
+/// The log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LogSpec {
+    /// Records per simulated second, Hz; 0 means no log.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub rate: f64,
+    /// What is recorded.
+    pub topics: Vec<LogTopic>,
+}
+
+impl Default for LogSpec {
+    fn default() -> Self {
+        LogSpec { rate: 200.0, topics: vec![LogTopic::State, LogTopic::Contact, LogTopic::Scene] }
+    }
+}
+
+/// A part of the log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LogTopic {
+    /// Frames, base, joints, centre of mass and events.
+    State,
+    /// Soles: states, vertices and forces.
+    Contact,
+    /// Shapes of robot and floor, force arrows.
+    Scene,
+}
+
+/// Rules that end a run early.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct StopSpec {
+    /// End with outcome `fallen`; left out: never.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fallen: Option<FallenRule>,
+}
+
+/// The robot has fallen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FallenRule {
+    /// Height of the base's origin above the floor below which it has, m.
+    pub below: f64,
+}

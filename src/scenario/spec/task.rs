@@ -1,0 +1,39 @@
+//! `[[task]]`: what the robot is told to do.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::tagged::tagged;
+use crate::scenario::quantity::{joint_positions, json, non_negative, positive};
+
+tagged! {
+    /// One task. Where tasks overlap in time, later ones in the file win per joint.
+    TaskSpec, "task" {
+        /// Move joints to a posture.
+        "posture" => Posture(PostureTask),
+    }
+}
+
+/// Move joints from where they are to a posture along minimum-jerk curves, and hold it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PostureTask {
+    /// When it starts, s.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub start: f64,
+    /// How long the motion takes, s.
+    #[serde(default = "one", deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub duration: f64,
+    /// Goal by joint name, rad or m.
+    #[serde(deserialize_with = "joint_positions")]
+    #[schemars(with = "BTreeMap<String, json::Angle>")]
+    pub joints: BTreeMap<String, f64>,
+}
+
+fn one() -> f64 {
+    1.0
+}

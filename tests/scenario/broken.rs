@@ -1,0 +1,227 @@
+//! Broken scenarios: each is refused at the right line and column with the right words.
+
+use stiction::scenario::{Severity, load};
+
+use super::{SMALLEST, file, wrong};
+
+/// A scenario with one mistake: text, line and column of the mistake, words of the message, words of the help.
+struct Broken(&'static str, (usize, usize), &'static str, &'static str);
+
+/// Each text stands below the two lines of the smallest scenario, so it begins at line 3 inside `[robot]`.
+const BELOW_ROBOT: &[Broken] = &[
+    // Keys.
+    Broken("postur = { knee = 1 }", (3, 1), "unknown key `postur` in `robot`", "did you mean `posture`?"),
+    Broken("base = { rp = [0, 0, 0] }", (3, 10), "unknown key `rp` in `robot.base`", "`rpy`"),
+    Broken("[flor]\nheight = 1", (3, 2), "unknown key `flor`", "did you mean `floor`?"),
+    Broken("[floor]\ncolour = 1", (4, 1), "unknown key `colour` in `floor`", "known here: `friction`, `height`"),
+    Broken("[[task]]\ntype = \"posture\"\njoint = { knee = 1 }", (5, 1), "unknown key `joint` in `task.0`", "`joints`"),
+    Broken("soles = [{ name = \"l\", polygon = [[0, 0, 0]] }]", (3, 10), "`robot.soles.0` lacks the key `link`", ""),
+    Broken("[[task]]\ntype = \"posture\"", (3, 1), "`task.0` lacks the key `joints`", ""),
+    Broken("[[task]]\nstart = 1", (3, 1), "`task.0` lacks the key `type`", "types: posture"),
+    // Types.
+    Broken("[floor]\nheight = \"low\"", (4, 10), "`floor.height` must be a number, not the string \"low\"", ""),
+    Broken("[floor]\nfriction = [1, 2]", (4, 12), "must be a number or `{ static, kinetic }`, not an array", ""),
+    Broken("[floor]\nrpy = [0, 0]", (4, 7), "must be an array of length 3, not of length 2", ""),
+    Broken("[floor]\nrpy = [0, 0, 0, 0]", (4, 7), "must be an array of length 3, not of length 4", ""),
+    Broken("[floor]\nrpy = [0, \"30 dge\", 0]", (4, 11), "`floor.rpy.1` must be a number of radians", ""),
+    Broken("posture = { knee = true }", (3, 20), "`robot.posture.knee` must be", ""),
+    Broken("[task]\ntype = \"posture\"", (3, 1), "`task` must be an array of tables", "[[task]]"),
+    Broken("[contact]\nmethod = 3", (4, 10), "must be \"exact\" or \"one-step\"", ""),
+    Broken("[[force]]\ntype = 7", (4, 8), "`force.0.type` must be a string", ""),
+    Broken(
+        "[floor]\nfriction = { static = 1, kinetic = \"é\", x = 1 }",
+        (4, 36),
+        "`floor.friction.kinetic` must be",
+        "",
+    ),
+    Broken("payload = 3", (3, 11), "`robot.payload` must be an array, not the number 3", ""),
+    // Words.
+    Broken("[contact]\nmethod = \"exakt\"", (4, 10), "`contact.method` cannot be \"exakt\"", "did you mean `exact`?"),
+    Broken("[log]\ntopics = [\"state\", \"scenes\"]", (4, 20), "`log.topics.1`", "did you mean `scene`?"),
+    Broken("[[task]]\ntype = \"posutre\"", (4, 8), "unknown task type `posutre`", "did you mean `posture`?"),
+    Broken("[[force]]\ntype = \"psh\"", (4, 8), "unknown force type `psh`", "did you mean `push`?"),
+    Broken("[[expect]]\nmetric = \"final_bas_x\"\nmin = 0", (4, 10), "numeric column", "`final_base_x`"),
+    Broken("[[expect]]\noutcome = \"falen\"", (4, 11), "`expect.0.outcome` cannot be", "did you mean `fallen`?"),
+    Broken("[contact]\nforced = [{ sole = \"l\", state = \"flat\" }]", (4, 33), "`contact.forced.0.state`", "`face`"),
+    // Ranges.
+    Broken("[floor]\nfriction = -0.1", (4, 12), "`floor.friction` must be 0 or greater, not -0.1", ""),
+    Broken("[floor]\nfriction = { static = 0.5, kinetic = 0.6 }", (4, 38), "greater than `static` = 0.5", ""),
+    Broken("[contact]\ndistance_tolerance = 0", (4, 22), "must be greater than 0", ""),
+    Broken("[contact]\nrestitution = 1.5", (4, 15), "must be between 0 and 1", ""),
+    Broken(
+        "[contact]\nforced = [{ sole = \"l\", state = \"free\", from = 2, to = 1 }]",
+        (4, 56),
+        "after `from` = 2",
+        "",
+    ),
+    Broken("[integrator]\nstep = -1e-3", (4, 8), "must be greater than 0, not -0.001", ""),
+    Broken("[log]\nrate = -1", (4, 8), "must be 0 or greater", ""),
+    Broken("[control]\nrate = 0", (4, 8), "must be greater than 0", ""),
+    Broken("[floor]\nheight = nan", (4, 10), "every number must be finite", ""),
+    Broken("[floor]\nrpy = [0, -inf, 0]", (4, 11), "every number must be finite", ""),
+    Broken("[floor]\nheight = 1e999", (4, 10), "every number must be finite", ""),
+    Broken("[[force]]\ntype = \"push\"\nlink = \"l\"\nforce = [1, 0, 0]\nduration = 0", (7, 12), "greater than 0", ""),
+    Broken("payload = [{ link = \"l\", mass = 0 }]", (3, 33), "`robot.payload.0.mass` must be greater", ""),
+    Broken(
+        "payload = [{ link = \"l\", mass = 1, inertia = [1, 1, 3, 0, 0, 0] }]",
+        (3, 46),
+        "is not the inertia of a rigid body",
+        "",
+    ),
+    // What does not fit together.
+    Broken("[[force]]\ntype = \"push\"\nlink = \"l\"", (3, 1), "`force.0` needs `force` or `moment`", ""),
+    Broken("[[force]]\ntype = \"joint-friction\"", (3, 1), "`force.0` needs `all`", ""),
+    Broken("[[expect]]\nmetric = \"steps\"", (3, 1), "`expect.0` needs `value` and `tolerance`", ""),
+    Broken("[[expect]]\nmetric = \"steps\"\nvalue = 1", (3, 1), "lacks the key `tolerance`", ""),
+    Broken("[[expect]]\nvalue = 1\ntolerance = 1", (3, 1), "lacks the key `metric`", ""),
+    Broken("[[expect]]\nmetric = \"steps\"\nmin = 2\nmax = 1", (6, 7), "smaller than `min` = 2", ""),
+    Broken("[[expect]]\nmetric = \"steps\"\nmin = 2\noutcome = \"fallen\"", (3, 1), "either `metric` or `outcome`", ""),
+    Broken(
+        "soles = [{ name = \"a\", link = \"l\", polygon = [[0,0,0]] }, { name = \"a\", link = \"m\", polygon = [[0,0,0]] }]",
+        (3, 68),
+        "the name of two soles",
+        "",
+    ),
+    // Known, not available.
+    Broken("[contact]\nmethod = \"lcp\"", (4, 10), "contact.method `lcp` is not available yet", ""),
+    Broken("[integrator]\nmethod = \"rk4\"", (4, 10), "integrator.method `rk4` is not available yet", ""),
+    Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
+    Broken("[[task]]\ntype = \"sine\"", (4, 8), "task type `sine` is not available yet", ""),
+    Broken("[[force]]\ntype = \"spring\"", (4, 8), "force type `spring` is not available yet", ""),
+    Broken("[self_collision]\nmethod = 2", (3, 2), "`self_collision` is not available yet", ""),
+    Broken("[compare]\nreference = { a = 1 }", (3, 2), "`compare` is not available yet", ""),
+    Broken("[[event]]\nat = 1\nset = { \"floor.friction\" = 1 }", (3, 3), "`event` is not available yet", ""),
+    Broken("[floor]\npatches = [{ polygon = [], friction = 1 }]", (4, 1), "`floor.patches` is not available yet", ""),
+    Broken("[sweep]\nzip = [{ \"seed\" = [1, 2] }]", (4, 1), "`sweep.zip` is not available yet", ""),
+    Broken("[[expect]]\nmetric = \"error_joint_rms_rad\"\nmax = 1", (4, 10), "is not available yet", ""),
+    // Sweeps.
+    Broken("[sweep]\ngrid = { \"contact.metod\" = [\"exact\"] }", (4, 19), "unknown key `metod`", "`method`"),
+    Broken("[sweep]\ngrid = { \"contact.method\" = [\"exact\", \"lcp\"] }", (4, 39), "`lcp` is not available yet", ""),
+    Broken("[sweep]\ngrid = { \"floor.friction\" = [0.1, -1] }", (4, 35), "must be 0 or greater", ""),
+    Broken("[sweep]\ngrid = { \"force.0.force\" = [[1, 0, 0]] }", (4, 11), "the file has no `force`", ""),
+    Broken("[sweep]\ngrid = { \"floor.height.x\" = [1] }\n[floor]\nheight = 1", (4, 24), "has no `x`", ""),
+    Broken("[sweep]\ngrid = { \"floor height\" = [1] }", (4, 10), "is not a dotted path", ""),
+    Broken("[sweep]\ngrid = { \"seed\" = {linspce = [1, 2, 3] } }", (4, 19), "`linspce`", "did you mean `linspace`?"),
+    Broken("[sweep]\ngrid = { \"seed\" = [] }", (4, 19), "at least one value", ""),
+    Broken("[sweep]\ngrid = { \"seed\" = { step = [0, 1, -1] } }", (4, 19), "a step that leads from 0 to 1", ""),
+    Broken("[sweep]\ngrid = { \"seed\" = { logspace = [0, 1, 3] } }", (4, 19), "ends of one sign", ""),
+    Broken(
+        "[sweep]\ngrid = { \"floor.height\" = { step = [0, 1, 1e-5] } }",
+        (4, 1),
+        "100001 runs, 10000 are allowed",
+        "",
+    ),
+    Broken("[sweep]\ngrid = { \"seed\" = [1, 2, 1] }", (4, 26), "has the value 1 twice", ""),
+    Broken(
+        "[sweep]\ngrid = { \"floor.friction\" = [1], \"floor.friction.static\" = [1] }",
+        (4, 34),
+        "is swept already",
+        "",
+    ),
+    Broken("[sweep]\nrepeat = 0", (4, 10), "must be at least 1", ""),
+    // TOML itself.
+    Broken("base = { rpy = [0, 0, 0 }", (3, 25), "", ""),
+    Broken("[floor]\nheight = 1\nheight = 2", (5, 1), "duplicate key", ""),
+    Broken("seed == 1", (3, 7), "", ""),
+];
+
+#[test]
+fn each_mistake_is_shown_where_it_is() {
+    for Broken(text, (line, column), message, help) in BELOW_ROBOT {
+        let found = wrong(&format!("{SMALLEST}{text}\n"), &[]);
+        let shown = found.to_string();
+        let first = found.iter().next().unwrap();
+        let place = first.place.expect("a place");
+        assert_eq!((place.line, place.column), (*line, *column), "{shown}");
+        assert!(first.message.contains(message), "{message:?} in\n{shown}");
+        assert!(first.help.as_deref().unwrap_or_default().contains(help), "{help:?} in\n{shown}");
+        assert_eq!(first.severity, Severity::Error);
+        // What is printed names the same place and carries the line.
+        assert!(shown.contains(&format!("scenarios/test.toml:{line}:{column}")), "{shown}");
+        let offending = text.lines().nth(line - 3).unwrap();
+        assert!(shown.contains(offending.trim_end()), "{shown}");
+        assert!(shown.contains('^'), "{shown}");
+    }
+}
+
+#[test]
+fn top_level_values_are_shown_where_they_are() {
+    let table: &[(&str, usize, &str)] = &[
+        ("duration = 0", 12, "`duration` must be greater than 0"),
+        ("duration = inf", 12, "finite"),
+        ("seed = -1", 8, "`seed` must be a whole number that is not negative"),
+        ("seed = 1.5", 8, "`seed` must be a whole number"),
+        ("seed = 99999999999999999999", 8, "too large"),
+        ("gravity = [0, 0, \"g\"]", 18, "`gravity.2` must be a number"),
+        ("schema = 2", 10, "schema = 2 is not a file format this program reads"),
+        ("schema = \"1\"", 10, "`schema` must be 1"),
+        ("description = 3", 15, "`description` must be a string"),
+        ("robots = 3", 1, "unknown key `robots`"),
+    ];
+    for (text, column, message) in table {
+        let found = wrong(&format!("\n{text}\n{SMALLEST}"), &[]);
+        let first = found.iter().next().unwrap();
+        assert_eq!(first.location(), format!("scenarios/test.toml:2:{column}"), "{found}");
+        assert!(first.message.contains(message), "{found}");
+    }
+}
+
+#[test]
+fn a_scenario_needs_a_robot() {
+    let found = wrong("duration = 1\n", &[]);
+    assert_eq!(found.len(), 1);
+    assert!(found.to_string().contains("lacks the table `[robot]`"), "{found}");
+    let found = wrong("[robot]\nposture = {}\n", &[]);
+    assert!(found.to_string().contains("`robot` lacks the key `model`"), "{found}");
+    let found = wrong("[robot]\nmodel = \"\"\n", &[]);
+    assert!(found.to_string().contains("`robot.model` must name a file"), "{found}");
+    assert!(wrong("", &[]).to_string().contains("[robot]"));
+}
+
+#[test]
+fn mistakes_in_several_places_are_told_at_once() {
+    let text = "duraton = 1\n[robot]\nmodel = \"b\"\n[floor]\nheigt = 1\n[[task]]\ntype = \"sine\"\n[[task]]\ntype = \"posture\"\njoints = 1\n[log]\nrate = -1\n";
+    let lines: Vec<_> = wrong(text, &[]).iter().map(|d| d.place.unwrap().line).collect();
+    assert_eq!(lines, [1, 5, 7, 10, 12]);
+}
+
+#[test]
+fn syntax_errors_are_told_at_once() {
+    let found = file("a = = 1\n[robot]\nmodel = \n[floor\n").unwrap_err();
+    let lines: Vec<_> = found.iter().map(|d| d.place.unwrap().line).collect();
+    assert!(lines.contains(&1) && lines.contains(&3) && lines.contains(&4), "{found}");
+}
+
+#[test]
+fn another_format_version_hides_everything_else() {
+    let found = file("schema = 2\nfuture = 1\n").unwrap_err();
+    assert_eq!(found.len(), 1, "{found}");
+    assert_eq!(found.0[0].help.as_deref(), Some("it reads schema = 1"));
+}
+
+#[test]
+fn columns_count_characters_as_printed() {
+    let found = wrong(&format!("{SMALLEST}joint = {{ \"knié\" = {{ kp = -1 }} }}\n"), &[]);
+    assert_eq!(found.0[0].location(), "scenarios/test.toml:3:27");
+    assert!(found.to_string().contains("scenarios/test.toml:3:27"), "{found}");
+}
+
+#[test]
+fn lines_may_end_as_on_windows() {
+    let text = format!("{SMALLEST}[floor]\nheight = \"x\"\n").replace('\n', "\r\n");
+    assert_eq!(wrong(&text, &[]).0[0].location(), "scenarios/test.toml:4:10");
+}
+
+#[test]
+fn files_that_cannot_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("missing.toml");
+    let found = load(&missing).unwrap_err();
+    assert!(found.to_string().contains("missing.toml"), "{found}");
+    assert_eq!(found.0[0].place, None);
+
+    let latin = folder.path().join("latin.toml");
+    std::fs::write(&latin, b"[robot]\nmodel = \"caf\xe9\"\n").unwrap();
+    let found = load(&latin).unwrap_err();
+    assert!(found.0[0].location().ends_with("latin.toml:2:13"), "{found}");
+}

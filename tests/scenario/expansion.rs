@@ -1,0 +1,220 @@
+//! Sweeps and overrides: which runs there are, in which order, with which values.
+
+use stiction::scenario::{ForceSpec, parse_override};
+
+use super::{FULL, SMALLEST, file, runs, wrong};
+
+fn set(assignments: &[&str]) -> Vec<(String, toml::Value)> {
+    assignments.iter().map(|a| parse_override(a).unwrap()).collect()
+}
+
+fn swept(text: &str, key: &str) -> Vec<f64> {
+    runs(&format!("{SMALLEST}{text}"))
+        .iter()
+        .map(|run| {
+            let (name, value) = &run.parameters[0];
+            assert_eq!(name, key);
+            value.as_float().unwrap()
+        })
+        .collect()
+}
+
+#[test]
+fn the_last_key_of_the_file_changes_fastest() {
+    let runs = runs(&format!(
+        "{SMALLEST}[sweep.grid]\n\"integrator.step\" = [1e-3, 2e-3]\n\"contact.method\" = [\"exact\", \"one-step\"]\n\"floor.friction\" = [0.1, 0.2, 0.3]\n"
+    ));
+    assert_eq!(runs.len(), 12);
+    let mut expected = Vec::new();
+    for step in [1e-3, 2e-3] {
+        for method in ["exact", "one-step"] {
+            for friction in [0.1, 0.2, 0.3] {
+                expected.push((step, method, friction));
+            }
+        }
+    }
+    for (i, (run, (step, method, friction))) in runs.iter().zip(expected).enumerate() {
+        assert_eq!(run.index, i);
+        let names: Vec<_> = run.parameters.iter().map(|p| p.0.as_str()).collect();
+        assert_eq!(names, ["integrator.step", "contact.method", "floor.friction"]);
+        assert_eq!(run.parameters[0].1.as_float(), Some(step));
+        assert_eq!(run.parameters[1].1.as_str(), Some(method));
+        assert_eq!(run.parameters[2].1.as_float(), Some(friction));
+        // The parameters are what the scenario says.
+        assert_eq!(run.scenario.integrator.step, step);
+        assert_eq!(run.scenario.contact.method.name(), method);
+        assert_eq!(run.scenario.floor.friction.static_, friction);
+        assert!(run.scenario.sweep.is_single());
+    }
+}
+
+#[test]
+fn repetitions_differ_in_their_seed_and_change_fastest() {
+    let runs = runs(&format!("seed = 7\n{SMALLEST}[sweep]\nrepeat = 3\ngrid = {{ \"floor.height\" = [0, 1] }}\n"));
+    let seeds: Vec<_> = runs.iter().map(|r| (r.scenario.floor.height, r.scenario.seed)).collect();
+    assert_eq!(seeds, [(0.0, 7), (0.0, 8), (0.0, 9), (1.0, 7), (1.0, 8), (1.0, 9)]);
+    let texts: std::collections::HashSet<_> = runs.iter().map(|r| &r.resolved_toml).collect();
+    assert_eq!(texts.len(), 6, "every run has a text, and so a key, of its own");
+}
+
+#[test]
+fn seeds_that_leave_the_numbers_are_refused() {
+    let found = wrong(&format!("seed = 9223372036854775807\n{SMALLEST}[sweep]\nrepeat = 2\n"), &[]);
+    assert_eq!(found.0[0].location(), "scenarios/test.toml:1:8", "{found}");
+    let found = wrong(&format!("{SMALLEST}[sweep]\nrepeat = 2\ngrid = {{ seed = [1, 2] }}\n"), &[]);
+    assert!(found.to_string().contains("`seed` cannot be swept together with `repeat`"), "{found}");
+}
+
+#[test]
+fn ranges_hit_their_ends() {
+    let range = |form: &str| swept(&format!("[sweep]\ngrid = {{ \"floor.friction\" = {form} }}\n"), "floor.friction");
+    assert_eq!(range("{ linspace = [0, 1, 5] }"), [0.0, 0.25, 0.5, 0.75, 1.0]);
+    assert_eq!(range("{ linspace = [0.1, 0.9, 9] }"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]);
+    assert_eq!(range("{ logspace = [1e-6, 1e-2, 5] }"), [1e-6, 1e-5, 1e-4, 1e-3, 1e-2]);
+    assert_eq!(range("{ step = [0.1, 0.7, 0.1] }"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]);
+    assert_eq!(range("{ step = [1.0, 0.0, -0.4] }"), [1.0, 0.6, 0.2]);
+    assert_eq!(range("[0.5, 1]"), [0.5, 1.0], "a column is of one kind");
+    // Every thousandth of a decimal range, against the same numbers written out.
+    let thousandths = range("{ step = [0.001, 2.0, 0.001] }");
+    let written: Vec<f64> = (1..=2000).map(|i| format!("{}e-3", i).parse().unwrap()).collect();
+    assert_eq!(thousandths, written);
+}
+
+#[test]
+fn whole_steps_stay_whole() {
+    let runs = runs(&format!("{SMALLEST}[sweep]\ngrid = {{ \"seed\" = {{ step = [2, 8, 3] }} }}\n"));
+    let seeds: Vec<_> = runs.iter().map(|r| r.scenario.seed).collect();
+    assert_eq!(seeds, [2, 5, 8]);
+}
+
+#[test]
+fn a_sweep_may_give_what_the_file_lacks_and_reach_into_arrays() {
+    let found = runs("[sweep]\ngrid = { \"robot.model\" = [\"a.urdf\", \"b.urdf\"] }\n");
+    assert_eq!(found[1].scenario.robot.model, "b.urdf");
+    let text = FULL.replace("\"contact.method\" = [\"exact\", \"one-step\"]", "\"force.0.force.0\" = [1, 2]");
+    let forces: Vec<_> = runs(&text)
+        .iter()
+        .map(|run| match &run.scenario.force[0] {
+            ForceSpec::Push(push) => push.force,
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!((forces[0], forces[15]), ([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]));
+}
+
+#[test]
+fn the_number_of_runs_is_limited() {
+    let grid = "[sweep]\nrepeat = 3\ngrid = { \"floor.height\" = { linspace = [0, 1, 10] } }\n";
+    let file = file(&format!("{SMALLEST}{grid}")).unwrap();
+    assert_eq!(file.expand_at_most(&[], 30).unwrap().len(), 30);
+    let found = file.expand_at_most(&[], 29).unwrap_err();
+    assert!(found.to_string().contains("30 runs, 29 are allowed"), "{found}");
+    // Refused before anything is made, however many there would be.
+    let huge = "[sweep]\ngrid = { \"floor.height\" = { step = [0, 1, 1e-300] }, \"floor.friction\" = { linspace = [0, 1, 4294967295] } }\n";
+    assert!(wrong(&format!("{SMALLEST}{huge}"), &[]).to_string().contains("10000 are allowed"));
+}
+
+#[test]
+fn overrides_replace_values() {
+    let overrides = set(&[
+        "contact.method=one-step",
+        "duration = 2",
+        "force.0.force = [10, 0, 0]",
+        "floor.friction=0.3",
+        "robot.joint.left_knee.kp=7",
+        "robot.posture.\"odd.name\"=0.1",
+        "description=a b",
+        "duration=3",
+        "robot.base.rpy=[\"45 deg\", 0, 0]",
+        "sweep.repeat=1",
+    ]);
+    let runs = file(FULL).unwrap().expand(&overrides).unwrap();
+    let s = &runs[0].scenario;
+    assert_eq!(s.duration, 3.0, "the later one counts");
+    assert_eq!(s.floor.friction.kinetic, 0.3);
+    assert_eq!(s.robot.joint["left_knee"].kp, Some(7.0));
+    assert_eq!(s.robot.joint["left_knee"].kd, Some(1.0), "its neighbours stay");
+    assert_eq!(s.robot.posture["odd.name"], 0.1);
+    assert_eq!(s.description, "a b");
+    let ForceSpec::Push(push) = &s.force[0] else { panic!("{:?}", s.force[0]) };
+    assert_eq!(push.force, [10.0, 0.0, 0.0]);
+    // The swept key that is overridden keeps one value, its column stays.
+    assert_eq!(runs.len(), 5);
+    assert!(runs.iter().all(|r| r.parameters[0] == ("contact.method".into(), "one-step".into())));
+    assert!(runs.iter().all(|r| r.scenario.contact.method.name() == "one-step"));
+}
+
+#[test]
+fn overrides_that_lead_nowhere_are_shown() {
+    let table: &[(&str, &str, &str)] = &[
+        ("floor.frction=1", "--set:1:7", "unknown key `frction` in `floor`"),
+        ("durtion=1", "--set:1:1", "unknown key `durtion`"),
+        ("duration=long", "--set:1:12", "`duration` must be a number, not the string \"long\""),
+        ("duration=-1", "--set:1:12", "`duration` must be greater than 0"),
+        ("duration=nan", "--set:1:12", "finite"),
+        ("force.3.force=[1, 0, 0]", "--set:1:7", "there is no `force.3`: `force` has 3 entries"),
+        ("force.first.force=[1, 0, 0]", "--set:1:7", "`first` must be an index"),
+        ("force.0.force=[1, 0]", "--set:1:17", "`force.0.force` must be an array of length 3"),
+        ("force.0.force.9=1", "--set:1:15", "there is no `force.0.force.9`"),
+        ("event.0.at=1", "--set:1:1", "the file has no `event`"),
+        ("duration.x=1", "--set:1:10", "`duration` is the number 5 and has no `x`"),
+        ("contact.method=lcp", "--set:1:18", "not available yet"),
+        ("a b=1", "--set:1:1", "is not a dotted path"),
+        ("floor.friction.kinetic=0.9", "--set:1:26", "must not be greater than `static` = 0.8"),
+        ("schema=2", "--set:1:10", "schema = 2"),
+    ];
+    for (assignment, location, message) in table {
+        let found = wrong(FULL, &set(&[assignment]));
+        let first = found.iter().next().unwrap();
+        assert_eq!(first.location(), *location, "{found}");
+        assert!(first.message.contains(message), "{found}");
+        assert!(found.to_string().contains(location), "{found}");
+    }
+    let found = wrong(FULL, &set(&["sweep.grid.\"contact.distance_tolerance\" = [0]", "contact=3"]));
+    assert!(found.to_string().contains("cannot be overridden in part"), "{found}");
+}
+
+#[test]
+fn assignments_as_typed() {
+    let value = |text| parse_override(text).map(|(_, value)| value);
+    assert_eq!(value("a=1"), Ok(1.into()));
+    assert_eq!(value("a = 1.5 "), Ok(1.5.into()));
+    assert_eq!(value("a=\"1\""), Ok("1".into()));
+    assert_eq!(value("a=one-step"), Ok("one-step".into()));
+    assert_eq!(value("a=../x=y.toml"), Ok("../x=y.toml".into()));
+    assert_eq!(value("a=true"), Ok(true.into()));
+    assert_eq!(value("a=1\nb=2"), Ok("1\nb=2".into()), "one assignment at a time");
+    for bad in ["a", "=1", "a=[1, 2", "a={", "a=\"x"] {
+        assert!(value(bad).is_err(), "{bad}");
+    }
+}
+
+#[test]
+fn later_findings_are_shown_where_the_value_of_that_run_was_written() {
+    let text = format!(
+        "{SMALLEST}[[force]]\ntype = \"push\"\nlink = \"a\"\nforce = [1, 0, 0]\n[[task]]\ntype = \"posture\"\njoints = {{ knee = 1 }}\n[sweep]\ngrid = {{ \"force.0.link\" = [\"b\", \"c\"] }}\n"
+    );
+    let file = file(&text).unwrap();
+    let runs = file.expand(&[]).unwrap();
+    let shown = runs[1].error_at("force.0.link", "the robot has no link `c`", Some("did you mean `b`?".into()));
+    assert_eq!(shown.location(), "scenarios/test.toml:11:33");
+    assert!(shown.to_string().contains("did you mean `b`?"));
+    assert_eq!(
+        runs[0].error_at_key("task.0.joints.knee", "no such joint", None).location(),
+        "scenarios/test.toml:9:12"
+    );
+    assert_eq!(
+        runs[0].error_at("robot.base.rpy", "x", None).location(),
+        "scenarios/test.toml:1:1",
+        "the nearest there is"
+    );
+    let runs = file.expand(&set(&["force.0.link=z"])).unwrap();
+    assert_eq!(runs[0].error_at("force.0.link", "x", None).location(), "--set:1:16");
+}
+
+#[test]
+fn overrides_of_a_swept_key_and_then_of_its_table() {
+    let text = format!("{SMALLEST}[sweep]\ngrid = {{ \"floor.height\" = [0, 1] }}\n");
+    let found = wrong(&text, &set(&["floor.height=2", "floor={}"]));
+    assert!(found.to_string().contains("overrides leave no such value"), "{found}");
+}

@@ -1,0 +1,39 @@
+//! Scenario files as a user writes them: what is understood, what is refused and where.
+
+mod broken;
+mod defaults;
+mod expansion;
+mod schema;
+mod typos;
+mod verdicts;
+
+use std::path::Path;
+
+use stiction::scenario::{Diagnostics, Run, ScenarioFile, parse};
+
+/// Every available part of the format at once.
+pub const FULL: &str = include_str!("full.toml");
+
+/// The smallest scenario.
+pub const SMALLEST: &str = "[robot]\nmodel = \"block.urdf\"\n";
+
+/// A scenario file under a name of its own, not on disk.
+fn file(text: &str) -> Result<ScenarioFile, Diagnostics> {
+    parse(Path::new("scenarios/test.toml"), text)
+}
+
+/// The runs of a text that is sound.
+fn runs(text: &str) -> Vec<Run> {
+    match file(text).and_then(|f| f.expand(&[])) {
+        Ok(runs) => runs,
+        Err(wrong) => panic!("{wrong}"),
+    }
+}
+
+/// What is wrong with a text, with overrides.
+fn wrong(text: &str, overrides: &[(String, toml::Value)]) -> Diagnostics {
+    match file(text).and_then(|f| f.expand(overrides)) {
+        Ok(_) => panic!("accepted:\n{text}"),
+        Err(wrong) => wrong,
+    }
+}

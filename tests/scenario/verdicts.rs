@@ -1,0 +1,55 @@
+//! Expectations: when they hold, and how they say that they do not.
+
+use stiction::scenario::{Expect, METRICS};
+
+use super::{SMALLEST, runs};
+
+fn expect(text: &str) -> Expect {
+    runs(&format!("{SMALLEST}[[expect]]\n{text}\n")).remove(0).scenario.expect.remove(0)
+}
+
+#[test]
+fn a_value_holds_within_its_tolerance() {
+    let e = expect("metric = \"final_base_x\"\nvalue = 0.5\ntolerance = 0.25");
+    for (value, holds) in
+        [(0.5, true), (0.25, true), (0.75, true), (0.7500001, false), (f64::NAN, false), (f64::INFINITY, false)]
+    {
+        assert_eq!(e.check(value).is_ok(), holds, "{value}");
+    }
+    let said = e.check(1.0).unwrap_err();
+    assert!(said.contains("final_base_x is 1") && said.contains("0.5"), "{said}");
+}
+
+#[test]
+fn limits_are_included() {
+    let e = expect("metric = \"steps\"\nmin = 10\nmax = 20");
+    for (value, holds) in [(9.9, false), (10.0, true), (20.0, true), (20.1, false), (f64::NAN, false)] {
+        assert_eq!(e.check(value).is_ok(), holds, "{value}");
+    }
+    assert!(expect("metric = \"steps\"\nmin = 10").check(1e9).is_ok());
+    assert!(expect("metric = \"steps\"\nmax = 10").check(-1e9).is_ok());
+    let zero = expect("metric = \"impacts\"\nvalue = 0\ntolerance = 0");
+    assert!(zero.check(0.0).is_ok() && zero.check(1.0).is_err());
+}
+
+#[test]
+fn a_metric_without_a_value_does_not_hold() {
+    let e = expect("metric = \"first_slip_s\"\nmax = 10");
+    assert_eq!(e.judge("passed", |_| None).unwrap_err(), "first_slip_s has no value");
+    assert!(e.judge("fallen", |name| (name == "first_slip_s").then_some(3.0)).is_ok());
+}
+
+#[test]
+fn outcomes_are_expected_by_name() {
+    let e = expect("outcome = \"timed-out\"");
+    assert!(e.judge("timed-out", |_| None).is_ok());
+    assert_eq!(e.judge("passed", |_| None).unwrap_err(), "outcome is passed, not timed-out");
+}
+
+#[test]
+fn every_metric_that_is_available_can_be_expected() {
+    let available = METRICS.iter().filter(|m| !m.starts_with("error_") && **m != "contact_state_agreement");
+    for metric in available {
+        assert_eq!(expect(&format!("metric = \"{metric}\"\nmin = 0")).metric.as_deref(), Some(*metric));
+    }
+}
