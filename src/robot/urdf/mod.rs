@@ -1,0 +1,50 @@
+//! URDF in, the moving tree out.
+//!
+//! `urdf-rs` reads the values. It is forgiving where a simulator must not be (vectors with commas, unknown parents,
+//! absent inertias and limits), and it forgets where things stood, so [`check`] goes over the XML first and refuses what
+//! would otherwise change meaning silently; after it every value `urdf-rs` returns is one that stands in the file.
+
+mod build;
+mod check;
+mod inertia;
+mod limits;
+mod mesh;
+mod package;
+mod root;
+mod shapes;
+mod tree;
+mod xml;
+
+use std::path::PathBuf;
+
+pub(super) use inertia::{Flaw, RigidInertia, examine, moments_text};
+
+use super::error::RobotError;
+use super::model::{Base, Model};
+use super::notice::Notices;
+use super::source::Source;
+
+/// What the URDF alone says.
+pub(super) struct Loaded {
+    /// The model, without soles, drives and home posture.
+    pub model: Model,
+    /// Mesh files read, with their bytes.
+    pub meshes: Vec<(PathBuf, Vec<u8>)>,
+}
+
+/// Reads a URDF. `base` overrides how the root is held.
+pub(super) fn load(source: &Source, base: Option<Base>, notices: &mut Notices) -> Result<Loaded, RobotError> {
+    let document = roxmltree::Document::parse(source.text()).map_err(|e| xml::syntax_error(source, &e))?;
+    let xml = xml::Xml::new(source, &document)?;
+    check::check(&xml, notices)?;
+    for joint in xml.robot.children().filter(|n| n.has_tag_name("joint")) {
+        limits::check_type(&xml, joint)?;
+        limits::check_mimic(&xml, joint, notices)?;
+    }
+    let robot = urdf_rs::read_from_string(source.text()).map_err(|e| {
+        source.fault(document.root_element().range(), format!("the URDF cannot be read: {e}")).invalid()
+    })?;
+    let tree = tree::Tree::new(&robot, &xml)?;
+    let root = root::choose(&tree, &xml, base, notices)?;
+    build::build(&tree, &xml, root, notices)
+}

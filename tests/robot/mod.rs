@@ -1,0 +1,1 @@
+//! Robot files and URDF as users meet them.
