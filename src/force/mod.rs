@@ -46,7 +46,14 @@ impl<'a> Applied<'a> {
     }
 
     /// A force (N) at a world point (m) of a link and a moment (N m), world axes.
-    pub fn wrench(&mut self, scene: &Scene, link: LinkId, point: &Vector3<f64>, force: &Vector3<f64>, moment: &Vector3<f64>) {
+    pub fn wrench(
+        &mut self,
+        scene: &Scene,
+        link: LinkId,
+        point: &Vector3<f64>,
+        force: &Vector3<f64>,
+        moment: &Vector3<f64>,
+    ) {
         crate::dynamics::force::accumulate(scene.kinematics, link, point, force, moment, self.tau);
         if self.arrows.len() < self.arrows.capacity() && *force != Vector3::zeros() {
             self.arrows.push((*point, *force));

@@ -51,3 +51,4 @@ pub use spec::{
     sweep::{Axis, SweepSpec},
     task::{PostureTask, TaskSpec},
 };
+pub use suggest::help as suggest;

@@ -125,9 +125,7 @@ impl Simulation {
             let m = &plant.reduced.velocity[6 * s..6 * s + 6];
             sole.target = Vector3::new(m[2], m[3], m[4]) * -e;
         }
-        let allowed = |s: usize, state: SoleState| {
-            forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern)
-        };
+        let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
         let question = Question { rules: &rules, event: true, allowed: &allowed };
         let selection = plant.method.impulse(p, &question, &mut plant.solution);
         let impulses = std::mem::take(&mut plant.solution.wrench);

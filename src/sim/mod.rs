@@ -2,6 +2,7 @@
 
 pub mod actuator;
 mod adaptive;
+pub mod build;
 mod decide;
 pub mod error;
 mod fixed;

@@ -54,7 +54,8 @@ pub fn fill(plant: &mut Plant, out: &mut Snapshot) {
     out.q_desired.copy_from_slice(&plant.command.position);
     out.qd_desired.copy_from_slice(&plant.command.velocity);
     for (i, pose) in out.link_poses.iter_mut().enumerate() {
-        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(plant.ws.links[i].rotation));
+        let rotation =
+            UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(plant.ws.links[i].rotation));
         let position = plant.ws.links[i].origin + plant.ws.position;
         *pose = Isometry3::from_parts(Translation3::from(position), rotation) * model.links[i].urdf_frame;
     }
@@ -110,7 +111,9 @@ fn hull(points: &mut Vec<Vector3<f64>>, flat: impl Fn(&Vector3<f64>) -> (f64, f6
         let begin = points.len();
         for k in 0..n {
             let next = points[if pass == 0 { k } else { n - 1 - k }];
-            while points.len() >= begin + 2 && turn(&points[points.len() - 2], &points[points.len() - 1], &next) <= 1e-12 {
+            while points.len() >= begin + 2
+                && turn(&points[points.len() - 2], &points[points.len() - 1], &next) <= 1e-12
+            {
                 points.pop();
             }
             points.push(next);
@@ -143,10 +146,12 @@ mod tests {
     #[test]
     fn the_hull_of_two_feet() {
         let foot = |y: f64| [(0.0, y), (0.1, y), (0.1, y + 0.05), (0.0, y + 0.05)];
-        let mut points: Vec<_> = foot(-0.1).into_iter().chain(foot(0.1)).map(|(x, y)| Vector3::new(x, y, 0.0)).collect();
+        let mut points: Vec<_> =
+            foot(-0.1).into_iter().chain(foot(0.1)).map(|(x, y)| Vector3::new(x, y, 0.0)).collect();
         points.push(Vector3::new(0.05, 0.0, 0.0));
         hull(&mut points, |p| (p.x, p.y));
-        let mut corners: Vec<_> = points.iter().map(|p| ((p.x * 100.0).round() as i32, (p.y * 100.0).round() as i32)).collect();
+        let mut corners: Vec<_> =
+            points.iter().map(|p| ((p.x * 100.0).round() as i32, (p.y * 100.0).round() as i32)).collect();
         corners.sort();
         assert_eq!(corners, [(0, -10), (0, 15), (10, -10), (10, 15)]);
     }

@@ -165,7 +165,13 @@ impl Plant {
             self.efforts[j] = effort;
             self.tau[nb + j] = effort + ahead;
         }
-        actuator::passive(&self.model, self.stops.as_deref(), &self.state.joints, &self.state.v[nb..], &mut self.tau[nb..]);
+        actuator::passive(
+            &self.model,
+            self.stops.as_deref(),
+            &self.state.joints,
+            &self.state.v[nb..],
+            &mut self.tau[nb..],
+        );
         self.arrows.clear();
         let scene = Scene {
             model: &self.model,
@@ -281,9 +287,8 @@ impl Plant {
     /// `(v + dv / 2) . (dt tau - S dv)` with the implicit terms S, and the impulses on the mean of the sole velocities.
     /// With the mean velocity this is exactly the change of kinetic energy less that due to the bias h.
     pub fn step_work(&self, dv: &[f64], dt: f64) -> f64 {
-        let joints: f64 = (0..dv.len())
-            .map(|i| (self.state.v[i] - 0.5 * dv[i]) * (dt * self.tau[i] - self.shift[i] * dv[i]))
-            .sum();
+        let joints: f64 =
+            (0..dv.len()).map(|i| (self.state.v[i] - 0.5 * dv[i]) * (dt * self.tau[i] - self.shift[i] * dv[i])).sum();
         let sole = |i: usize| 0.5 * (self.reduced.velocity[i] + self.solution.motion[i]);
         let contact: f64 = self.solution.wrench.iter().enumerate().map(|(i, w)| w * sole(i)).sum();
         joints + contact

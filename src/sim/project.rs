@@ -90,7 +90,8 @@ impl Simulation {
                 let normal = fit_plane(sole, |i| error[i].z);
                 let mean: Vector2<f64> = error[..k].iter().map(|e| e.xy()).sum::<Vector2<f64>>() / k as f64;
                 let inertia: f64 = sole.vertices.iter().map(|v| v.r.xy().norm_squared()).sum();
-                let yaw: f64 = sole.vertices.iter().zip(&error).map(|(v, e)| v.r.xy().perp(&e.xy())).sum::<f64>() / inertia;
+                let yaw: f64 =
+                    sole.vertices.iter().zip(&error).map(|(v, e)| v.r.xy().perp(&e.xy())).sum::<f64>() / inertia;
                 p.b[6 * s..6 * s + 6].copy_from_slice(&[mean.x, mean.y, normal.x, normal.y, normal.z, yaw]);
             } else {
                 sole.vertices.iter_mut().zip(&error).for_each(|(v, e)| v.bias = *e);

@@ -191,8 +191,7 @@ impl Simulation {
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         let nb = self.plant.model.nb();
         let state = &self.plant.state;
-        let context =
-            Context { time: state.time, model: &self.plant.model, q: &state.joints, qd: &state.v[nb..] };
+        let context = Context { time: state.time, model: &self.plant.model, q: &state.joints, qd: &state.v[nb..] };
         let mut failure = None;
         self.tasks.run(&context, |what, name| {
             let event = SimEvent {
@@ -230,12 +229,8 @@ impl Simulation {
         subject: &str,
         message: &str,
     ) -> Result<(), Stop> {
-        let event = SimEvent {
-            time: self.plant.state.time,
-            kind,
-            subject: subject.to_string(),
-            message: message.to_string(),
-        };
+        let event =
+            SimEvent { time: self.plant.state.time, kind, subject: subject.to_string(), message: message.to_string() };
         observer.event(&event).map_err(|m| Stop::new(Outcome::Error, m))
     }
 
@@ -292,10 +287,7 @@ impl Simulation {
             ));
         }
         if self.in_place.1 > STALL_IN_PLACE {
-            return Err(Stop::new(
-                Outcome::Stalled,
-                format!("{STALL_IN_PLACE} events without progress at {t:.9} s"),
-            ));
+            return Err(Stop::new(Outcome::Stalled, format!("{STALL_IN_PLACE} events without progress at {t:.9} s")));
         }
         Ok(())
     }
