@@ -201,6 +201,7 @@ fn every_column_has_its_own_metric() {
         ("first_slip_s", Some(0.0)),
         ("first_stick_s", None),
         ("first_fall_s", Some(1.0 / 7.0)),
+        ("max_projection_m", Some(1e-13)),
     ];
     let found = NUMERIC_COLUMNS.map(|column| (column, metric(&rows()[0], column)));
     assert_eq!(found, expected);
