@@ -65,7 +65,7 @@ impl Method for Exact {
             start[s] = SoleState::fixed(pattern);
         }
         let start = permit(p, start, question);
-        self.selector.select(p, &start, false, question.rules, question.allowed, out)
+        self.selector.select(p, &start, !question.event, question.rules, question.allowed, out)
     }
 
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution) {

@@ -83,6 +83,8 @@ pub struct Rules {
     pub suspect: [u8; MAX_SOLES],
 }
 
+/// Height up to which a vertex touches the floor, m: rounding of positions of a few metres, far below any tolerance.
+pub const TOUCHING: f64 = 1e-10;
 /// Suspect for its normal load.
 pub const SUSPECT_NORMAL: u8 = 1;
 /// Suspect for its friction load.
@@ -110,7 +112,9 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
                 // What counts is where the vertex goes after the impulse.
                 Level::Velocity if clamped => (if v.near { 0.0 } else { 1.0 + v.height.max(0.0) / tol.distance }, 0.0),
                 Level::Velocity => {
-                    let short = (sole.vertex_target(i) - motion) / speed;
+                    // Above the floor, within d of it, an approach up to v_t may wait until it gets there.
+                    let patience = if v.height > TOUCHING { tol.velocity } else { 0.0 };
+                    let short = (sole.vertex_target(i) - motion - patience) / speed;
                     (0.0, if v.near && short > 1e-10 { short } else { 0.0 })
                 }
             };

@@ -29,6 +29,8 @@ pub struct Adaptive {
     y: Vec<f64>,
     dense: Vec<f64>,
     watch: Watch,
+    /// Event functions at the start of the step, at the ends of the bracket, and scratch.
+    start: Vec<f64>,
     left: Vec<f64>,
     right: Vec<f64>,
     scratch: Vec<f64>,
@@ -47,6 +49,7 @@ impl Adaptive {
             y: vec![0.0; n],
             dense: vec![0.0; n],
             watch: Watch::default(),
+            start: Vec::with_capacity(MAX_WATCHED),
             left: Vec::with_capacity(MAX_WATCHED),
             right: Vec::with_capacity(MAX_WATCHED),
             scratch: Vec::with_capacity(MAX_WATCHED),
@@ -68,7 +71,9 @@ impl Adaptive {
         sim.plant.within = t0 + 0.5 * h;
         self.rk.begin(&mut sim.plant, t0, &self.y);
         self.watch.begin(sim);
-        self.watch.values(sim, &mut self.left);
+        self.watch.values(sim, &mut self.start);
+        self.left.resize(self.start.len(), 0.0);
+        self.scratch.resize(self.start.len(), 0.0);
         loop {
             sim.plant.within = t0 + 0.5 * h;
             let error = self.rk.attempt(&mut sim.plant, t0, h, self.relative, self.absolute, layout.controlled());
@@ -89,22 +94,7 @@ impl Adaptive {
         self.watch.values(sim, &mut self.right);
         let mut event = self.right.iter().any(|g| *g < 0.0);
         if event && sim.locates() {
-            let (rk, dense, watch) = (&self.rk, &mut self.dense, &self.watch);
-            self.scratch.resize(self.right.len(), 0.0);
-            let theta =
-                first_crossing(0.0, 1.0, &mut self.left, &mut self.right, &mut self.scratch, LOCATE, |theta, g| {
-                    rk.interpolate(theta, dense);
-                    sim.plant.layout.unpack(t0 + theta * h, dense, &mut sim.plant.state);
-                    sim.plant.evaluate();
-                    watch.fill(sim, g);
-                });
-            if theta < 1.0 {
-                h *= theta;
-                self.rk.attempt(&mut sim.plant, t0, h, self.relative, self.absolute, layout.controlled());
-            } else {
-                sim.plant.layout.unpack(t0 + h, &self.rk.end, &mut sim.plant.state);
-                sim.plant.evaluate();
-            }
+            h = self.locate(sim, t0, h);
         }
         sim.metrics.steps += 1;
         let t1 = if h == remaining { until } else { t0 + h };
@@ -121,6 +111,52 @@ impl Adaptive {
         }
         sim.measure();
         Ok(())
+    }
+
+    /// Shortens the step just tried to its first event; returns its new size. The plant is left at the event.
+    ///
+    /// The dense output is of order 4, the step itself of order 5, so an event located on the dense output is missed by
+    /// the step taken to it. A second step that ends just beyond the event, where its dense output is as good as its
+    /// end, settles the difference.
+    fn locate(&mut self, sim: &mut Simulation, t0: f64, full: f64) -> f64 {
+        let mut h = full;
+        for beyond in [1e-4, 1e-7, 0.0] {
+            let found = h * self.crossing(sim, t0, h);
+            let next = (found * (1.0 + beyond)).min(full);
+            if next == h {
+                break;
+            }
+            self.attempt(sim, t0, next);
+            h = next;
+            if beyond > 0.0 && self.right.iter().all(|g| *g >= 0.0) {
+                // The event has moved beyond the new end by more than thought: fall back on the whole step once.
+                self.attempt(sim, t0, full);
+                h = full;
+            }
+        }
+        h
+    }
+
+    fn attempt(&mut self, sim: &mut Simulation, t0: f64, h: f64) {
+        self.rk.attempt(&mut sim.plant, t0, h, self.relative, self.absolute, 0);
+        self.watch.values(sim, &mut self.scratch);
+        // At the final step the values only tell which functions fired, so those located stay.
+        if self.scratch.iter().any(|g| *g < 0.0) {
+            self.right.copy_from_slice(&self.scratch);
+        }
+    }
+
+    /// First crossing within the step of size `h` just tried, as a fraction of it.
+    fn crossing(&mut self, sim: &mut Simulation, t0: f64, h: f64) -> f64 {
+        let (rk, dense, watch) = (&self.rk, &mut self.dense, &self.watch);
+        self.scratch.copy_from_slice(&self.start);
+        self.left.copy_from_slice(&self.start);
+        first_crossing(0.0, 1.0, &mut self.left, &mut self.right, &mut self.scratch, LOCATE, |theta, g| {
+            rk.interpolate(theta, dense);
+            sim.plant.layout.unpack(t0 + theta * h, dense, &mut sim.plant.state);
+            sim.plant.evaluate();
+            watch.fill(sim, g);
+        })
     }
 
     /// Logged instants inside the step, from the dense output; physics never waits for the log.

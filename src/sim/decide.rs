@@ -4,13 +4,15 @@ use super::error::Stop;
 use super::project::anchor;
 use super::report::{Observer, Outcome};
 use super::simulation::Simulation;
-use crate::contact::judge::Rules;
+use crate::contact::judge::{Rules, TOUCHING};
 use crate::contact::method::Question;
 use crate::contact::problem::Level;
 use crate::contact::select::Selection;
 use crate::contact::state::{MAX_SOLES, SoleState, States};
 use nalgebra::{Vector2, Vector3};
 
+/// Rounds of choosing and settling at one instant.
+const SETTLE: usize = 4;
 /// Impacts that may follow each other at one instant.
 const CASCADE: usize = 32;
 
@@ -31,25 +33,32 @@ impl Simulation {
                 }
             }
         }
-        let mut selection = self.choose();
-        if !selection.consistent && self.jam(observer)? {
-            selection = self.choose();
+        for _ in 0..SETTLE {
+            let mut selection = self.choose();
+            if !selection.consistent && self.jam(observer)? {
+                selection = self.choose();
+            }
+            self.count(&selection);
+            if !selection.consistent {
+                self.metrics.inconsistent += 1;
+                let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
+                self.event(observer, "inconsistent", "", &message)?;
+            }
+            self.adopt(selection.states, observer)?;
+            self.suspect = [0; MAX_SOLES];
+            // What little normal motion (below v_t) and slip (below the rest speed) the new state does not allow ends
+            // here; the choice is then made once more with the velocities that go with it.
+            let change = self.settle();
+            self.plant.evaluate_free();
+            if change <= self.tolerances.rest {
+                break;
+            }
         }
-        if !selection.consistent {
-            self.metrics.inconsistent += 1;
-            let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
-            self.event(observer, "inconsistent", "", &message)?;
-        }
-        self.count(&selection);
-        self.adopt(selection.states, observer)?;
-        self.suspect = [0; MAX_SOLES];
-        // What little normal motion (below v_t) and slip (below the rest speed) the new state does not allow ends here.
-        self.settle();
         self.plant.evaluate();
         Ok(())
     }
 
-    /// Does an unclamped vertex within d of the floor approach it faster than v_t?
+    /// Does an unclamped vertex touch the floor and approach it, or come faster than v_t within d of it?
     fn hits(&self) -> bool {
         let tol = &self.tolerances;
         self.plant.problem.soles.iter().enumerate().any(|(s, sole)| {
@@ -57,6 +66,7 @@ impl Simulation {
             let approaches = |i: usize| {
                 let v = &sole.vertices[i];
                 v.height <= tol.distance && v.velocity.z < -tol.velocity
+                    || v.height <= TOUCHING && v.height >= -tol.distance && v.velocity.z < -tol.rest
             };
             (0..k).any(|i| !self.plant.states[s].clamps(i, k) && approaches(i))
         })
@@ -69,13 +79,14 @@ impl Simulation {
     /// The acceleration-level choice at the present state.
     fn choose(&mut self) -> Selection {
         let rules = self.rules();
-        let t = self.plant.state.time;
-        let forced = self.forced(t);
+        let forced = self.forced(self.plant.state.time);
+        let tol = self.tolerances;
         let plant = &mut self.plant;
         for sole in &mut plant.problem.soles {
             for v in &mut sole.vertices {
-                let t = v.velocity.xy();
-                v.direction = if v.moving { t.normalize() } else { v.direction };
+                // A vertex about to be clamped out of a slow motion has its velocity settled first.
+                v.moving &= v.velocity.z.abs() <= tol.rest || v.velocity.xy().norm() > tol.velocity;
+                v.direction = if v.moving { v.velocity.xy().normalize() } else { v.direction };
             }
         }
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
@@ -224,8 +235,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Velocity jump that brings the clamped directions to rest in the states just adopted.
-    fn settle(&mut self) {
+    /// Velocity jump that brings the clamped directions to rest in the states just adopted. Returns the greatest change
+    /// of a vertex's velocity, m/s.
+    fn settle(&mut self) -> f64 {
         let tol = self.tolerances;
         // A method that does not look for impacts meets them here.
         let bounce = if self.plant.method.locates_events() { 0.0 } else { self.contact.restitution };
@@ -241,6 +253,13 @@ impl Simulation {
             sole.vertices.iter_mut().for_each(|v| v.bias = Vector3::zeros());
         }
         plant.method.respond(p, &plant.states, &mut self.projection);
+        let mut change: f64 = 0.0;
+        for (s, sole) in p.soles.iter().enumerate() {
+            for (i, v) in sole.vertices.iter().enumerate() {
+                change = change.max((p.vertex_motion(&self.projection.motion, s, i) - v.velocity).norm());
+            }
+        }
         self.work += plant.kick(&self.projection.wrench);
+        change
     }
 }

@@ -87,6 +87,8 @@ impl Fixed {
                 // Near: what this step could bring to the floor, with room for what other impulses do.
                 v.near = v.height + dt * free.min(0.0) <= tol.distance.min(dt * fastest) || v.height <= 0.0;
                 v.moving = false;
+                // The gap is in the target now.
+                v.height = if v.near { v.height.min(0.0) } else { v.height };
             }
         }
     }
@@ -106,7 +108,7 @@ impl Simulation {
         let rules = self.rules();
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
-        let question = Question { rules: &rules, event: true, allowed: &allowed };
+        let question = Question { rules: &rules, event: false, allowed: &allowed };
         let plant = &mut self.plant;
         let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
         self.count(&selection);

@@ -10,14 +10,11 @@
 
 use super::simulation::Simulation;
 use crate::contact::candidate::share_static;
-use crate::contact::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL, margin};
+use crate::contact::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL, TOUCHING, margin};
 use crate::contact::state::{MAX_SOLES, Mode};
 
 /// Most event functions watched at once.
 pub const MAX_WATCHED: usize = 512;
-
-/// Height above which a vertex is in flight, m: rounding of positions of a few metres, far below any tolerance.
-const AIRBORNE: f64 = 1e-10;
 
 #[derive(Clone, Copy, Debug)]
 enum Item {
@@ -44,7 +41,7 @@ impl Watch {
             let k = sole.vertices.len();
             for (i, v) in sole.vertices.iter().enumerate() {
                 if !state.clamps(i, k) {
-                    self.items.push(if v.height > AIRBORNE { Item::Height(s, i) } else { Item::Band(s, i) });
+                    self.items.push(if v.height > TOUCHING { Item::Height(s, i) } else { Item::Band(s, i) });
                 } else if state.is_dynamic() && state.mode != Mode::Pivoting(i as u8) {
                     self.items.push(Item::Slide(s, i));
                 }

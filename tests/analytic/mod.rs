@@ -1,4 +1,5 @@
 //! Contact against closed forms (`contact.md` section 13).
 
 mod block;
+mod scratch;
 mod support;
