@@ -195,11 +195,12 @@ impl fmt::Debug for Fault {
     }
 }
 
-/// The name of `known` closest to `name`, if close enough to be a slip of the finger.
+/// The name of `known` closest to `name`, if close enough to be a slip of the finger; another case counts least.
 pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let lower = name.to_lowercase();
     known
         .into_iter()
-        .map(|k| (strsim::damerau_levenshtein(name, k), k))
+        .map(|k| (strsim::damerau_levenshtein(&lower, &k.to_lowercase()), k))
         .filter(|(distance, k)| *distance <= (k.len().max(name.len()) / 3).max(1))
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, k)| k)

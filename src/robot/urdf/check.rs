@@ -165,6 +165,13 @@ fn element(xml: &Xml, node: Node, notices: &mut Notices) -> Result<(), RobotErro
     children(xml, node, rule, notices)
 }
 
+/// Is a child element of that name read from this one? What is not has been reported.
+pub(super) fn is_read(parent: Node, child: Node) -> bool {
+    let (parent, child) = (parent.tag_name().name(), child.tag_name().name());
+    let rule = RULES.iter().find(|r| r.tag == parent);
+    rule.is_some_and(|r| r.children.iter().any(|(name, count)| *name == child && *count != Ignored))
+}
+
 fn children(xml: &Xml, node: Node, rule: &Rule, notices: &mut Notices) -> Result<(), RobotError> {
     let tag = rule.tag;
     for (name, count) in rule.children {
@@ -210,7 +217,7 @@ fn children(xml: &Xml, node: Node, rule: &Rule, notices: &mut Notices) -> Result
 fn attribute(xml: &Xml, node: Node, name: &str, text: &str, value: Value) -> Result<(), RobotError> {
     let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
     let good = match (value, &numbers) {
-        (Text, _) => !text.trim().is_empty(),
+        (Text, _) => !text.is_empty() && text.trim() == text,
         (_, None) => false,
         (_, Some(n)) => {
             let length = match value {
@@ -240,7 +247,7 @@ fn attribute(xml: &Xml, node: Node, name: &str, text: &str, value: Value) -> Res
 
 fn describe_value(value: Value) -> String {
     match value {
-        Text => "a name".into(),
+        Text => "text without spaces around it".into(),
         Number => "a finite number".into(),
         NotNegative => "a finite number, not negative".into(),
         Positive => "a finite number above 0".into(),
