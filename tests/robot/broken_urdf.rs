@@ -69,7 +69,7 @@ const CASES: &[(&str, &str, usize, &str)] = &[
     (
         "ixx=\"3\" ixy=\"0\" ixz=\"0\" iyy=\"3\" iyz=\"0\" izz=\"3\"",
         "ixx=\"3\" ixy=\"0\" ixz=\"0\" iyy=\"3\" iyz=\"0\" izz=\"0\"",
-        16,
+        17,
         "link `b` is not positive definite",
     ),
     ("size=\"1 1 1\"", "size=\"1 0 1\"", 7, "3 finite numbers above 0"),

@@ -97,3 +97,28 @@ fn the_root_is_held_as_the_file_says() {
     assert_eq!(bare(&free).unwrap(), (Base::Floating, "trunk".into(), 7, 3.0));
     assert_eq!(base(&free, "fixed").unwrap(), (Base::Fixed, "trunk".into(), 1, 1.0));
 }
+
+/// Exporters write placeholder tensors on frames: told, and harmless once welded to something sound.
+#[test]
+fn a_flawed_part_of_a_sound_body_is_a_warning() {
+    let text = |weld: &str| {
+        let flawed = "<inertial><mass value=\"0.001\"/>\n<inertia ixx=\"1e-6\" ixy=\"1e-6\" ixz=\"1e-6\" iyy=\"1e-6\" iyz=\"1e-6\" izz=\"1e-6\"/></inertial>";
+        format!(
+            "<robot><link name=\"a\">{BODY}</link>\n<link name=\"tip\">{flawed}</link>\n\
+             <joint name=\"f\" type=\"{weld}\"><parent link=\"a\"/><child link=\"tip\"/></joint></robot>"
+        )
+    };
+    let welded = load_urdf(&text("fixed")).unwrap();
+    let told =
+        |needle: &str| welded.notices.iter().find(|n| n.message.contains(needle)).unwrap_or_else(|| panic!("{needle}"));
+    assert_eq!(told("link `tip` breaks the triangle inequality: principal moments").line, 3);
+    assert_eq!(told("no name").line, 1);
+    assert_eq!(welded.model.name, "robot");
+    assert_fault(
+        "moving",
+        load_urdf(&text("continuous")),
+        "robot.urdf",
+        2,
+        "link `tip` breaks the triangle inequality",
+    );
+}
