@@ -118,7 +118,7 @@ fn a_flawed_part_of_a_sound_body_is_a_warning() {
         "moving",
         load_urdf(&text("continuous")),
         "robot.urdf",
-        2,
+        3,
         "link `tip` breaks the triangle inequality",
     );
 }

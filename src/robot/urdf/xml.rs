@@ -7,9 +7,6 @@ use roxmltree::{Document, Node};
 use crate::robot::error::{Fault, RobotError};
 use crate::robot::source::Source;
 
-/// URDF needs six levels; what the loader ignores may go deeper, within reason.
-const DEEPEST: usize = 64;
-
 /// A well-formed document whose root element is `<robot>`.
 pub(super) struct Xml<'a> {
     pub source: &'a Source,
@@ -23,11 +20,7 @@ impl<'a> Xml<'a> {
             let fault = source.fault(open_tag(source, robot), "this is not a URDF").wanted("<robot name=\"...\">");
             return Err(fault.seen(format!("<{}>", robot.tag_name().name())).invalid());
         }
-        let xml = Self { source, robot };
-        match too_deep(document) {
-            Some(node) => Err(xml.fault(node, format!("elements are nested more than {DEEPEST} deep")).invalid()),
-            None => Ok(xml),
-        }
+        Ok(Self { source, robot })
     }
 
     /// The `<link>` or `<joint>` of that name directly under `<robot>`; the root element if there is none.
@@ -49,18 +42,6 @@ impl<'a> Xml<'a> {
             None => self.fault(node, message),
         }
     }
-}
-
-/// The first element nested deeper than [`DEEPEST`]: `urdf-rs` would use up the stack on it.
-fn too_deep<'a>(document: &'a Document<'a>) -> Option<Node<'a, 'a>> {
-    let mut depth: Vec<usize> = Vec::new();
-    // Nodes are numbered in document order, so a parent's depth is known before its children's.
-    document.root().descendants().find(|node| {
-        let above = node.parent().and_then(|p| depth.get(p.id().get_usize()).copied()).unwrap_or(0);
-        depth.resize(node.id().get_usize() + 1, 0);
-        depth[node.id().get_usize()] = above + 1;
-        above > DEEPEST
-    })
 }
 
 /// The first child element of that name.
