@@ -144,7 +144,7 @@ fn z_is_the_axis() {
         assert_eq!(link.urdf_frame.translation.vector, Vector3::zeros(), "the origin stays on the joint");
         let axis = Vector3::from(urdf.joints.iter().find(|j| j.name == joint.name).unwrap().axis.xyz.0).normalize();
         // Rounding of one quaternion product.
-        assert!((link.urdf_frame.rotation * axis - Vector3::z()).norm() < 4e-16 * 4.0, "{}", joint.name);
+        assert!((link.urdf_frame.rotation * axis - Vector3::z()).norm() < 2e-15, "{}", joint.name);
     }
 }
 

@@ -37,7 +37,7 @@ fn a_bar_cut_and_welded_is_the_bar() {
     // Rounding of cos(pi/2) and of the sums.
     assert_eq!(bar.mass, 3.0);
     assert!((bar.com - Vector3::new(0.3, 0.0, 0.0)).norm() < 1e-15, "{}", bar.com);
-    assert!((bar.inertia - whole).norm() < 1e-16 * 10.0, "{} {}", bar.inertia, whole);
+    assert!((bar.inertia - whole).norm() < 1e-15, "{} {}", bar.inertia, whole);
     let far = &bar.merged[0];
     assert_eq!(far.name, "far");
     assert_eq!(model.link("far").unwrap().0, LinkId(0));
