@@ -98,8 +98,9 @@ pub struct Fault {
 
 impl Fault {
     pub(super) fn new(source: Source, span: Range<usize>, message: String) -> Self {
-        let len = source.text().len();
-        let span = span.start.min(len)..span.end.min(len).max(span.start.min(len));
+        let boundary = |at: usize| (0..=at.min(source.text().len())).rev().find(|&i| source.text().is_char_boundary(i));
+        let start = boundary(span.start).unwrap_or(0);
+        let span = start..boundary(span.end).unwrap_or(0).max(start);
         let none = String::new;
         Self { source, span, message, element: none(), seen: none(), wanted: none(), help: None }
     }
@@ -164,11 +165,15 @@ impl Fault {
         self.source.text().lines().nth(self.line() - 1).unwrap_or("")
     }
 
+    /// Words under the caret; what was seen is not repeated where the line shows it.
     fn label(&self) -> String {
-        match (self.seen.is_empty(), self.wanted.is_empty()) {
-            (true, true) => "here".into(),
-            (false, true) => self.seen.clone(),
-            (_, false) => format!("wanted {}", self.wanted),
+        let shown = &self.source.text()[self.span.clone()];
+        let seen = if shown.contains(self.seen.trim_matches('`')) { "" } else { self.seen.as_str() };
+        match (seen, self.wanted.as_str()) {
+            ("", "") => "here".into(),
+            (seen, "") => seen.into(),
+            ("", wanted) => format!("wanted {wanted}"),
+            (seen, wanted) => format!("{seen}; wanted {wanted}"),
         }
     }
 }
@@ -195,11 +200,12 @@ impl fmt::Debug for Fault {
     }
 }
 
-/// The name of `known` closest to `name`, if close enough to be a slip of the finger.
+/// The name of `known` closest to `name`, if close enough to be a slip of the finger; another case counts least.
 pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let lower = name.to_lowercase();
     known
         .into_iter()
-        .map(|k| (strsim::damerau_levenshtein(name, k), k))
+        .map(|k| (strsim::damerau_levenshtein(&lower, &k.to_lowercase()), k))
         .filter(|(distance, k)| *distance <= (k.len().max(name.len()) / 3).max(1))
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, k)| k)

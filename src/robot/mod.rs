@@ -70,6 +70,14 @@ fn assemble(urdf: Source, file: Option<(Source, RobotFile)>) -> Result<Robot, Ro
         BaseWord::Floating => Base::Floating,
     });
     let urdf::Loaded { mut model, meshes } = urdf::load(&urdf, base, &mut notices)?;
+    if model.name.trim().is_empty() {
+        model.name = urdf.path().file_stem().map_or("robot".into(), |stem| stem.to_string_lossy().into_owned());
+        notices.info(
+            &urdf,
+            urdf.text().find("<robot").unwrap_or(0),
+            format!("the robot has no name: `{}` is taken", model.name),
+        );
+    }
     home_within_limits(&mut model, &urdf, &mut notices);
     let mut files = Vec::new();
     let mut soles_given = false;

@@ -9,7 +9,7 @@ use super::shapes::{Shapes, isometry};
 use super::tree::Tree;
 use super::xml::{Xml, child};
 use super::{Loaded, limits};
-use crate::robot::error::RobotError;
+use crate::robot::error::{Fault, RobotError};
 use crate::robot::model::{Base, Joint, Link, LinkId, Merged, Model};
 use crate::robot::notice::Notices;
 
@@ -24,6 +24,7 @@ pub(super) fn build(tree: &Tree, xml: &Xml, root: Root, notices: &mut Notices) -
     let mut shapes = Shapes::new(xml, &tree.robot.materials);
     let mut links: Vec<Link> = vec![bare_link(&tree.robot.links[root.link].name, None)];
     let mut joints: Vec<Joint> = Vec::new();
+    let mut flawed: Vec<FlawedPart> = Vec::new();
     let mut stack = vec![Step::Weld { link: root.link, carrier: 0, frame: Isometry3::identity() }];
     while let Some(step) = stack.pop() {
         let (index, carrier, frame) = match step {
@@ -48,7 +49,8 @@ pub(super) fn build(tree: &Tree, xml: &Xml, root: Root, notices: &mut Notices) -
         if here.name != urdf_link.name {
             here.merged.push(Merged { name: urdf_link.name.clone(), pose: frame });
         }
-        if let Some(own) = link_inertia(xml, urdf_link, notices)? {
+        let mut note = |fault| flawed.push(FlawedPart { carrier, fault });
+        if let Some(own) = link_inertia(xml, urdf_link, &mut note) {
             let sum = RigidInertia { mass: here.mass, com: here.com, tensor: here.inertia }.plus(&own.moved(&frame));
             (here.mass, here.com, here.inertia) = (sum.mass, sum.com, sum.tensor);
         }
@@ -63,7 +65,7 @@ pub(super) fn build(tree: &Tree, xml: &Xml, root: Root, notices: &mut Notices) -
             });
         }
     }
-    moving_links_have_inertia(xml, &links, root.base)?;
+    judge(xml, &links, root.base, flawed, notices)?;
     let home = vec![0.0; joints.len()];
     let name = tree.robot.name.clone();
     let model = Model { name, base: root.base, links, joints, soles: Vec::new(), home };
@@ -109,9 +111,16 @@ fn bare_link(name: &str, parent: Option<LinkId>) -> Link {
     }
 }
 
-/// A link's own inertia in its URDF frame; `None` when it has none. Faults: a tensor no body can have.
-fn link_inertia(xml: &Xml, link: &urdf_rs::Link, notices: &mut Notices) -> Result<Option<RigidInertia>, RobotError> {
-    let Some(inertial) = child(xml.named("link", &link.name), "inertial") else { return Ok(None) };
+/// A part whose inertia no body can have: an error if the rigid body it ends up in has none either, else a warning, for
+/// exporters put placeholders on massless frames.
+struct FlawedPart {
+    carrier: usize,
+    fault: Fault,
+}
+
+/// A link's own inertia in its URDF frame; `None` when it has none. What is odd about it goes to `flawed`.
+fn link_inertia(xml: &Xml, link: &urdf_rs::Link, flawed: &mut impl FnMut(Fault)) -> Option<RigidInertia> {
+    let inertial = child(xml.named("link", &link.name), "inertial")?;
     let i = &link.inertial.inertia;
     let tensor = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
     let mass = link.inertial.mass.value;
@@ -120,46 +129,66 @@ fn link_inertia(xml: &Xml, link: &urdf_rs::Link, notices: &mut Notices) -> Resul
         if tensor != Matrix3::zeros() {
             let at = child(inertial, "mass").unwrap_or(inertial);
             let fault = xml.attribute_fault(at, "value", format!("link `{name}` has inertia but no mass"));
-            return Err(fault.wanted("a mass above 0").invalid());
+            flawed(fault.wanted("a mass above 0"));
         }
-        return Ok(None);
+        return None;
     }
     let at = child(inertial, "inertia").unwrap_or(inertial);
     let (moments, flaw) = examine(&tensor);
-    match flaw {
-        Some(Flaw::Negative) => {
-            let fault = xml.fault(at, format!("the inertia of link `{name}` is not positive definite"));
-            return Err(fault.seen(moments_text(moments)).wanted("three moments above 0").invalid());
-        }
+    let (words, wanted) = match flaw {
+        Some(Flaw::Negative | Flaw::Singular) => ("is not positive definite", "three moments above 0"),
         Some(Flaw::Triangle) => {
-            let fault = xml.fault(at, format!("the inertia of link `{name}` breaks the triangle inequality"));
-            let wanted = "the largest principal moment at most the sum of the others";
-            return Err(fault.seen(moments_text(moments)).wanted(wanted).invalid());
+            ("breaks the triangle inequality", "the largest principal moment at most the sum of the others")
         }
-        Some(Flaw::Singular) => {
-            let words = format!("the inertia of link `{name}` is that of a point or a rod: {}", moments_text(moments));
-            notices.info(xml.source, at.range().start, words);
-        }
-        None => {}
+        None => ("", ""),
+    };
+    if flaw.is_some() {
+        let fault = xml.fault(at, format!("the inertia of link `{name}` {words}"));
+        flawed(fault.seen(moments_text(moments)).wanted(wanted));
     }
     let body = RigidInertia { mass, com: Vector3::zeros(), tensor };
-    Ok(Some(body.moved(&isometry(&link.inertial.origin))))
+    Some(body.moved(&isometry(&link.inertial.origin)))
 }
 
-/// Every link that can accelerate needs mass and a tensor that can be inverted, welded parts counted.
-fn moving_links_have_inertia(xml: &Xml, links: &[Link], base: Base) -> Result<(), RobotError> {
-    for link in &links[usize::from(base == Base::Fixed)..] {
+/// Every link that can accelerate needs mass and a tensor a body can have, welded parts counted.
+fn judge(
+    xml: &Xml,
+    links: &[Link],
+    base: Base,
+    flawed: Vec<FlawedPart>,
+    notices: &mut Notices,
+) -> Result<(), RobotError> {
+    for (i, link) in links.iter().enumerate().skip(usize::from(base == Base::Fixed)) {
+        let (moments, flaw) = examine(&link.inertia);
+        let part = flawed.iter().find(|part| part.carrier == i);
+        let is_bad = match flaw {
+            _ if link.mass == 0.0 => true,
+            Some(Flaw::Negative | Flaw::Singular) => true,
+            // Sound parts make a sound whole but for rounding.
+            Some(Flaw::Triangle) => part.is_some(),
+            None => false,
+        };
+        if !is_bad {
+            continue;
+        }
+        if let Some(part) = part {
+            return Err(part.fault.clone().invalid());
+        }
         let node = xml.named("link", &link.name);
         if link.mass == 0.0 {
-            let fault =
-                xml.fault(node, format!("link `{}` moves but has no mass, nor has anything welded to it", link.name));
-            return Err(fault.wanted("<inertial> with a mass above 0").invalid());
+            let message = format!("link `{}` moves but has no mass, nor has anything welded to it", link.name);
+            return Err(xml.fault(node, message).wanted("<inertial> with a mass above 0").invalid());
         }
-        let (moments, flaw) = examine(&link.inertia);
-        if matches!(flaw, Some(Flaw::Negative | Flaw::Singular)) {
-            let fault = xml.fault(node, format!("the inertia of link `{}` is not positive definite", link.name));
-            return Err(fault.seen(moments_text(moments)).wanted("three moments above 0").invalid());
-        }
+        let fault = xml.fault(node, format!("the inertia of link `{}` is not positive definite", link.name));
+        return Err(fault.seen(moments_text(moments)).wanted("three moments above 0").invalid());
+    }
+    for FlawedPart { fault, .. } in flawed {
+        let words = format!(
+            "{}{}",
+            fault.message,
+            if fault.seen.is_empty() { String::new() } else { format!(": {}", fault.seen) }
+        );
+        notices.warning(xml.source, fault.span.start, words);
     }
     Ok(())
 }

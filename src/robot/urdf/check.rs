@@ -10,6 +10,9 @@ use crate::robot::notice::Notices;
 /// What an attribute must hold.
 #[derive(Clone, Copy, PartialEq)]
 enum Value {
+    /// A name: not empty, no spaces around it.
+    Name,
+    /// Any text, such as the empty material names that some exporters write.
     Text,
     Number,
     NotNegative,
@@ -39,12 +42,12 @@ use Count::*;
 const RULES: &[Rule] = &[
     Rule {
         tag: "robot",
-        attributes: &[("name", Text, true), ("version", Text, false)],
+        attributes: &[("name", Text, false), ("version", Text, false)],
         children: &[("link", Many), ("joint", Many), ("material", Many)],
     },
     Rule {
         tag: "link",
-        attributes: &[("name", Text, true)],
+        attributes: &[("name", Name, true)],
         children: &[("inertial", AtMostOnce), ("visual", Many), ("collision", Many)],
     },
     Rule { tag: "inertial", attributes: &[], children: &[("origin", AtMostOnce), ("mass", Once), ("inertia", Once)] },
@@ -91,7 +94,7 @@ const RULES: &[Rule] = &[
     Rule { tag: "cylinder", attributes: &[("radius", Positive, true), ("length", Positive, true)], children: &[] },
     Rule { tag: "capsule", attributes: &[("radius", Positive, true), ("length", Positive, true)], children: &[] },
     Rule { tag: "sphere", attributes: &[("radius", Positive, true)], children: &[] },
-    Rule { tag: "mesh", attributes: &[("filename", Text, true), ("scale", Vector(3), false)], children: &[] },
+    Rule { tag: "mesh", attributes: &[("filename", Name, true), ("scale", Vector(3), false)], children: &[] },
     Rule {
         tag: "material",
         attributes: &[("name", Text, true)],
@@ -100,7 +103,7 @@ const RULES: &[Rule] = &[
     Rule { tag: "color", attributes: &[("rgba", Vector(4), true)], children: &[] },
     Rule {
         tag: "joint",
-        attributes: &[("name", Text, true), ("type", Text, true)],
+        attributes: &[("name", Name, true), ("type", Name, true)],
         children: &[
             ("origin", AtMostOnce),
             ("parent", Once),
@@ -113,8 +116,8 @@ const RULES: &[Rule] = &[
             ("safety_controller", Ignored),
         ],
     },
-    Rule { tag: "parent", attributes: &[("link", Text, true)], children: &[] },
-    Rule { tag: "child", attributes: &[("link", Text, true)], children: &[] },
+    Rule { tag: "parent", attributes: &[("link", Name, true)], children: &[] },
+    Rule { tag: "child", attributes: &[("link", Name, true)], children: &[] },
     Rule { tag: "axis", attributes: &[("xyz", Vector(3), true)], children: &[] },
     Rule {
         tag: "limit",
@@ -133,7 +136,7 @@ const RULES: &[Rule] = &[
     },
     Rule {
         tag: "mimic",
-        attributes: &[("joint", Text, true), ("multiplier", Number, false), ("offset", Number, false)],
+        attributes: &[("joint", Name, true), ("multiplier", Number, false), ("offset", Number, false)],
         children: &[],
     },
 ];
@@ -163,6 +166,13 @@ fn element(xml: &Xml, node: Node, notices: &mut Notices) -> Result<(), RobotErro
         }
     }
     children(xml, node, rule, notices)
+}
+
+/// Is a child element of that name read from this one? What is not has been reported.
+pub(super) fn is_read(parent: Node, child: Node) -> bool {
+    let (parent, child) = (parent.tag_name().name(), child.tag_name().name());
+    let rule = RULES.iter().find(|r| r.tag == parent);
+    rule.is_some_and(|r| r.children.iter().any(|(name, count)| *name == child && *count != Ignored))
 }
 
 fn children(xml: &Xml, node: Node, rule: &Rule, notices: &mut Notices) -> Result<(), RobotError> {
@@ -210,7 +220,8 @@ fn children(xml: &Xml, node: Node, rule: &Rule, notices: &mut Notices) -> Result
 fn attribute(xml: &Xml, node: Node, name: &str, text: &str, value: Value) -> Result<(), RobotError> {
     let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
     let good = match (value, &numbers) {
-        (Text, _) => !text.trim().is_empty(),
+        (Text, _) => true,
+        (Name, _) => !text.is_empty() && text.trim() == text,
         (_, None) => false,
         (_, Some(n)) => {
             let length = match value {
@@ -240,7 +251,8 @@ fn attribute(xml: &Xml, node: Node, name: &str, text: &str, value: Value) -> Res
 
 fn describe_value(value: Value) -> String {
     match value {
-        Text => "a name".into(),
+        Text => "text".into(),
+        Name => "text without spaces around it".into(),
         Number => "a finite number".into(),
         NotNegative => "a finite number, not negative".into(),
         Positive => "a finite number above 0".into(),

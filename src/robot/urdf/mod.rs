@@ -12,6 +12,7 @@ mod mesh;
 mod package;
 mod root;
 mod shapes;
+mod tidy;
 mod tree;
 mod xml;
 
@@ -41,10 +42,22 @@ pub(super) fn load(source: &Source, base: Option<Base>, notices: &mut Notices) -
         limits::check_type(&xml, joint)?;
         limits::check_mimic(&xml, joint, notices)?;
     }
-    let robot = urdf_rs::read_from_string(source.text()).map_err(|e| {
+    let robot = urdf_rs::read_from_string(&tidy::tidy(&xml)).map_err(|e| {
         source.fault(document.root_element().range(), format!("the URDF cannot be read: {e}")).invalid()
     })?;
+    agree(&robot, &xml)?;
     let tree = tree::Tree::new(&robot, &xml)?;
     let root = root::choose(&tree, &xml, base, notices)?;
     build::build(&tree, &xml, root, notices)
+}
+
+/// Both readers must have seen the same links and joints, since one gives the values and the other the places.
+fn agree(robot: &urdf_rs::Robot, xml: &xml::Xml) -> Result<(), RobotError> {
+    let names = |tag| xml.robot.children().filter(move |n| n.has_tag_name(tag)).filter_map(|n| n.attribute("name"));
+    let links = robot.links.iter().map(|l| l.name.as_str());
+    let joints = robot.joints.iter().map(|j| j.name.as_str());
+    if names("link").eq(links) && names("joint").eq(joints) {
+        return Ok(());
+    }
+    Err(xml.fault(xml.robot, "the URDF cannot be read: its names are understood in two ways").invalid())
 }

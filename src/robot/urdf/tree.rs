@@ -34,7 +34,10 @@ impl<'a> Tree<'a> {
                     let node = xml.named("joint", &joint.name);
                     let message = format!("joint `{}` names an unknown {end} link", joint.name);
                     let fault = xml.attribute_fault(child(node, end).unwrap_or(node), "link", message);
-                    fault.wanted("the name of a <link>").suggest(name, index.keys().copied()).invalid()
+                    fault
+                        .wanted("the name of a <link>")
+                        .suggest(name, robot.links.iter().map(|l| l.name.as_str()))
+                        .invalid()
                 })
             };
             let parent = resolve("parent", &joint.parent.link)?;
