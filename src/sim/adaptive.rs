@@ -72,6 +72,7 @@ impl Adaptive {
         self.rk.begin(&mut sim.plant, t0, &self.y);
         self.watch.begin(sim);
         self.watch.values(sim, &mut self.start);
+        let doubtful = self.watch.overlook(&mut self.start);
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
         loop {
@@ -103,7 +104,7 @@ impl Adaptive {
         sim.work = self.rk.end[layout.work()];
         sim.check_finite()?;
         sim.project();
-        event |= !sim.locates() || self.watch.tolerated_too_much(sim);
+        event |= doubtful || !sim.locates() || self.watch.tolerated_too_much(sim);
         if event {
             sim.metrics.events += u64::from(sim.locates());
             self.watch.suspects(&self.right, &mut sim.suspect);

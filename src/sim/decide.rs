@@ -65,7 +65,7 @@ impl Simulation {
             let k = sole.vertices.len();
             let approaches = |i: usize| {
                 let v = &sole.vertices[i];
-                v.height <= tol.distance && v.velocity.z < -tol.velocity
+                v.height <= tol.distance && v.velocity.z < -tol.velocity - tol.rest
                     || v.height <= TOUCHING && v.height >= -tol.distance && v.velocity.z < -tol.rest
             };
             (0..k).any(|i| !self.plant.states[s].clamps(i, k) && approaches(i))

@@ -29,12 +29,15 @@ enum Item {
 #[derive(Default)]
 pub struct Watch {
     items: Vec<Item>,
+    /// Functions negative from the start, because no valid state was found: not watched, asked again after the step.
+    overlooked: Vec<usize>,
 }
 
 impl Watch {
     /// Chooses what to watch from the states and the vertices at the start of a step.
     pub fn begin(&mut self, sim: &Simulation) {
         self.items.clear();
+        self.overlooked.clear();
         let p = &sim.plant.problem;
         for (s, sole) in p.soles.iter().enumerate() {
             let state = sim.plant.states[s];
@@ -61,6 +64,13 @@ impl Watch {
         self.fill(sim, out);
     }
 
+    /// Stops watching what is negative already at the start of the step. Returns whether there is any.
+    pub fn overlook(&mut self, start: &mut [f64]) -> bool {
+        self.overlooked.extend((0..start.len()).filter(|&i| start[i] < 0.0));
+        self.overlooked.iter().for_each(|&i| start[i] = 1.0);
+        !self.overlooked.is_empty()
+    }
+
     /// As [`values`](Self::values), into a slice of the right length.
     pub fn fill(&self, sim: &mut Simulation, out: &mut [f64]) {
         let tol = sim.tolerances;
@@ -69,7 +79,7 @@ impl Watch {
         let p = &plant.problem;
         let mut margins = [None; MAX_SOLES];
         let mut of = |s: usize| *margins[s].get_or_insert_with(|| margin(p, s, plant.states[s], &plant.solution));
-        for (item, g) in self.items.iter().zip(out) {
+        for (item, g) in self.items.iter().zip(out.iter_mut()) {
             *g = match *item {
                 Item::Height(s, i) => p.soles[s].vertices[i].height,
                 Item::Band(s, i) => {
@@ -81,6 +91,7 @@ impl Watch {
                 Item::Slide(s, i) => p.soles[s].vertices[i].velocity.xy().dot(&plant.directions[s][i]),
             };
         }
+        self.overlooked.iter().for_each(|&i| out[i] = 1.0);
     }
 
     /// Marks the soles whose load reached its limit, from values of which some are negative.
