@@ -50,8 +50,7 @@ pub fn solve(kernel: &mut Kernel, p: &mut Problem, states: &States, hint: &Slips
     if size == 0.0 {
         return false;
     }
-    let guesses = [*hint, drive];
-    for guess in guesses {
+    for guess in [*hint, drive] {
         if norm(which, &guess) > 0.0 && iterate(kernel, p, states, which, guess, size, out) {
             return true;
         }
@@ -69,7 +68,56 @@ pub fn solve(kernel: &mut Kernel, p: &mut Problem, states: &States, hint: &Slips
             }
         }
     }
+    scan(kernel, p, states, which, hint, size, out)
+}
+
+/// Looks over a grid of slip directions for the ones that come closest to themselves and starts from those, one
+/// implicit sole at a time with the others on their hints.
+fn scan(
+    kernel: &mut Kernel,
+    p: &mut Problem,
+    states: &States,
+    which: &[usize],
+    hint: &Slips,
+    drive: f64,
+    out: &mut Solution,
+) -> bool {
+    const STARTS: usize = 3;
+    for &s in which {
+        let mut best = [(f64::INFINITY, Vector3::zeros()); STARTS];
+        for direction in directions() {
+            let mut guess = *hint;
+            guess[s] = direction;
+            let image = evaluate(kernel, p, states, which, &guess, out)[s];
+            let size = image.norm();
+            let mismatch = if size > 0.0 { (image / size - direction).norm() } else { 2.0 };
+            if mismatch < best[STARTS - 1].0 {
+                best[STARTS - 1] = (mismatch, direction * size);
+                best.sort_by(|a, b| a.0.total_cmp(&b.0));
+            }
+        }
+        for (_, start) in best {
+            let mut guess = *hint;
+            guess[s] = start;
+            if iterate(kernel, p, states, which, guess, drive, out) {
+                return true;
+            }
+        }
+    }
     false
+}
+
+/// Directions spread over the unit sphere: translations, the two pure turns and what lies between.
+fn directions() -> impl Iterator<Item = Vector3<f64>> {
+    (-4..=4).flat_map(|level| {
+        let turn = f64::from(level) / 4.0;
+        let across = (1.0 - turn * turn).sqrt();
+        let count = if across > 0.0 { 12 } else { 1 };
+        (0..count).map(move |i| {
+            let angle = f64::from(i) * std::f64::consts::TAU / 12.0;
+            Vector3::new(across * angle.cos(), across * angle.sin(), turn)
+        })
+    })
 }
 
 fn norm(which: &[usize], s: &Slips) -> f64 {
@@ -142,26 +190,46 @@ fn iterate(
         if size <= TOLERANCE * drive {
             return opposes(p, states, which, &image);
         }
-        if round < 4 {
-            slips = image;
-            image = evaluate(kernel, p, states, which, &slips, out);
-            continue;
-        }
-        let step = newton_step(kernel, p, states, which, &slips, &residual, out);
-        let mut t = 1.0;
-        loop {
-            let mut trial = slips;
-            which.iter().for_each(|&s| trial[s] -= step[s] * t);
-            let trial_image = evaluate(kernel, p, states, which, &trial, out);
-            if norm(which, &subtract(which, &trial, &trial_image)) < size * (1.0 - 1e-4 * t) {
-                (slips, image) = (trial, trial_image);
-                break;
-            }
-            t *= 0.5;
-            if t < 1e-4 {
+        // A fixed-point step where it helps, else a Newton step, each only as far as the residual falls.
+        let fixed_point = round < 4 && descend(kernel, p, states, which, (&mut slips, &mut image), &residual, 0.5, out);
+        if !fixed_point {
+            let step = newton_step(kernel, p, states, which, &slips, &residual, out);
+            if !descend(kernel, p, states, which, (&mut slips, &mut image), &step, 1.0, out) {
                 return false;
             }
         }
+    }
+    false
+}
+
+/// Goes along `-step` as far as the residual falls below `share` of its size (any fall will do for a share of 1, with
+/// shorter and shorter steps); false when it does not.
+#[expect(clippy::too_many_arguments)]
+fn descend(
+    kernel: &mut Kernel,
+    p: &mut Problem,
+    states: &States,
+    which: &[usize],
+    (slips, image): (&mut Slips, &mut Slips),
+    step: &Slips,
+    share: f64,
+    out: &mut Solution,
+) -> bool {
+    let size = norm(which, &subtract(which, slips, image));
+    let mut t = 1.0;
+    while t > 1e-3 {
+        let mut trial = *slips;
+        which.iter().for_each(|&s| trial[s] -= step[s] * t);
+        let trial_image = evaluate(kernel, p, states, which, &trial, out);
+        let wanted = if share < 1.0 { share } else { 1.0 - 1e-4 * t };
+        if norm(which, &subtract(which, &trial, &trial_image)) < size * wanted {
+            (*slips, *image) = (trial, trial_image);
+            return true;
+        }
+        if share < 1.0 {
+            return false;
+        }
+        t *= 0.5;
     }
     false
 }

@@ -148,7 +148,7 @@ impl Selector {
         out: &mut Solution,
     ) {
         let sizes: [usize; MAX_SOLES] =
-            std::array::from_fn(|s| p.soles.get(s).map_or(1, |sole| SoleState::all(sole.vertices.len()).count()));
+            std::array::from_fn(|s| p.soles.get(s).map_or(1, |sole| SoleState::refined(sole.vertices.len()).count()));
         let total = sizes.iter().try_fold(1usize, |n, &k| n.checked_mul(k)).unwrap_or(usize::MAX);
         if total > ENUMERABLE {
             return;
@@ -157,7 +157,7 @@ impl Selector {
             let mut states = States::default();
             let mut rest = code;
             for (s, sole) in p.soles.iter().enumerate() {
-                states[s] = SoleState::all(sole.vertices.len()).nth(rest % sizes[s]).unwrap_or_default();
+                states[s] = SoleState::refined(sole.vertices.len()).nth(rest % sizes[s]).unwrap_or_default();
                 rest /= sizes[s];
             }
             if (0..p.soles.len()).all(|s| allowed(s, states[s])) {

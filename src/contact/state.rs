@@ -109,6 +109,15 @@ impl SoleState {
         vertices.chain(edges).chain((k > 2).then_some(Pattern::Face))
     }
 
+    /// Every state with its refinements: those of [`all`](Self::all) and turning about each clamped vertex.
+    pub fn refined(k: usize) -> impl Iterator<Item = SoleState> {
+        let pivots = Self::patterns(k).filter(|p| !matches!(p, Pattern::Vertex(_))).flat_map(move |pattern| {
+            let about = move |j: usize| SoleState { pattern, mode: Mode::Pivoting(j as u8) };
+            (0..k).filter(move |&j| SoleState::fixed(pattern).clamps(j, k)).map(about)
+        });
+        Self::all(k).chain(pivots)
+    }
+
     /// Every state of a sole with `k` vertices.
     pub fn all(k: usize) -> impl Iterator<Item = SoleState> {
         std::iter::once(SoleState::FREE)

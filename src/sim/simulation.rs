@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Events per simulated second beyond which a run has stalled.
-const STALL_RATE: u64 = 50_000;
+const STALL_RATE: u64 = 5_000;
 /// Events in a row without progress in time beyond which a run has stalled.
 const STALL_IN_PLACE: u64 = 200;
 /// Speeds (m/s, rad/s) and positions (m) beyond this mean divergence.
