@@ -1,0 +1,38 @@
+//! Composite-rigid-body algorithm: the mass matrix M(q), symmetric, nv x nv.
+//!
+//! ```text
+//! Ic_i = I_i + sum of Ic over children,   M_kj = S_j . Ic_k S_k   for j on the path from the root to k
+//! ```
+//!
+//! and `armature` on the diagonal of joints. Source: Featherstone 2008, table 6.2, without its transforms because all
+//! inertias are about O.
+
+use super::spatial::Inertia;
+use super::workspace::Workspace;
+use crate::robot::Model;
+
+/// Writes M into `ws.mass`. Needs `kinematics::positions`.
+pub fn mass_matrix(model: &Model, ws: &mut Workspace) {
+    for (composite, link) in ws.composite.iter_mut().zip(&ws.links) {
+        *composite = link.inertia;
+    }
+    let nb = ws.nb;
+    for (i, (joint, &parent)) in model.joints.iter().zip(&ws.parent[1..]).enumerate().rev() {
+        let (before, here) = ws.composite.split_at_mut(i + 1);
+        let composite: &Inertia = &here[0];
+        before[parent] += *composite;
+
+        let momentum = composite.apply(&ws.axes[nb + i]);
+        let (chain, row) = ws.mass.row_mut(nb + i);
+        // The base's axes are the unit vectors, so its columns are the momentum itself.
+        row[..nb].copy_from_slice(&momentum.to_array()[..nb]);
+        for (entry, &j) in row[nb..].iter_mut().zip(&chain[nb..]) {
+            *entry = ws.axes[j].dot(&momentum);
+        }
+        *row.last_mut().expect("a row holds its diagonal") += joint.armature;
+    }
+    for k in 0..nb {
+        let momentum = ws.composite[0].apply(&ws.axes[k]).to_array();
+        ws.mass.row_mut(k).1.copy_from_slice(&momentum[..=k]);
+    }
+}

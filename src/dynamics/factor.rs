@@ -1,0 +1,92 @@
+//! Branch-sparse factorisation M = L^T L with L lower triangular on the pattern of M, and its solves.
+//!
+//! Eliminating the leaves first keeps every zero of M zero (Featherstone 2008, section 6.5, table 6.3). The factor
+//! stores 1 / L_kk on its diagonal.
+
+use super::DynamicsError;
+use super::tree_matrix::TreeMatrix;
+use super::workspace::Workspace;
+
+/// Factorises `ws.mass` into `ws.factor`. Needs `crba::mass_matrix`.
+///
+/// # Errors
+/// [`DynamicsError::Singular`] when a pivot is not positive beyond rounding.
+pub fn factorize(ws: &mut Workspace) -> Result<(), DynamicsError> {
+    ws.factor.copy_from(&ws.mass);
+    eliminate(&mut ws.factor, &mut ws.scratch)
+}
+
+/// As [`factorize`], of M + diag(`shift`): implicit joint damping has `shift = dt damping`. `shift` has length nv.
+///
+/// # Errors
+/// As [`factorize`].
+pub fn factorize_shifted(ws: &mut Workspace, shift: &[f64]) -> Result<(), DynamicsError> {
+    ws.factor.copy_from(&ws.mass);
+    for (k, s) in shift.iter().enumerate() {
+        *ws.factor.row_mut(k).1.last_mut().expect("a row holds its diagonal") += s;
+    }
+    eliminate(&mut ws.factor, &mut ws.scratch)
+}
+
+/// `least` is scratch of length nv.
+fn eliminate(factor: &mut TreeMatrix, least: &mut [f64]) -> Result<(), DynamicsError> {
+    for (k, least) in least.iter_mut().enumerate() {
+        // A pivot this far below the diagonal it started from is rounding, not inertia.
+        *least = 16.0 * f64::EPSILON * factor.row(k).last().expect("a row holds its diagonal");
+    }
+    for k in (0..factor.len()).rev() {
+        let (before, row, pattern) = factor.split_row(k);
+        let (diagonal, row) = row.split_last_mut().expect("a row holds its diagonal");
+        let pivot = *diagonal;
+        // Written so that NaN is refused too.
+        if !(pivot > least[k] && pivot < f64::INFINITY) {
+            return Err(DynamicsError::Singular { dof: k, pivot });
+        }
+        let inverse = 1.0 / pivot.sqrt();
+        *diagonal = inverse;
+        for x in row.iter_mut() {
+            *x *= inverse;
+        }
+        // Row of the ancestor at depth e: its first e + 1 entries belong to the same velocities as ours.
+        for (e, &ancestor) in pattern.chain(k)[..row.len()].iter().enumerate() {
+            let scale = row[e];
+            let target = &mut before[pattern.range(ancestor)];
+            for (t, &x) in target.iter_mut().zip(&*row) {
+                *t -= scale * x;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// `x = M^-1 x`, length nv.
+pub fn solve(ws: &Workspace, x: &mut [f64]) {
+    solve_lt(&ws.factor, x);
+    solve_l(&ws.factor, x);
+}
+
+/// First half: `x = L^-T x`, length nv.
+pub fn solve_lt(factor: &TreeMatrix, x: &mut [f64]) {
+    for k in (0..factor.len()).rev() {
+        let row = factor.row(k);
+        let above = row.len() - 1;
+        let y = x[k] * row[above];
+        x[k] = y;
+        for (&j, &l) in factor.pattern().chain(k)[..above].iter().zip(row) {
+            x[j] -= l * y;
+        }
+    }
+}
+
+/// Second half: `x = L^-1 x`, length nv.
+pub fn solve_l(factor: &TreeMatrix, x: &mut [f64]) {
+    for k in 0..factor.len() {
+        let row = factor.row(k);
+        let above = row.len() - 1;
+        let mut sum = x[k];
+        for (&j, &l) in factor.pattern().chain(k)[..above].iter().zip(row) {
+            sum -= l * x[j];
+        }
+        x[k] = sum * row[above];
+    }
+}

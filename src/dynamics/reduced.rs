@@ -1,0 +1,228 @@
+//! The contact problem reduced to the sole frames: `a = a0 + W w` with
+//!
+//! ```text
+//! W = J M^-1 J^T,   a0 = J M^-1 (tau - h) + Jdot v
+//! ```
+//!
+//! for F soles, each with a frame at its reference point (the centroid of its vertices, fixed in the link) and with the
+//! floor's axes. Rows of a sole: acceleration p'' of the reference point, then angular acceleration, in floor axes. `w`
+//! stacks the soles' wrenches: force, then moment about the reference point, in floor axes. `tau` holds all generalised
+//! forces but contact's.
+//!
+//! With M = L^T L and Y = L^-T J^T: W = Y^T Y and a0 = Y^T L^-T (tau - h) + Jdot v. A sole's columns of Y live on its
+//! support chain only, and two chains share a leading part, so both are short contiguous sums.
+
+use super::factor;
+use super::jacobian::classical;
+use super::spatial::Motion;
+use super::workspace::Workspace;
+use crate::robot::{Model, SoleId};
+use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
+
+/// The reduced problem of one evaluation, allocated once for a model.
+#[derive(Clone, Debug)]
+pub struct Reduced {
+    /// Number of soles F.
+    pub n: usize,
+    /// W, symmetric, 6F x 6F, stored whole: entry (i, j) at `i + 6F j`.
+    pub w: Vec<f64>,
+    /// Acceleration without contact wrenches, 6F.
+    pub a0: Vec<f64>,
+    /// J v, 6F.
+    pub velocity: Vec<f64>,
+    /// Generalised acceleration without contact wrenches, `M^-1 (tau - h)`, nv.
+    pub free: Vec<f64>,
+    /// Reference points in the world, m, one per sole.
+    pub reference: Vec<Vector3<f64>>,
+    /// Orientation of the carrying links, floor axes from the link's internal frame, one per sole.
+    pub orientation: Vec<Matrix3<f64>>,
+    /// Vertices relative to their sole's reference point, floor axes, m; all soles in a row, see [`Reduced::vertices`].
+    pub arms: Vec<Vector3<f64>>,
+    vertex_start: Vec<usize>,
+    /// Reference points in the links' internal frames.
+    local: Vec<Vector3<f64>>,
+    /// Y: for each sole, for each velocity of its support chain, its six columns.
+    y: Vec<[f64; 6]>,
+    y_start: Vec<usize>,
+    half: Vec<f64>,
+}
+
+impl Reduced {
+    /// Allocates for the soles of a model.
+    pub fn new(model: &Model, ws: &Workspace) -> Self {
+        let n = model.soles.len();
+        let mut vertex_start = vec![0];
+        let mut y_start = vec![0];
+        let mut local = Vec::new();
+        for sole in &model.soles {
+            vertex_start.push(vertex_start[vertex_start.len() - 1] + sole.vertices.len());
+            y_start.push(y_start[y_start.len() - 1] + ws.support(sole.link).len());
+            local.push(sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len().max(1) as f64);
+        }
+        Reduced {
+            n,
+            w: vec![0.0; 36 * n * n],
+            a0: vec![0.0; 6 * n],
+            velocity: vec![0.0; 6 * n],
+            free: vec![0.0; ws.nv()],
+            reference: vec![Vector3::zeros(); n],
+            orientation: vec![Matrix3::identity(); n],
+            arms: vec![Vector3::zeros(); vertex_start[n]],
+            vertex_start,
+            local,
+            y: vec![[0.0; 6]; y_start[n]],
+            y_start,
+            half: vec![0.0; ws.nv()],
+        }
+    }
+
+    /// Where a sole's vertices are in `arms`.
+    #[inline(always)]
+    pub fn vertex_range(&self, sole: SoleId) -> Range<usize> {
+        self.vertex_start[sole.0]..self.vertex_start[sole.0 + 1]
+    }
+
+    /// A sole's vertices relative to its reference point, floor axes, m.
+    #[inline(always)]
+    pub fn vertices(&self, sole: SoleId) -> &[Vector3<f64>] {
+        &self.arms[self.vertex_range(sole)]
+    }
+
+    /// A sole's reference point in its link's internal frame, m.
+    #[inline(always)]
+    pub fn local_reference(&self, sole: SoleId) -> &Vector3<f64> {
+        &self.local[sole.0]
+    }
+
+    /// The 6 x 6 block of W between two soles: entry (r, c) at `[c][r]`.
+    #[inline]
+    pub fn block(&self, row: SoleId, column: SoleId) -> [[f64; 6]; 6] {
+        let size = 6 * self.n;
+        std::array::from_fn(|c| std::array::from_fn(|r| self.w[6 * row.0 + r + size * (6 * column.0 + c)]))
+    }
+}
+
+/// Fills `out` for the state in the workspace. `floor` turns floor axes into world axes; `tau` (length nv) is the
+/// generalised force of actuators, joint friction and external forces. Needs [`super::prepare`].
+pub fn assemble(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
+    for ((half, tau), h) in out.half.iter_mut().zip(tau).zip(&ws.bias) {
+        *half = tau - h;
+    }
+    factor::solve_lt(&ws.factor, &mut out.half);
+    out.free.copy_from_slice(&out.half);
+    factor::solve_l(&ws.factor, &mut out.free);
+
+    geometry(model, ws, floor, out);
+    for s in 0..out.n {
+        half_solve(model, ws, floor, s, out);
+        free_motion(model, ws, floor, s, out);
+        for other in 0..=s {
+            block(model, ws, s, other, out);
+        }
+    }
+}
+
+/// Poses and velocities of the soles only: everything of [`assemble`] that needs no forces. Needs `kinematics::update`.
+pub fn geometry(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, out: &mut Reduced) {
+    let to_floor = floor.transpose();
+    for (s, sole) in model.soles.iter().enumerate() {
+        let link = &ws.links[sole.link.0];
+        let r = link.origin + link.rotation * out.local[s];
+        out.reference[s] = ws.position + r;
+        let turn = to_floor * link.rotation;
+        out.orientation[s] = turn;
+        let range = out.vertex_range(SoleId(s));
+        for (arm, vertex) in out.arms[range].iter_mut().zip(&sole.vertices) {
+            *arm = turn * (vertex - out.local[s]);
+        }
+        let velocity = Motion::new(link.velocity.at(&r), link.velocity.angular);
+        write(&to_floor, &velocity, &mut out.velocity[6 * s..6 * s + 6]);
+    }
+}
+
+/// Y of one sole: its Jacobian columns, then L^-T along the support chain.
+fn half_solve(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, out: &mut Reduced) {
+    let to_floor = floor.transpose();
+    let chain = ws.support(model.soles[s].link);
+    let r = out.reference[s] - ws.position;
+    let y = &mut out.y[out.y_start[s]..out.y_start[s + 1]];
+    for (y, &k) in y.iter_mut().zip(chain) {
+        let axis = &ws.axes[k];
+        write(&to_floor, &Motion::new(axis.at(&r), axis.angular), y);
+    }
+    for e in (0..chain.len()).rev() {
+        let row = ws.factor.row(chain[e]);
+        let (above, rest) = y.split_at_mut(e);
+        let here = &mut rest[0];
+        for x in here.iter_mut() {
+            *x *= row[e];
+        }
+        for (y, &l) in above.iter_mut().zip(row) {
+            for (y, x) in y.iter_mut().zip(&*here) {
+                *y -= l * x;
+            }
+        }
+    }
+}
+
+/// Rows of `a0`: Y^T L^-T (tau - h), and Jdot v from the link's acceleration at vdot = 0.
+fn free_motion(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, out: &mut Reduced) {
+    let sole = &model.soles[s];
+    let link = &ws.links[sole.link.0];
+    let r = out.reference[s] - ws.position;
+    let a0 = &mut out.a0[6 * s..6 * s + 6];
+    write(&floor.transpose(), &classical(&link.drift, &link.velocity, &r), a0);
+    let y = &out.y[out.y_start[s]..out.y_start[s + 1]];
+    for (y, &k) in y.iter().zip(ws.support(sole.link)) {
+        for (a, y) in a0.iter_mut().zip(y) {
+            *a += y * out.half[k];
+        }
+    }
+}
+
+/// Block (s, other) of W and its mirror image.
+fn block(model: &Model, ws: &Workspace, s: usize, other: usize, out: &mut Reduced) {
+    let (a, b) = (ws.support(model.soles[s].link), ws.support(model.soles[other].link));
+    let shared = a.iter().zip(b).take_while(|(i, j)| i == j).count();
+    let ya = &out.y[out.y_start[s]..][..shared];
+    let yb = &out.y[out.y_start[other]..][..shared];
+    let mut sum = [[0.0; 6]; 6];
+    for (ya, yb) in ya.iter().zip(yb) {
+        for (column, &b) in sum.iter_mut().zip(yb) {
+            for (x, &a) in column.iter_mut().zip(ya) {
+                *x += a * b;
+            }
+        }
+    }
+    let size = 6 * out.n;
+    for (c, column) in sum.iter().enumerate() {
+        for (r, &x) in column.iter().enumerate() {
+            out.w[6 * s + r + size * (6 * other + c)] = x;
+            out.w[6 * other + c + size * (6 * s + r)] = x;
+        }
+    }
+}
+
+/// Adds `M^-1 J^T w` to `out`, of length nv: accelerations for wrenches `w`, velocity jumps for impulses. `w` has length
+/// 6F. Needs [`assemble`].
+pub fn apply(model: &Model, ws: &Workspace, reduced: &mut Reduced, w: &[f64], out: &mut [f64]) {
+    reduced.half.fill(0.0);
+    for (s, sole) in model.soles.iter().enumerate() {
+        let w = &w[6 * s..6 * s + 6];
+        let y = &reduced.y[reduced.y_start[s]..reduced.y_start[s + 1]];
+        for (y, &k) in y.iter().zip(ws.support(sole.link)) {
+            reduced.half[k] += y.iter().zip(w).map(|(y, w)| y * w).sum::<f64>();
+        }
+    }
+    factor::solve_l(&ws.factor, &mut reduced.half);
+    for (out, x) in out.iter_mut().zip(&reduced.half) {
+        *out += x;
+    }
+}
+
+#[inline(always)]
+fn write(to_floor: &Matrix3<f64>, m: &Motion, out: &mut [f64]) {
+    out[..3].copy_from_slice((to_floor * m.linear).as_slice());
+    out[3..6].copy_from_slice((to_floor * m.angular).as_slice());
+}

@@ -1,0 +1,127 @@
+//! Symmetric or triangular matrices with the branch sparsity of a tree.
+//!
+//! Entry (i, j), j <= i, can differ from zero only when velocity j lies on the path from the root to velocity i
+//! (Featherstone 2008, section 6.3). Row i therefore stores just its ancestors, root first, and itself last. Two rows
+//! share the columns of their common ancestors *at the same place in the row*, so row operations of the factorisation
+//! run over contiguous numbers without index lists.
+
+/// Which entries exist: for each row its ancestors, root first, itself last.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Pattern {
+    start: Vec<usize>,
+    column: Vec<usize>,
+}
+
+impl Pattern {
+    /// From the parent velocity of each velocity (`None`: hangs on the ground). Parents have smaller indices.
+    pub fn new(parents: &[Option<usize>]) -> Self {
+        let mut pattern = Pattern { start: vec![0], column: Vec::new() };
+        for (i, parent) in parents.iter().enumerate() {
+            if let Some(p) = *parent {
+                pattern.column.extend_from_within(pattern.start[p]..pattern.start[p + 1]);
+            }
+            pattern.column.push(i);
+            pattern.start.push(pattern.column.len());
+        }
+        pattern
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// True for a tree without velocities.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Ancestors of velocity `i`, root first, `i` itself last.
+    #[inline(always)]
+    pub fn chain(&self, i: usize) -> &[usize] {
+        &self.column[self.start[i]..self.start[i + 1]]
+    }
+
+    #[inline(always)]
+    pub(super) fn range(&self, i: usize) -> std::ops::Range<usize> {
+        self.start[i]..self.start[i + 1]
+    }
+}
+
+/// Values on a [`Pattern`].
+#[derive(Clone, PartialEq, Debug)]
+pub struct TreeMatrix {
+    pattern: Pattern,
+    values: Vec<f64>,
+}
+
+impl TreeMatrix {
+    /// All zeros.
+    pub fn zeros(pattern: Pattern) -> Self {
+        let values = vec![0.0; pattern.column.len()];
+        TreeMatrix { pattern, values }
+    }
+
+    /// Number of rows, nv.
+    pub fn len(&self) -> usize {
+        self.pattern.len()
+    }
+
+    /// True when there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.pattern.is_empty()
+    }
+
+    /// The sparsity.
+    pub fn pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    /// Entries of row `i` over `pattern().chain(i)`.
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.values[self.pattern.range(i)]
+    }
+
+    /// Row `i` and its columns, to write.
+    #[inline(always)]
+    pub fn row_mut(&mut self, i: usize) -> (&[usize], &mut [f64]) {
+        let range = self.pattern.range(i);
+        (&self.pattern.column[range.clone()], &mut self.values[range])
+    }
+
+    /// Rows before `i` (as one run of numbers, see [`Pattern`]), row `i`, and the pattern.
+    #[inline(always)]
+    pub(super) fn split_row(&mut self, i: usize) -> (&mut [f64], &mut [f64], &Pattern) {
+        let range = self.pattern.range(i);
+        let (before, rest) = self.values.split_at_mut(range.start);
+        (before, &mut rest[..range.end - range.start], &self.pattern)
+    }
+
+    /// Entry (i, j) of the symmetric matrix, `i` and `j` in any order; zero off the pattern.
+    pub fn get(&self, i: usize, j: usize) -> f64 {
+        let (i, j) = (i.max(j), i.min(j));
+        self.pattern.chain(i).iter().position(|&c| c == j).map_or(0.0, |e| self.row(i)[e])
+    }
+
+    /// `out = A x` with A symmetric, both of length nv.
+    pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for i in 0..self.len() {
+            let chain = self.pattern.chain(i);
+            let row = self.row(i);
+            let above = row.len() - 1;
+            let mut sum = row[above] * x[i];
+            for (&j, &a) in chain[..above].iter().zip(row) {
+                sum += a * x[j];
+                out[j] += a * x[i];
+            }
+            out[i] += sum;
+        }
+    }
+
+    /// Becomes a copy of `other`, which has the same pattern, without allocating.
+    pub fn copy_from(&mut self, other: &TreeMatrix) {
+        self.values.copy_from_slice(&other.values);
+    }
+}
