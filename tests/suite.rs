@@ -1,3 +1,2 @@
-
 mod identities;
 mod oracles;

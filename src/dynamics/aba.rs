@@ -90,7 +90,8 @@ impl Articulated {
 /// m/s^2, world axes.
 ///
 /// # Errors
-/// [`DynamicsError::Singular`] when a joint or the base moves no inertia.
+/// [`DynamicsError::Singular`] when a joint or the base moves no inertia. Joints that repeat each other leave rounding
+/// instead of zero here; only [`super::factor::factorize`] tells that apart.
 pub fn forward_dynamics(
     model: &Model,
     ws: &mut Workspace,
@@ -122,10 +123,8 @@ pub fn forward_dynamics(
         let (before, here) = ws.forces.split_at_mut(i + 1);
         let effort = tau[nb + i] - axis.dot(&here[0]);
         let scale = effort * inverse_d;
-        before[parent] += Force::new(
-            here[0].linear + momentum.linear * scale,
-            here[0].angular + momentum.angular * scale,
-        );
+        before[parent] +=
+            Force::new(here[0].linear + momentum.linear * scale, here[0].angular + momentum.angular * scale);
         // The link's own force is spent; its place keeps U / d for the way back.
         here[0] = Force::new(momentum.linear * inverse_d, momentum.angular * inverse_d);
         vdot[nb + i] = scale;

@@ -47,10 +47,7 @@ pub fn momentum(ws: &Workspace) -> Momentum {
     let whole = whole(ws);
     let about_origin = momentum_about_origin(ws);
     let center = whole.moment / whole.mass;
-    Momentum {
-        linear: about_origin.linear,
-        angular: about_origin.angular - center.cross(&about_origin.linear),
-    }
+    Momentum { linear: about_origin.linear, angular: about_origin.angular - center.cross(&about_origin.linear) }
 }
 
 fn momentum_about_origin(ws: &Workspace) -> Force {

@@ -57,12 +57,7 @@ pub enum DynamicsError {
 ///
 /// # Errors
 /// [`DynamicsError::Singular`] when `M` cannot be factorised.
-pub fn prepare(
-    model: &Model,
-    state: &State,
-    gravity: &Vector3<f64>,
-    ws: &mut Workspace,
-) -> Result<(), DynamicsError> {
+pub fn prepare(model: &Model, state: &State, gravity: &Vector3<f64>, ws: &mut Workspace) -> Result<(), DynamicsError> {
     kinematics::update(model, state, ws);
     rnea::bias(model, ws, gravity);
     crba::mass_matrix(model, ws);

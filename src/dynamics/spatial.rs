@@ -180,11 +180,7 @@ impl Inertia {
     #[inline(always)]
     pub fn rotate(&self, w: &Vector3<f64>) -> Vector3<f64> {
         let [xx, xy, xz, yy, yz, zz] = self.rotational;
-        Vector3::new(
-            xx * w.x + xy * w.y + xz * w.z,
-            xy * w.x + yy * w.y + yz * w.z,
-            xz * w.x + yz * w.y + zz * w.z,
-        )
+        Vector3::new(xx * w.x + xy * w.y + xz * w.z, xy * w.x + yy * w.y + yz * w.z, xz * w.x + yz * w.y + zz * w.z)
     }
 }
 

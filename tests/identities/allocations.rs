@@ -2,7 +2,7 @@
 //! beside this one do not disturb it.
 
 use super::numeric::GRAVITY;
-use super::random_tree::{state, Random, tree};
+use super::random_tree::{Random, state, tree};
 use nalgebra::{Matrix3, Vector3};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

@@ -133,7 +133,8 @@ fn free_body_follows_euler() {
         let turn = r.rotation();
         let inertia = turn * Matrix3::from_diagonal(&Vector3::new(0.2, 0.5, 0.6)) * turn.transpose();
         let com = r.vector(0.4);
-        let model = Model { base: Base::Floating, links: vec![link("body", None, (1.7, com, inertia))], ..fixed("body") };
+        let model =
+            Model { base: Base::Floating, links: vec![link("body", None, (1.7, com, inertia))], ..fixed("body") };
         let mut state = State::home(&model);
         state.position = r.vector(1.0);
         state.rotation = UnitQuaternion::from_scaled_axis(r.vector(2.0));

@@ -195,6 +195,30 @@ fn a_joint_that_moves_nothing_is_refused_by_name() {
     assert!(error(&vdot, &truth) < ROUNDING);
 }
 
+/// Two joints on one axis with nothing between them: M is singular but for rounding, which must not pass for inertia.
+#[test]
+fn joints_that_repeat_each_other_are_refused() {
+    let mut r = super::random_tree::Random::new(77);
+    for seed in 0..20 {
+        let mut model = super::random_tree::tree(seed, 4, stiction::robot::Base::Floating);
+        model.joints.iter_mut().for_each(|j| {
+            j.kind = stiction::robot::JointKind::Revolute;
+            j.armature = 0.0;
+        });
+        for (i, link) in model.links.iter_mut().enumerate().skip(1) {
+            link.parent = Some(stiction::robot::LinkId(i - 1));
+        }
+        model.links[3].mass = 0.0;
+        model.links[3].inertia.fill(0.0);
+        model.links[4].rotation.fill_with_identity();
+        model.links[4].offset.fill(0.0);
+        let state = super::random_tree::state(&model, &mut r);
+        let mut ws = stiction::dynamics::Workspace::new(&model);
+        let got = stiction::dynamics::prepare(&model, &state, &GRAVITY, &mut ws);
+        assert!(matches!(got, Err(DynamicsError::Singular { dof: 8, .. })), "{got:?} {:?}", ws.factor.row(8).last());
+    }
+}
+
 #[test]
 fn a_state_that_is_not_finite_is_refused() {
     let (model, mut state, _) = samples().nth(2).unwrap();

@@ -105,7 +105,11 @@ fn frames(oracle: &Oracle, subject: &Subject, truth: &Configuration, ws: &mut Wo
         let got: Vec<f64> = (0..6).flat_map(|r| (0..nv).map(move |k| 6 * k + r)).map(|at| j[at]).collect();
         assert_agrees("J", &got, &truth);
         assert_agrees("twist", &floats(&jacobian::link_twist(ws, sole.link, &point)), &frame.velocity);
-        assert_agrees("p'', omega'", &floats(&jacobian::point_acceleration(ws, sole.link, &point)), &frame.acceleration);
+        assert_agrees(
+            "p'', omega'",
+            &floats(&jacobian::point_acceleration(ws, sole.link, &point)),
+            &frame.acceleration,
+        );
     }
     assert_eq!(truth.frames.len(), oracle.soles.len());
 }

@@ -140,6 +140,7 @@ impl Oracle {
                 collisions: vec![],
             });
         }
+        assert!(model.joints.iter().map(|j| &j.name).eq(&self.names), "tree and names of {}", self.robot);
         let frame = turns.iter().map(|t| {
             let back = UnitQuaternion::from_matrix(&t.transpose());
             Isometry3::from_parts(Translation3::identity(), back)
