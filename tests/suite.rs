@@ -1,2 +1,3 @@
 mod identities;
 mod oracles;
+mod robot;

@@ -1,5 +1,107 @@
 //! Robot files and URDF in, [`Model`] out.
+//!
+//! [`load`] reads a robot file (TOML) or a bare URDF, checks everything it can without simulating, and keeps the bytes
+//! of all files it used. What it ignored, assumed or found is told as [`Notice`]s; what makes no robot is a
+//! [`RobotError`] with its place. [`adjust`] changes a loaded model the way scenarios do.
 
+pub mod adjust;
+mod angle;
+mod apply;
+mod error;
+mod file;
+mod find;
+mod inspect;
 pub mod model;
+mod notice;
+mod outline;
+mod polygon;
+mod posture;
+mod source;
+mod urdf;
 
+use std::path::{Path, PathBuf};
+
+pub use error::{Fault, RobotError};
+pub use file::schema;
+pub use inspect::inspect;
 pub use model::*;
+pub use notice::{Notice, Severity};
+pub use source::Source;
+
+use file::{BaseWord, RobotFile};
+use notice::Notices;
+
+/// A loaded robot.
+#[derive(Clone, Debug)]
+pub struct Robot {
+    /// What is simulated.
+    pub model: Model,
+    /// Every file used with its bytes: the robot file if there is one, the URDF, meshes. For hashing and for logs.
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+    /// The URDF's text.
+    pub urdf_text: String,
+    /// What was ignored, assumed or found.
+    pub notices: Vec<Notice>,
+}
+
+/// Loads a robot file (`.toml`) or a bare URDF (`.urdf`). Errors: see [`RobotError`]; the first one found is returned.
+pub fn load(path: &Path) -> Result<Robot, RobotError> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let source = Source::read(path)?;
+    match extension.as_str() {
+        "toml" => {
+            let file = file::parse(&source)?;
+            let urdf_path = path.parent().unwrap_or(Path::new("")).join(file.urdf.get_ref());
+            let urdf = Source::read(&urdf_path).map_err(|error| {
+                let fault = source.fault(file.urdf.span(), error.to_string()).element("urdf");
+                fault.wanted("the path of a URDF, relative to this file").invalid()
+            })?;
+            assemble(urdf, Some((source, file)))
+        }
+        "urdf" | "xml" => assemble(source, None),
+        _ => Err(RobotError::Read { path: path.to_owned(), reason: "it is neither a .toml nor a .urdf file".into() }),
+    }
+}
+
+fn assemble(urdf: Source, file: Option<(Source, RobotFile)>) -> Result<Robot, RobotError> {
+    let mut notices = Notices::default();
+    let base = file.as_ref().and_then(|(_, f)| f.base.as_ref()).map(|word| match word.get_ref() {
+        BaseWord::Fixed => Base::Fixed,
+        BaseWord::Floating => Base::Floating,
+    });
+    let urdf::Loaded { mut model, meshes } = urdf::load(&urdf, base, &mut notices)?;
+    if model.name.trim().is_empty() {
+        model.name = urdf.path().file_stem().map_or("robot".into(), |stem| stem.to_string_lossy().into_owned());
+        notices.info(
+            &urdf,
+            urdf.text().find("<robot").unwrap_or(0),
+            format!("the robot has no name: `{}` is taken", model.name),
+        );
+    }
+    home_within_limits(&mut model, &urdf, &mut notices);
+    let mut files = Vec::new();
+    let mut soles_given = false;
+    if let Some((source, file)) = &file {
+        apply::apply(file, source, &mut model, &mut notices)?;
+        soles_given = file.sole.is_some();
+        files.push((source.path().to_owned(), source.text().as_bytes().to_vec()));
+    }
+    if !soles_given {
+        find::find_soles(&mut model, &urdf, &mut notices);
+    }
+    files.push((urdf.path().to_owned(), urdf.text().as_bytes().to_vec()));
+    files.extend(meshes);
+    Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.0 })
+}
+
+/// Zero is the home of a joint nobody names, unless its limits exclude it.
+fn home_within_limits(model: &mut Model, urdf: &Source, notices: &mut Notices) {
+    for (joint, home) in model.joints.iter().zip(&mut model.home) {
+        *home = 0.0f64.clamp(joint.lower, joint.upper);
+        if *home != 0.0 {
+            let at = urdf.text().find(&format!("\"{}\"", joint.name)).unwrap_or(0);
+            let words = format!("0 is outside the limits of joint `{}`: its home is {home}", joint.name);
+            notices.info(urdf, at, words);
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Changes a scenario may make to a loaded robot. Each function checks everything before it touches the model.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
+
+use super::error::{RobotError, nearest};
+use super::model::{Drive, DriveMode, JointId, LinkId, Model, Sole};
+use super::polygon;
+use super::posture::link_poses;
+use super::urdf::{Flaw, RigidInertia, examine, moments_text};
+
+/// What to change at one joint; `None` leaves it as it is. Units as in [`super::Joint`].
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct DriveSettings {
+    /// What the drive follows. When `None` and a gain is given, an unconfigured joint becomes position-controlled.
+    pub mode: Option<DriveMode>,
+    /// Position gain.
+    pub kp: Option<f64>,
+    /// Velocity gain.
+    pub kd: Option<f64>,
+    /// Greatest effort.
+    pub effort: Option<f64>,
+    /// Greatest speed.
+    pub velocity: Option<f64>,
+    /// Coulomb friction.
+    pub coulomb: Option<f64>,
+    /// Viscous friction.
+    pub viscous: Option<f64>,
+    /// Reflected rotor inertia.
+    pub armature: Option<f64>,
+}
+
+impl DriveSettings {
+    /// These settings, with what they leave open taken from `other`.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            mode: self.mode.or(other.mode),
+            kp: self.kp.or(other.kp),
+            kd: self.kd.or(other.kd),
+            effort: self.effort.or(other.effort),
+            velocity: self.velocity.or(other.velocity),
+            coulomb: self.coulomb.or(other.coulomb),
+            viscous: self.viscous.or(other.viscous),
+            armature: self.armature.or(other.armature),
+        }
+    }
+
+    fn configures_drive(&self) -> bool {
+        self.mode.is_some() || self.kp.is_some() || self.kd.is_some()
+    }
+}
+
+/// A sole as users give it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SoleSpec {
+    /// Name, unique in the robot.
+    pub name: String,
+    /// Carrying link; a link welded to another is fine.
+    pub link: String,
+    /// Vertices in order, in that link's URDF frame, m.
+    pub polygon: Vec<Vector3<f64>>,
+}
+
+/// Sets drive, limits and friction of the joint named `joint`. Errors: unknown joint; a number negative or not finite;
+/// position mode without a position gain.
+pub fn set_drive(model: &mut Model, joint: &str, settings: &DriveSettings) -> Result<(), RobotError> {
+    let JointId(index) =
+        model.joint(joint).ok_or_else(|| unknown("joint", joint, model.joints.iter().map(|j| j.name.as_str())))?;
+    configure(model, index, settings)
+}
+
+/// Applies `settings` to every joint that nothing configured yet (`joint_default` of a scenario). Errors as [`set_drive`].
+pub fn set_default_drive(model: &mut Model, settings: &DriveSettings) -> Result<(), RobotError> {
+    for index in 0..model.joints.len() {
+        if !model.joints[index].drive_configured {
+            configure(model, index, settings)?;
+        }
+    }
+    Ok(())
+}
+
+fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), RobotError> {
+    let joint = &mut model.joints[index];
+    let named = [
+        ("kp", s.kp),
+        ("kd", s.kd),
+        ("effort", s.effort),
+        ("velocity", s.velocity),
+        ("friction.coulomb", s.coulomb),
+        ("friction.viscous", s.viscous),
+        ("armature", s.armature),
+    ];
+    for (what, value) in named {
+        if let Some(value) = value
+            && !(value.is_finite() && value >= 0.0)
+        {
+            let subject = format!("{what} of joint `{}`", joint.name);
+            return Err(bad(subject, value, "a finite number, not negative"));
+        }
+    }
+    let implied = if joint.drive_configured { joint.drive.mode } else { DriveMode::Position };
+    let mode = match s.mode {
+        Some(mode) => mode,
+        None if s.configures_drive() => implied,
+        None => joint.drive.mode,
+    };
+    let drive = Drive { mode, kp: s.kp.unwrap_or(joint.drive.kp), kd: s.kd.unwrap_or(joint.drive.kd) };
+    if s.configures_drive() && mode == DriveMode::Position && drive.kp == 0.0 {
+        return Err(bad(format!("position drive of joint `{}`", joint.name), "kp = 0", "a position gain kp above 0"));
+    }
+    joint.drive = drive;
+    joint.drive_configured |= s.configures_drive();
+    joint.effort_limit = s.effort.unwrap_or(joint.effort_limit);
+    joint.velocity_limit = s.velocity.unwrap_or(joint.velocity_limit);
+    joint.friction = s.coulomb.unwrap_or(joint.friction);
+    joint.damping = s.viscous.unwrap_or(joint.damping);
+    joint.armature = s.armature.unwrap_or(joint.armature);
+    Ok(())
+}
+
+/// Replaces all soles; an empty slice leaves the robot without contact. A polygon that runs clockwise seen from above at
+/// the home posture is turned round, its first vertex staying first. Errors: unknown link, name used twice, polygon not
+/// flat, convex and in order.
+pub fn set_soles(model: &mut Model, soles: &[SoleSpec]) -> Result<(), RobotError> {
+    let poses = link_poses(model, &model.home);
+    let mut made: Vec<Sole> = Vec::with_capacity(soles.len());
+    for spec in soles {
+        if made.iter().any(|s| s.name == spec.name) {
+            return Err(bad(format!("sole `{}`", spec.name), "the name is used twice", "a name of its own"));
+        }
+        made.push(make_sole(model, &poses, spec)?.0);
+    }
+    model.soles = made;
+    Ok(())
+}
+
+/// The sole, and whether its vertices were turned round. `poses` are those of the internal frames at home.
+pub(super) fn make_sole(model: &Model, poses: &[Isometry3<f64>], spec: &SoleSpec) -> Result<(Sole, bool), RobotError> {
+    let (link, frame) = find_link(model, &spec.link)?;
+    polygon::check(&spec.polygon).map_err(|why| {
+        bad(format!("polygon of sole `{}`", spec.name), why, "a flat convex polygon, points in order")
+    })?;
+    let mut vertices: Vec<Vector3<f64>> = spec.polygon.iter().map(|p| (frame * Point3::from(*p)).coords).collect();
+    let upward = (poses[link.0].rotation * polygon::area_vector(&vertices)).z;
+    let clockwise = vertices.len() > 2 && upward < 0.0;
+    if clockwise {
+        vertices[1..].reverse();
+    }
+    Ok((Sole { name: spec.name.clone(), link, vertices }, clockwise))
+}
+
+/// Welds a load to the link named `link`: mass (kg), centre of mass `position` (m) in the link's URDF frame, and inertia
+/// `[ixx, iyy, izz, ixy, ixz, iyz]` (kg m^2) about that centre in the same axes; all zeros is a point mass. Errors:
+/// unknown link, mass not above 0, a tensor no body can have.
+pub fn add_payload(
+    model: &mut Model,
+    link: &str,
+    mass: f64,
+    position: Vector3<f64>,
+    inertia: [f64; 6],
+) -> Result<(), RobotError> {
+    let (LinkId(index), frame) = find_link(model, link)?;
+    let subject = |what: &str| format!("{what} of the payload on link `{link}`");
+    if !(mass.is_finite() && mass > 0.0) {
+        return Err(bad(subject("mass"), mass, "a finite number above 0"));
+    }
+    if !position.iter().all(|x| x.is_finite()) {
+        return Err(bad(subject("position"), format!("{:?}", position.as_slice()), "finite numbers"));
+    }
+    let [ixx, iyy, izz, ixy, ixz, iyz] = inertia;
+    if !inertia.iter().all(|x| x.is_finite()) {
+        return Err(bad(subject("inertia"), format!("{inertia:?}"), "finite numbers"));
+    }
+    let tensor = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
+    let (moments, flaw) = examine(&tensor);
+    if matches!(flaw, Some(Flaw::Negative | Flaw::Triangle)) {
+        let wanted = "principal moments not negative, the largest at most the sum of the others";
+        return Err(bad(subject("inertia"), moments_text(moments), wanted));
+    }
+    let load = RigidInertia { mass, com: Vector3::zeros(), tensor };
+    let load = load.moved(&(frame * Translation3::from(position)));
+    let target = &mut model.links[index];
+    let sum = RigidInertia { mass: target.mass, com: target.com, tensor: target.inertia }.plus(&load);
+    (target.mass, target.com, target.inertia) = (sum.mass, sum.com, sum.tensor);
+    Ok(())
+}
+
+fn find_link(model: &Model, name: &str) -> Result<(LinkId, Isometry3<f64>), RobotError> {
+    model.link(name).ok_or_else(|| unknown("link", name, link_names(model)))
+}
+
+/// All link names, welded ones included.
+pub(super) fn link_names(model: &Model) -> impl Iterator<Item = &str> {
+    model.links.iter().flat_map(|l| std::iter::once(l.name.as_str()).chain(l.merged.iter().map(|m| m.name.as_str())))
+}
+
+fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> RobotError {
+    RobotError::UnknownName { kind, name: name.to_owned(), suggestion: nearest(name, known).map(str::to_owned) }
+}
+
+fn bad(subject: String, seen: impl std::fmt::Display, wanted: &str) -> RobotError {
+    RobotError::BadValue { subject, seen: seen.to_string(), wanted: wanted.to_owned() }
+}

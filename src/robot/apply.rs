@@ -1,0 +1,195 @@
+//! What the robot file says, put into the model the URDF gave.
+
+use nalgebra::Vector3;
+use toml::Spanned;
+
+use super::adjust::{DriveSettings, SoleSpec, link_names, make_sole, set_drive};
+use super::error::RobotError;
+use super::file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
+use super::model::{DriveMode, JointKind, Model};
+use super::notice::Notices;
+use super::posture::link_poses;
+use super::source::Source;
+
+/// Applies everything but `urdf` and `base`. Faults carry the place in the robot file.
+pub(super) fn apply(
+    file: &RobotFile,
+    source: &Source,
+    model: &mut Model,
+    notices: &mut Notices,
+) -> Result<(), RobotError> {
+    if let Some(kinematic) = &file.kinematic {
+        let fault = source.fault(kinematic.span(), "kinematic joints are not available yet").element("robot file");
+        return Err(fault.not_available());
+    }
+    home(file, source, model)?;
+    drives(file, source, model)?;
+    if let Some(soles) = &file.sole {
+        given_soles(soles, source, model, notices)?;
+    }
+    not_used_yet(file, source, model, notices)
+}
+
+fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
+    for (name, angle) in &file.home {
+        let index = joint_index(name, source, model)?;
+        let joint = &model.joints[index];
+        let element = format!("home of joint `{}`", joint.name);
+        if joint.kind == JointKind::Prismatic && angle.get_ref().has_unit {
+            let fault = source.fault(angle.span(), format!("joint `{}` slides: an angle makes no sense", joint.name));
+            return Err(fault.element(element).wanted("a number in m").invalid());
+        }
+        let value = angle.get_ref().value;
+        if value < joint.lower || value > joint.upper {
+            let fault = source.fault(angle.span(), format!("{element} is outside the joint's limits")).seen(value);
+            let wanted = format!("{:.6} to {:.6}", joint.lower, joint.upper);
+            return Err(fault.element(element).wanted(wanted).invalid());
+        }
+        model.home[index] = value;
+    }
+    Ok(())
+}
+
+fn drives(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
+    for name in file.joint.keys() {
+        joint_index(name, source, model)?;
+    }
+    let default = match &file.joint_default {
+        Some(entry) => settings(entry.get_ref(), "joint_default", source)?,
+        None => DriveSettings::default(),
+    };
+    let names: Vec<String> = model.joints.iter().map(|j| j.name.clone()).collect();
+    for name in names {
+        let own = file.joint.get(name.as_str());
+        let place = own.or(file.joint_default.as_ref()).map_or(0..0, Spanned::span);
+        let own = match own {
+            Some(entry) => settings(entry.get_ref(), &format!("joint `{name}`"), source)?,
+            None => DriveSettings::default(),
+        };
+        set_drive(model, &name, &own.or(default)).map_err(|error| match error {
+            RobotError::BadValue { subject, seen, wanted } => {
+                source.fault(place, subject).element(format!("joint `{name}`")).seen(seen).wanted(wanted).invalid()
+            }
+            other => other,
+        })?;
+    }
+    Ok(())
+}
+
+/// The table's numbers, each checked where it stands.
+fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveSettings, RobotError> {
+    let number = |key: &str, value: &Option<Spanned<f64>>| match value {
+        Some(v) if !(v.get_ref().is_finite() && *v.get_ref() >= 0.0) => {
+            let fault = source.fault(v.span(), format!("{key} of {element} cannot be used")).seen(v.get_ref());
+            Err(fault.element(element).wanted("a finite number, not negative").invalid())
+        }
+        Some(v) => Ok(Some(*v.get_ref())),
+        None => Ok(None),
+    };
+    let mode = match &entry.mode {
+        None => None,
+        Some(word) => Some(match word.get_ref() {
+            ModeWord::Position => DriveMode::Position,
+            ModeWord::Force => DriveMode::Force,
+            ModeWord::Passive => DriveMode::Passive,
+            ModeWord::Kinematic => {
+                let fault = source.fault(word.span(), format!("mode `kinematic` of {element} is not available yet"));
+                return Err(fault.element(element).wanted("position, force or passive").not_available());
+            }
+        }),
+    };
+    let friction = entry.friction.clone().unwrap_or_default();
+    Ok(DriveSettings {
+        mode,
+        kp: number("kp", &entry.kp)?,
+        kd: number("kd", &entry.kd)?,
+        effort: number("effort", &entry.effort)?,
+        velocity: number("velocity", &entry.velocity)?,
+        coulomb: number("friction.coulomb", &friction.coulomb)?,
+        viscous: number("friction.viscous", &friction.viscous)?,
+        armature: number("armature", &entry.armature)?,
+    })
+}
+
+fn given_soles(
+    soles: &[Spanned<SoleEntry>],
+    source: &Source,
+    model: &mut Model,
+    notices: &mut Notices,
+) -> Result<(), RobotError> {
+    let poses = link_poses(model, &model.home);
+    for entry in soles {
+        let sole = entry.get_ref();
+        let element = format!("sole `{}`", sole.name);
+        if model.soles.iter().any(|s| s.name == sole.name) {
+            let fault = source.fault(entry.span(), format!("there are two soles named `{}`", sole.name));
+            return Err(fault.element(element).wanted("a name of its own").invalid());
+        }
+        known_link(&sole.link, &element, source, model)?;
+        let spec = SoleSpec {
+            name: sole.name.clone(),
+            link: sole.link.get_ref().clone(),
+            polygon: sole.polygon.get_ref().iter().map(|p| Vector3::from(*p)).collect(),
+        };
+        let (made, turned) = make_sole(model, &poses, &spec).map_err(|error| match error {
+            RobotError::BadValue { subject, seen, wanted } => {
+                source.fault(sole.polygon.span(), subject).element(&element).seen(seen).wanted(wanted).invalid()
+            }
+            other => other,
+        })?;
+        if turned {
+            let words = format!("{element} runs clockwise seen from above: its vertices are taken the other way round");
+            notices.info(source, sole.polygon.span().start, words);
+        }
+        model.soles.push(made);
+    }
+    Ok(())
+}
+
+/// Parts of the file that are checked but that nothing reads yet.
+fn not_used_yet(file: &RobotFile, source: &Source, model: &Model, notices: &mut Notices) -> Result<(), RobotError> {
+    let frame = |frame: &Frame, kind: &str| {
+        let element = format!("{kind} `{}`", frame.name);
+        known_link(&frame.link, &element, source, model)?;
+        if let Some(position) = frame.position.as_ref().filter(|p| !p.get_ref().iter().all(|x| x.is_finite())) {
+            let fault = source.fault(position.span(), format!("position of {element} is not finite"));
+            return Err(fault.element(element).wanted("three finite numbers").invalid());
+        }
+        Ok(())
+    };
+    for effector in &file.end_effector {
+        frame(effector.get_ref(), "end effector")?;
+        notices.info(source, effector.span().start, "[[end_effector]] is checked but not used yet");
+    }
+    if let Some(sensors) = &file.sensors {
+        sensors.get_ref().imu.iter().try_for_each(|f| frame(f, "imu"))?;
+        sensors.get_ref().force.iter().try_for_each(|f| frame(f, "force sensor"))?;
+        notices.info(source, sensors.span().start, "[sensors] is checked but not used yet");
+    }
+    if let Some(entry) = &file.self_collision {
+        let bodies = entry.get_ref().bodies.iter().flatten();
+        for name in bodies.chain(entry.get_ref().ignore.iter().flatten()) {
+            known_link(name, "self_collision", source, model)?;
+        }
+        notices.info(source, entry.span().start, "[self_collision] is checked but not used yet");
+    }
+    Ok(())
+}
+
+fn joint_index(name: &Spanned<String>, source: &Source, model: &Model) -> Result<usize, RobotError> {
+    model.joint(name.get_ref()).map(|id| id.0).ok_or_else(|| {
+        let fault = source.fault(name.span(), format!("the URDF has no moving joint `{}`", name.get_ref()));
+        let known = model.joints.iter().map(|j| j.name.as_str());
+        fault.element(format!("joint `{}`", name.get_ref())).suggest(name.get_ref(), known).invalid()
+    })
+}
+
+fn known_link(name: &Spanned<String>, element: &str, source: &Source, model: &Model) -> Result<(), RobotError> {
+    if model.link(name.get_ref()).is_some() {
+        return Ok(());
+    }
+    let fault =
+        source.fault(name.span(), format!("{element} names an unknown link")).seen(format!("`{}`", name.get_ref()));
+    let fault = fault.element(element).wanted("the name of a <link> of the URDF");
+    Err(fault.suggest(name.get_ref(), link_names(model)).invalid())
+}

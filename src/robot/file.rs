@@ -1,0 +1,193 @@
+//! The robot file (`robots/<name>/<name>.toml`) as types.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::angle::Angle;
+use super::error::{RobotError, nearest};
+use super::source::Source;
+
+/// A robot file.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct RobotFile {
+    /// The URDF, relative to this file.
+    #[schemars(with = "String")]
+    pub urdf: Spanned<String>,
+    /// How the root link is held; by default fixed when the URDF's root link is called `world`, else floating.
+    #[schemars(with = "Option<BaseWord>")]
+    pub base: Option<Spanned<BaseWord>>,
+    /// Joint positions of the home posture; joints not named are at 0, or at the limit nearest to 0.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, Angle>")]
+    pub home: BTreeMap<Spanned<String>, Spanned<Angle>>,
+    /// Convex polygons that may touch the floor; found from the collision shapes when there are none here.
+    #[schemars(with = "Option<Vec<SoleEntry>>")]
+    pub sole: Option<Vec<Spanned<SoleEntry>>>,
+    /// Drives by joint name.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, JointEntry>")]
+    pub joint: BTreeMap<Spanned<String>, Spanned<JointEntry>>,
+    /// For every joint, what its own table leaves out.
+    #[schemars(with = "Option<JointEntry>")]
+    pub joint_default: Option<Spanned<JointEntry>>,
+    /// Patterns of joints that follow their command exactly, without dynamics.
+    #[schemars(with = "Option<Vec<String>>")]
+    pub kinematic: Option<Spanned<Vec<String>>>,
+    /// Frames of interest.
+    #[serde(default)]
+    #[schemars(with = "Vec<Frame>")]
+    pub end_effector: Vec<Spanned<Frame>>,
+    /// Sensors.
+    #[schemars(with = "Option<Sensors>")]
+    pub sensors: Option<Spanned<Sensors>>,
+    /// Bodies that must not touch each other.
+    #[schemars(with = "Option<SelfCollision>")]
+    pub self_collision: Option<Spanned<SelfCollision>>,
+}
+
+/// How the root link is held.
+#[derive(Deserialize, JsonSchema, Clone, Copy, Debug)]
+#[serde(rename_all = "kebab-case")]
+pub enum BaseWord {
+    /// Fixed to the world.
+    Fixed,
+    /// Free in space.
+    Floating,
+}
+
+/// One sole.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct SoleEntry {
+    /// Name, unique in the robot.
+    pub name: String,
+    /// Link whose URDF frame the polygon is given in.
+    #[schemars(with = "String")]
+    pub link: Spanned<String>,
+    /// Vertices in order around a convex planar polygon, m; one is a point foot, two a line foot.
+    #[schemars(with = "Vec<[f64; 3]>")]
+    pub polygon: Spanned<Vec<[f64; 3]>>,
+}
+
+/// What follows a joint's command.
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq, Debug)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModeWord {
+    /// Proportional-derivative position control.
+    Position,
+    /// Commanded effort.
+    Force,
+    /// Exactly on its command, without dynamics. Not available yet.
+    Kinematic,
+    /// No actuator.
+    Passive,
+}
+
+/// Drive and friction of one joint; what is left out comes from `joint_default`, then from the URDF.
+#[derive(Deserialize, JsonSchema, Clone, Default, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct JointEntry {
+    /// What follows the command; `position` when gains are given.
+    #[schemars(with = "Option<ModeWord>")]
+    pub mode: Option<Spanned<ModeWord>>,
+    /// Position gain, N m/rad or N/m.
+    #[schemars(with = "Option<f64>")]
+    pub kp: Option<Spanned<f64>>,
+    /// Velocity gain, N m s/rad or N s/m.
+    #[schemars(with = "Option<f64>")]
+    pub kd: Option<Spanned<f64>>,
+    /// Greatest effort, N m or N.
+    #[schemars(with = "Option<f64>")]
+    pub effort: Option<Spanned<f64>>,
+    /// Greatest speed, rad/s or m/s.
+    #[schemars(with = "Option<f64>")]
+    pub velocity: Option<Spanned<f64>>,
+    /// Joint friction.
+    pub friction: Option<Friction>,
+    /// Reflected rotor inertia, kg m^2 or kg.
+    #[schemars(with = "Option<f64>")]
+    pub armature: Option<Spanned<f64>>,
+}
+
+/// Joint friction.
+#[derive(Deserialize, JsonSchema, Clone, Default, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    /// Independent of speed, N m or N.
+    #[schemars(with = "Option<f64>")]
+    pub coulomb: Option<Spanned<f64>>,
+    /// Proportional to speed, N m s/rad or N s/m.
+    #[schemars(with = "Option<f64>")]
+    pub viscous: Option<Spanned<f64>>,
+}
+
+/// A frame fixed to a link.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct Frame {
+    /// Name.
+    pub name: String,
+    /// Carrying link.
+    #[schemars(with = "String")]
+    pub link: Spanned<String>,
+    /// Origin in the link's URDF frame, m.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub position: Option<Spanned<[f64; 3]>>,
+    /// Roll, pitch, yaw in the link's URDF frame.
+    #[serde(rename = "rpy")]
+    pub _rpy: Option<[Angle; 3]>,
+}
+
+/// Sensors of the robot.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct Sensors {
+    /// Inertial measurement units.
+    #[serde(default)]
+    pub imu: Vec<Frame>,
+    /// Force and torque sensors.
+    #[serde(default)]
+    pub force: Vec<Frame>,
+}
+
+/// Which bodies are watched for touching each other.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct SelfCollision {
+    /// Links that are watched; all when absent.
+    #[schemars(with = "Option<Vec<String>>")]
+    pub bodies: Option<Vec<Spanned<String>>>,
+    /// Pairs that are not.
+    #[serde(default)]
+    #[schemars(with = "Vec<[String; 2]>")]
+    pub ignore: Vec<[Spanned<String>; 2]>,
+}
+
+/// The JSON Schema of a robot file.
+pub fn schema() -> serde_json::Value {
+    schemars::schema_for!(RobotFile).into()
+}
+
+/// Reads the types out of the text; faults carry the parser's place and a suggestion for unknown keys.
+pub(super) fn parse(source: &Source) -> Result<RobotFile, RobotError> {
+    toml::from_str(source.text()).map_err(|error| {
+        let span = error.span().unwrap_or(0..0);
+        let message = error.message().lines().collect::<Vec<_>>().join(" ");
+        let is_syntax = toml::from_str::<toml::Table>(source.text()).is_err();
+        // serde's sentence: unknown field `x`, expected one of `a`, `b`, ...
+        let mut quoted = message.split('`').skip(1).step_by(2);
+        let suggestion = match message.starts_with("unknown ") {
+            true => quoted.next().and_then(|name| nearest(name, quoted)).map(str::to_owned),
+            false => None,
+        };
+        let mut fault = source.fault(span, message).element("robot file");
+        if let Some(near) = suggestion {
+            fault = fault.help(format!("did you mean `{near}`?"));
+        }
+        if is_syntax { fault.syntax() } else { fault.invalid() }
+    })
+}

@@ -1,0 +1,159 @@
+//! The text of `runner inspect`.
+
+use std::fmt::Write;
+
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+
+use super::Robot;
+use super::model::{Base, DriveMode, Joint, JointKind, Link, Model};
+use super::notice::Severity;
+use super::posture::{centre_of_mass, link_poses};
+
+/// A description of the robot for people: everything in the URDF's frames, SI units.
+pub fn inspect(robot: &Robot) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = overview(&mut out, robot);
+    let _ = links(&mut out, &robot.model);
+    let _ = joints(&mut out, &robot.model);
+    let _ = soles(&mut out, &robot.model);
+    let _ = notices(&mut out, robot);
+    out
+}
+
+fn overview(out: &mut String, robot: &Robot) -> std::fmt::Result {
+    let model = &robot.model;
+    let poses = link_poses(model, &model.home);
+    let base = match model.base {
+        Base::Floating => "floating",
+        Base::Fixed => "fixed",
+    };
+    writeln!(out, "robot {}", model.name)?;
+    for (path, bytes) in &robot.files {
+        writeln!(out, "  file                {} ({} bytes)", path.display(), bytes.len())?;
+    }
+    writeln!(out, "  base                {base}, root link {}", model.links[0].name)?;
+    writeln!(out, "  degrees of freedom  {} ({} base, {} joints)", model.nv(), model.nb(), model.nj())?;
+    writeln!(out, "  mass                {} kg", number(model.mass()))?;
+    writeln!(out, "  centre of mass      {} m at home, in the root frame", vector(&centre_of_mass(model, &poses)))?;
+    let lowest = model.soles.iter().flat_map(|s| s.vertices.iter().map(|v| (poses[s.link.0] * Point3::from(*v)).z));
+    let lowest = lowest.fold(f64::INFINITY, f64::min);
+    if lowest.is_finite() {
+        writeln!(out, "  home stance         root frame {} m above the lowest sole vertex", number(-lowest))?;
+    }
+    Ok(())
+}
+
+fn links(out: &mut String, model: &Model) -> std::fmt::Result {
+    writeln!(
+        out,
+        "\nlinks ({}): mass kg; centre of mass m; inertia about it xx yy zz xy xz yz kg m^2",
+        model.links.len()
+    )?;
+    for link in &model.links {
+        let (com, inertia) = in_urdf_frame(link);
+        let i = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|at| number(inertia[at]));
+        writeln!(out, "  {:<20} {:>10}  {}  {}", link.name, number(link.mass), vector(&com), i.join(" "))?;
+        let counts = (link.visuals.len(), link.collisions.len());
+        let welded: Vec<&str> = link.merged.iter().map(|m| m.name.as_str()).collect();
+        write!(out, "  {:<20} {} visual, {} collision shapes", "", counts.0, counts.1)?;
+        if !welded.is_empty() {
+            write!(out, "; welded on: {}", welded.join(", "))?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+fn joints(out: &mut String, model: &Model) -> std::fmt::Result {
+    writeln!(
+        out,
+        "\njoints ({}): kind, axis in the child's frame; range; effort, velocity; friction; home; drive",
+        model.nj()
+    )?;
+    for (i, joint) in model.joints.iter().enumerate() {
+        let link = &model.links[i + 1];
+        let axis = link.urdf_frame.rotation.inverse() * Vector3::z();
+        let (kind, angle) = match joint.kind {
+            JointKind::Revolute => ("revolute", "rad"),
+            JointKind::Continuous => ("continuous", "rad"),
+            JointKind::Prismatic => ("prismatic", "m"),
+        };
+        writeln!(
+            out,
+            "  {:<20} {kind} about {}; {} to {} {angle}; {}, {}; {} + {} v; {}; {}",
+            joint.name,
+            vector(&axis),
+            number(joint.lower),
+            number(joint.upper),
+            number(joint.effort_limit),
+            number(joint.velocity_limit),
+            number(joint.friction),
+            number(joint.damping),
+            number(model.home[i]),
+            drive(joint)
+        )?;
+    }
+    Ok(())
+}
+
+fn drive(joint: &Joint) -> String {
+    let armature = format!("armature {}", number(joint.armature));
+    let (kp, kd) = (number(joint.drive.kp), number(joint.drive.kd));
+    match joint.drive.mode {
+        _ if !joint.drive_configured => format!("drive not configured, {armature}"),
+        DriveMode::Position => format!("position kp {kp} kd {kd}, {armature}"),
+        DriveMode::Force => format!("force, {armature}"),
+        DriveMode::Passive => format!("passive, {armature}"),
+    }
+}
+
+fn soles(out: &mut String, model: &Model) -> std::fmt::Result {
+    writeln!(out, "\nsoles ({}): polygons in the link's frame, m", model.soles.len())?;
+    for sole in &model.soles {
+        let link = &model.links[sole.link.0];
+        let back = link.urdf_frame.inverse();
+        let polygon: Vec<String> = sole.vertices.iter().map(|v| vector(&(back * Point3::from(*v)).coords)).collect();
+        writeln!(out, "  {:<20} on {}: {}", sole.name, link.name, polygon.join(" "))?;
+    }
+    Ok(())
+}
+
+fn notices(out: &mut String, robot: &Robot) -> std::fmt::Result {
+    let warnings = robot.notices.iter().filter(|n| n.severity == Severity::Warning).count();
+    writeln!(out, "\nnotices ({}, of which {warnings} warnings)", robot.notices.len())?;
+    for notice in &robot.notices {
+        writeln!(out, "  {notice}")?;
+    }
+    for joint in robot.model.joints.iter().filter(|j| !j.drive_configured) {
+        writeln!(out, "  note: joint `{}` has no drive: a scenario's joint_default decides", joint.name)?;
+    }
+    Ok(())
+}
+
+/// Centre and tensor in the axes of the link's URDF frame.
+fn in_urdf_frame(link: &Link) -> (Vector3<f64>, Matrix3<f64>) {
+    let back: Isometry3<f64> = link.urdf_frame.inverse();
+    let r = back.rotation.to_rotation_matrix().into_inner();
+    ((back * Point3::from(link.com)).coords, r * link.inertia * r.transpose())
+}
+
+/// Six significant digits at most, what is zero but for rounding shown as 0.
+fn number(x: f64) -> String {
+    if x.abs() < 1e-15 {
+        return "0".into();
+    }
+    if !x.is_finite() {
+        return if x > 0.0 { "unlimited".into() } else { "-unlimited".into() };
+    }
+    let digits = (5 - x.abs().log10().floor() as i32).max(0) as usize;
+    if digits > 12 {
+        return format!("{x:.5e}");
+    }
+    let text = format!("{x:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+fn vector(v: &Vector3<f64>) -> String {
+    format!("[{} {} {}]", number(v.x), number(v.y), number(v.z))
+}

@@ -1,0 +1,59 @@
+//! What a loader ignored, assumed or found: never an error, never silent.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use super::source::Source;
+
+/// How much a notice matters.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Severity {
+    /// A choice the loader made, or something of no effect that was left out.
+    Info,
+    /// The robot may not behave as its author meant.
+    Warning,
+}
+
+/// Something ignored, assumed or found while loading.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Notice {
+    /// How much it matters.
+    pub severity: Severity,
+    /// The file it is about.
+    pub file: PathBuf,
+    /// Line in that file, counted from 1.
+    pub line: usize,
+    /// What was ignored, assumed or found.
+    pub message: String,
+}
+
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = match self.severity {
+            Severity::Info => "note",
+            Severity::Warning => "warning",
+        };
+        write!(f, "{word}: {}:{}: {}", self.file.display(), self.line, self.message)
+    }
+}
+
+/// Collects notices while a file is read.
+#[derive(Default)]
+pub(super) struct Notices(pub Vec<Notice>);
+
+impl Notices {
+    pub fn info(&mut self, source: &Source, offset: usize, message: impl Into<String>) {
+        self.push(Severity::Info, source, offset, message.into());
+    }
+
+    pub fn warning(&mut self, source: &Source, offset: usize, message: impl Into<String>) {
+        self.push(Severity::Warning, source, offset, message.into());
+    }
+
+    /// Equal messages are told once, where they came up first.
+    fn push(&mut self, severity: Severity, source: &Source, offset: usize, message: String) {
+        if !self.0.iter().any(|n| n.message == message && n.file == source.path()) {
+            self.0.push(Notice { severity, file: source.path().to_owned(), line: source.line(offset), message });
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! One URDF joint's motion, limits and friction, checked.
+
+use nalgebra::Vector3;
+use roxmltree::Node;
+use urdf_rs::JointType;
+
+use super::xml::{Xml, child};
+use crate::robot::error::RobotError;
+use crate::robot::model::{Drive, Joint, JointKind};
+use crate::robot::notice::Notices;
+
+const KNOWN_TYPES: [&str; 5] = ["revolute", "continuous", "prismatic", "fixed", "floating"];
+
+/// Refuses joint types that cannot be simulated; to be called before `urdf-rs` complains without a place.
+pub(super) fn check_type(xml: &Xml, node: Node) -> Result<(), RobotError> {
+    let name = node.attribute("name").unwrap_or_default();
+    let kind = node.attribute("type").unwrap_or_default();
+    if KNOWN_TYPES.contains(&kind) {
+        return Ok(());
+    }
+    let wanted = format!("one of {}", KNOWN_TYPES.join(", "));
+    if matches!(kind, "planar" | "spherical") {
+        let fault = xml.attribute_fault(node, "type", format!("joint `{name}`: {kind} joints are not available"));
+        let help = "build it from revolute and prismatic joints with light links between them";
+        return Err(fault.wanted(wanted).help(help).not_available());
+    }
+    let fault = xml.attribute_fault(node, "type", format!("joint `{name}` has an unknown type"));
+    Err(fault.wanted(wanted).suggest(kind, KNOWN_TYPES).invalid())
+}
+
+/// A joint that follows another would need a constraint: refused, unless it cannot move anyway.
+pub(super) fn check_mimic(xml: &Xml, node: Node, notices: &mut Notices) -> Result<(), RobotError> {
+    let Some(mimic) = child(node, "mimic") else { return Ok(()) };
+    let name = node.attribute("name").unwrap_or_default();
+    if node.attribute("type") == Some("fixed") {
+        notices.info(xml.source, mimic.range().start, format!("<mimic> of the fixed joint `{name}` is ignored"));
+        return Ok(());
+    }
+    let followed = mimic.attribute("joint").unwrap_or_default();
+    let fault = xml.fault(mimic, format!("joint `{name}` mimics joint `{followed}`: mimic joints are not available"));
+    Err(fault.wanted("an independent joint").help("make it fixed, or remove <mimic>").not_available())
+}
+
+/// The joint without its drive. Faults: no axis direction, limits absent or the wrong way round.
+pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) -> Result<Joint, RobotError> {
+    let name = &joint.name;
+    let node = xml.named("joint", name);
+    let kind = match joint.joint_type {
+        JointType::Continuous => JointKind::Continuous,
+        JointType::Prismatic => JointKind::Prismatic,
+        _ => JointKind::Revolute,
+    };
+    let limit = child(node, "limit");
+    let given = |attribute: &str| limit.and_then(|l| l.attribute(attribute)).is_some();
+    let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
+    if kind != JointKind::Continuous {
+        for side in ["lower", "upper"] {
+            if !given(side) {
+                let fault = xml.fault(limit.unwrap_or(node), format!("joint `{name}` has no {side} limit"));
+                let help = "URDF would read an omitted limit as 0; a joint without limits is of type continuous";
+                let wanted =
+                    format!("<limit {side}=\"...\"> in {}", if kind == JointKind::Prismatic { "m" } else { "rad" });
+                return Err(fault.wanted(wanted).help(help).invalid());
+            }
+        }
+        (lower, upper) = (joint.limit.lower, joint.limit.upper);
+        if lower > upper {
+            let fault = xml.fault(limit.unwrap_or(node), format!("joint `{name}`: the lower limit is above the upper"));
+            return Err(fault.seen(format!("{lower} > {upper}")).wanted("lower <= upper").invalid());
+        }
+    } else if given("lower") || given("upper") {
+        let at = limit.unwrap_or(node).range().start;
+        notices.info(xml.source, at, format!("lower and upper limit of the continuous joint `{name}` are ignored"));
+    }
+    let at = limit.unwrap_or(node).range().start;
+    let mut bound = |attribute: &str, value: f64| {
+        if given(attribute) {
+            if value == 0.0 {
+                notices.warning(xml.source, at, format!("joint `{name}`: {attribute} limit 0 lets no drive act"));
+            }
+            return value;
+        }
+        notices.info(xml.source, at, format!("joint `{name}` has no {attribute} limit: taken as unlimited"));
+        f64::INFINITY
+    };
+    let effort_limit = bound("effort", joint.limit.effort);
+    let velocity_limit = bound("velocity", joint.limit.velocity);
+    let dynamics = joint.dynamics.clone().unwrap_or_default();
+    Ok(Joint {
+        name: name.clone(),
+        kind,
+        lower,
+        upper,
+        velocity_limit,
+        effort_limit,
+        damping: dynamics.damping,
+        friction: dynamics.friction,
+        armature: 0.0,
+        drive: Drive::default(),
+        drive_configured: false,
+    })
+}
+
+/// The joint's unit axis in its own frame. URDF's default is x.
+pub(super) fn axis(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) -> Result<Vector3<f64>, RobotError> {
+    let name = &joint.name;
+    let node = xml.named("joint", name);
+    let Some(element) = child(node, "axis") else {
+        notices.info(xml.source, node.range().start, format!("joint `{name}` has no <axis>: 1 0 0 is taken"));
+        return Ok(Vector3::x());
+    };
+    let axis = Vector3::from(joint.axis.xyz.0);
+    let length = axis.norm();
+    if length < 1e-6 {
+        let fault = xml.attribute_fault(element, "xyz", format!("joint `{name}` has an axis of no length"));
+        return Err(fault.wanted("a direction, such as 0 0 1").invalid());
+    }
+    // A few printed digits are rounding; more is worth telling.
+    if (length - 1.0).abs() > 1e-3 {
+        let words = format!("axis of joint `{name}` has length {length:.6}: normalised");
+        notices.info(xml.source, element.range().start, words);
+    }
+    Ok(axis / length)
+}

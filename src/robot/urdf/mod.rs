@@ -1,0 +1,63 @@
+//! URDF in, the moving tree out.
+//!
+//! `urdf-rs` reads the values. It is forgiving where a simulator must not be (vectors with commas, unknown parents,
+//! absent inertias and limits), and it forgets where things stood, so [`check`] goes over the XML first and refuses what
+//! would otherwise change meaning silently; after it every value `urdf-rs` returns is one that stands in the file.
+
+mod build;
+mod check;
+mod inertia;
+mod limits;
+mod mesh;
+mod package;
+mod root;
+mod shapes;
+mod tidy;
+mod tree;
+mod xml;
+
+use std::path::PathBuf;
+
+pub(super) use inertia::{Flaw, RigidInertia, examine, moments_text};
+
+use super::error::RobotError;
+use super::model::{Base, Model};
+use super::notice::Notices;
+use super::source::Source;
+
+/// What the URDF alone says.
+pub(super) struct Loaded {
+    /// The model, without soles, drives and home posture.
+    pub model: Model,
+    /// Mesh files read, with their bytes.
+    pub meshes: Vec<(PathBuf, Vec<u8>)>,
+}
+
+/// Reads a URDF. `base` overrides how the root is held.
+pub(super) fn load(source: &Source, base: Option<Base>, notices: &mut Notices) -> Result<Loaded, RobotError> {
+    let document = roxmltree::Document::parse(source.text()).map_err(|e| xml::syntax_error(source, &e))?;
+    let xml = xml::Xml::new(source, &document)?;
+    check::check(&xml, notices)?;
+    for joint in xml.robot.children().filter(|n| n.has_tag_name("joint")) {
+        limits::check_type(&xml, joint)?;
+        limits::check_mimic(&xml, joint, notices)?;
+    }
+    let robot = urdf_rs::read_from_string(&tidy::tidy(&xml)).map_err(|e| {
+        source.fault(document.root_element().range(), format!("the URDF cannot be read: {e}")).invalid()
+    })?;
+    agree(&robot, &xml)?;
+    let tree = tree::Tree::new(&robot, &xml)?;
+    let root = root::choose(&tree, &xml, base, notices)?;
+    build::build(&tree, &xml, root, notices)
+}
+
+/// Both readers must have seen the same links and joints, since one gives the values and the other the places.
+fn agree(robot: &urdf_rs::Robot, xml: &xml::Xml) -> Result<(), RobotError> {
+    let names = |tag| xml.robot.children().filter(move |n| n.has_tag_name(tag)).filter_map(|n| n.attribute("name"));
+    let links = robot.links.iter().map(|l| l.name.as_str());
+    let joints = robot.joints.iter().map(|j| j.name.as_str());
+    if names("link").eq(links) && names("joint").eq(joints) {
+        return Ok(());
+    }
+    Err(xml.fault(xml.robot, "the URDF cannot be read: its names are understood in two ways").invalid())
+}

@@ -1,0 +1,62 @@
+//! Which link is the simulated root and how it is held.
+
+use nalgebra::Isometry3;
+use urdf_rs::JointType;
+
+use super::shapes::isometry;
+use super::tree::Tree;
+use super::xml::{Xml, child};
+use crate::robot::error::RobotError;
+use crate::robot::model::Base;
+use crate::robot::notice::Notices;
+
+/// The simulated root.
+pub(super) struct Root {
+    /// Index of the link in the URDF.
+    pub link: usize,
+    /// How it is held.
+    pub base: Base,
+}
+
+/// A root named `world` without mass stands for the world itself: what is welded or jointed to it is fixed, what hangs
+/// on a floating joint is free. Any other root is free unless `wanted` says otherwise.
+pub(super) fn choose(tree: &Tree, xml: &Xml, wanted: Option<Base>, notices: &mut Notices) -> Result<Root, RobotError> {
+    let root = tree.root;
+    let link = &tree.robot.links[root];
+    let node = xml.named("link", &link.name);
+    let joints = &tree.joints_of[root];
+    let is_world = link.name == "world" && child(node, "inertial").is_none();
+    for (j, joint) in tree.robot.joints.iter().enumerate() {
+        if joint.joint_type == JointType::Floating && !(is_world && joints[..] == [j]) {
+            let message = format!("joint `{}` floats below another link", joint.name);
+            let fault = xml.attribute_fault(xml.named("joint", &joint.name), "type", message);
+            return Err(fault.wanted("a floating joint only as the single joint of a root link `world`").invalid());
+        }
+    }
+    if !is_world {
+        if link.name == "world" {
+            notices.warning(xml.source, node.range().start, "root link `world` has a mass: taken as an ordinary link");
+        }
+        return Ok(Root { link: root, base: wanted.unwrap_or(Base::Floating) });
+    }
+    let single = match joints[..] {
+        [j] => Some((j, tree.robot.joints[j].joint_type.clone())),
+        _ => None,
+    };
+    match (single, wanted) {
+        (Some((j, JointType::Floating)), _) | (Some((j, JointType::Fixed)), Some(Base::Floating)) => {
+            let joint = &tree.robot.joints[j];
+            if isometry(&joint.origin) != Isometry3::identity() {
+                let at = xml.named("joint", &joint.name).range().start;
+                let words = format!("origin of joint `{}` is ignored: the scenario places the base", joint.name);
+                notices.warning(xml.source, at, words);
+            }
+            Ok(Root { link: tree.child_of[j], base: wanted.unwrap_or(Base::Floating) })
+        }
+        (_, Some(Base::Floating)) => {
+            let fault = xml.fault(node, "base = \"floating\" does not fit a root link `world` with moving joints");
+            Err(fault.wanted("one child on a fixed or floating joint").invalid())
+        }
+        _ => Ok(Root { link: root, base: Base::Fixed }),
+    }
+}

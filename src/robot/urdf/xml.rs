@@ -1,0 +1,100 @@
+//! The XML tree with the source it came from: elements by name, positions of attributes, faults.
+
+use std::ops::Range;
+
+use roxmltree::{Document, Node};
+
+use crate::robot::error::{Fault, RobotError};
+use crate::robot::source::Source;
+
+/// URDF needs six levels; what the loader ignores may go deeper, within reason.
+const DEEPEST: usize = 64;
+
+/// A well-formed document whose root element is `<robot>`.
+pub(super) struct Xml<'a> {
+    pub source: &'a Source,
+    pub robot: Node<'a, 'a>,
+}
+
+impl<'a> Xml<'a> {
+    pub fn new(source: &'a Source, document: &'a Document<'a>) -> Result<Self, RobotError> {
+        let robot = document.root_element();
+        if !robot.has_tag_name("robot") {
+            let fault = source.fault(open_tag(source, robot), "this is not a URDF").wanted("<robot name=\"...\">");
+            return Err(fault.seen(format!("<{}>", robot.tag_name().name())).invalid());
+        }
+        let xml = Self { source, robot };
+        match too_deep(document) {
+            Some(node) => Err(xml.fault(node, format!("elements are nested more than {DEEPEST} deep")).invalid()),
+            None => Ok(xml),
+        }
+    }
+
+    /// The `<link>` or `<joint>` of that name directly under `<robot>`; the root element if there is none.
+    pub fn named(&self, tag: &str, name: &str) -> Node<'a, 'a> {
+        self.robot.children().find(|n| n.has_tag_name(tag) && n.attribute("name") == Some(name)).unwrap_or(self.robot)
+    }
+
+    /// A fault at an element's opening tag.
+    pub fn fault(&self, node: Node, message: impl Into<String>) -> Fault {
+        self.source.fault(open_tag(self.source, node), message).element(describe(node))
+    }
+
+    /// A fault at an attribute's value, or at the element when the attribute is absent.
+    pub fn attribute_fault(&self, node: Node, attribute: &str, message: impl Into<String>) -> Fault {
+        match node.attribute_node(attribute) {
+            Some(a) => {
+                self.source.fault(a.range_value(), message).element(describe(node)).seen(format!("`{}`", a.value()))
+            }
+            None => self.fault(node, message),
+        }
+    }
+}
+
+/// The first element nested deeper than [`DEEPEST`]: `urdf-rs` would use up the stack on it.
+fn too_deep<'a>(document: &'a Document<'a>) -> Option<Node<'a, 'a>> {
+    let mut depth: Vec<usize> = Vec::new();
+    // Nodes are numbered in document order, so a parent's depth is known before its children's.
+    document.root().descendants().find(|node| {
+        let above = node.parent().and_then(|p| depth.get(p.id().get_usize()).copied()).unwrap_or(0);
+        depth.resize(node.id().get_usize() + 1, 0);
+        depth[node.id().get_usize()] = above + 1;
+        above > DEEPEST
+    })
+}
+
+/// The first child element of that name.
+pub(super) fn child<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
+    node.children().find(|n| n.has_tag_name(tag))
+}
+
+/// The nearest enclosing named element, in words: ``joint `knee` ``.
+pub(super) fn describe(node: Node) -> String {
+    node.ancestors()
+        .filter(|n| n.has_tag_name("link") || n.has_tag_name("joint"))
+        .find_map(|n| n.attribute("name").map(|name| format!("{} `{name}`", n.tag_name().name())))
+        .unwrap_or_else(|| format!("<{}>", node.tag_name().name()))
+}
+
+/// The bytes of an element's opening tag only: an element may span hundreds of lines.
+fn open_tag(source: &Source, node: Node) -> Range<usize> {
+    let range = node.range();
+    let text = source.text();
+    let after_attributes = node.attributes().map(|a| a.range().end).max().unwrap_or(range.start);
+    let end = text[after_attributes..range.end].find('>').map_or(range.end, |i| after_attributes + i + 1);
+    range.start..end
+}
+
+/// The XML parser's complaint at the place it names.
+pub(super) fn syntax_error(source: &Source, error: &roxmltree::Error) -> RobotError {
+    let place = error.pos();
+    let line_start: usize =
+        source.text().split_inclusive('\n').take(place.row.saturating_sub(1) as usize).map(str::len).sum();
+    let line = source.text()[line_start..].lines().next().unwrap_or("");
+    let column = line.char_indices().nth(place.col.saturating_sub(1) as usize).map_or(line.len(), |(i, _)| i);
+    let start = line_start + column;
+    let text = error.to_string();
+    // The parser repeats the position at the end of its sentence.
+    let sentence = text.rsplit_once(" at ").map_or(text.as_str(), |(words, _)| words);
+    source.fault(start..start + 1, format!("the XML is not well-formed: {sentence}")).syntax()
+}

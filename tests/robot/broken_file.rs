@@ -1,0 +1,151 @@
+//! Robot files with one thing wrong each.
+
+use super::{BODY, assert_fault, load_toml};
+
+fn urdf() -> String {
+    format!(
+        r#"<robot name="r"><link name="base">{BODY}</link>
+<joint name="knee" type="revolute"><parent link="base"/><child link="foot"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint><link name="foot">{BODY}</link>
+<joint name="slide" type="prismatic"><parent link="base"/><child link="cart"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint><link name="cart">{BODY}</link></robot>"#
+    )
+}
+
+const GOOD: &str = r#"urdf = "robot.urdf"
+base = "floating"
+[home]
+knee = "20 deg"
+[[sole]]
+name = "s"
+link = "foot"
+polygon = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+[joint.knee]
+mode = "position"
+kp = 10.0
+kd = 1.0
+[joint_default]
+mode = "passive"
+"#;
+
+const CASES: &[(&str, &str, usize, &str)] = &[
+    ("urdf = \"robot.urdf\"", "urdf = \"robot.urdf", 1, "invalid basic string"),
+    ("urdf = \"robot.urdf\"", "urdf = \"none.urdf\"", 1, "none.urdf"),
+    ("urdf = \"robot.urdf\"\n", "", 1, "missing field `urdf`"),
+    ("base = \"floating\"", "bas = \"floating\"", 2, "did you mean `base`?"),
+    ("base = \"floating\"", "base = \"flying\"", 2, "unknown variant `flying`"),
+    ("knee = \"20 deg\"", "kne = \"20 deg\"", 4, "did you mean `knee`?"),
+    ("knee = \"20 deg\"", "knee = \"20 grad\"", 4, "such as \"20 deg\""),
+    ("knee = \"20 deg\"", "knee = nan", 4, "a finite number in radians"),
+    ("knee = \"20 deg\"", "knee = \"90 deg\"", 4, "outside the joint's limits: 1.57"),
+    ("knee = \"20 deg\"", "slide = \"20 deg\"", 4, "joint `slide` slides"),
+    ("link = \"foot\"", "link = \"foo\"", 7, "did you mean `foot`?"),
+    ("[0, 1, 0]]", "[0, 1, 0.1]]", 8, "sole `s`: it is not flat"),
+    ("[1, 1, 0], [0, 1, 0]]", "[0, 1, 0], [1, 1, 0]]", 8, "not in order"),
+    ("[1, 1, 0], [0, 1, 0]]", "[0.2, 0.2, 0], [0, 1, 0]]", 8, "not convex"),
+    ("[1, 1, 0], [0, 1, 0]]", "[2, 0, 0], [0, 1, 0]]", 8, "point 1 lies on the line"),
+    ("[1, 1, 0], [0, 1, 0]]", "[1, 0, 0], [0, 1, 0]]", 8, "points 1 and 2 coincide"),
+    ("[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]", "[]", 8, "it has no points"),
+    ("[[0, 0, 0]", "[[0, inf, 0]", 8, "point 0 is not finite"),
+    ("[[0, 0, 0]", "[[0, 0]", 8, "array of length 3"),
+    ("[joint.knee]", "[joint.nee]", 9, "did you mean `knee`?"),
+    (
+        "[joint.knee]\n",
+        "[[sole]]\nname = \"s\"\nlink = \"base\"\npolygon = [[0, 0, 0]]\n[joint.knee]\n",
+        9,
+        "two soles named `s`",
+    ),
+    ("mode = \"position\"", "mode = \"kinematic\"", 10, "`kinematic` of joint `knee` is not available yet"),
+    ("mode = \"position\"", "mode = \"positon\"", 10, "did you mean `position`?"),
+    ("kp = 10.0", "kq = 10.0", 11, "did you mean `kp`?"),
+    ("kp = 10.0", "kp = -10.0", 11, "kp of joint `knee` cannot be used: -10"),
+    ("kp = 10.0", "kp = nan", 11, "kp of joint `knee` cannot be used"),
+    ("kp = 10.0\n", "", 9, "position drive of joint `knee`"),
+    ("kd = 1.0", "friction = { coulomb = 1.0, viscos = 1.0 }", 12, "did you mean `viscous`?"),
+    ("kd = 1.0", "friction = { coulomb = -1.0 }", 12, "friction.coulomb of joint `knee`"),
+    (
+        "mode = \"passive\"",
+        "mode = \"passive\"\n[[end_effector]]\nname = \"tip\"\nlink = \"fot\"",
+        17,
+        "did you mean `foot`?",
+    ),
+    (
+        "mode = \"passive\"",
+        "mode = \"passive\"\n[self_collision]\nignore = [[\"foot\", \"bas\"]]",
+        16,
+        "did you mean `base`?",
+    ),
+    (
+        "mode = \"passive\"",
+        "mode = \"passive\"\n[sensors]\nimu = [{ name = \"i\", link = \"torso\" }]",
+        16,
+        "unknown link",
+    ),
+    ("[home]", "kinematic = [\"eye_*\"]\n[home]", 3, "kinematic joints are not available yet"),
+];
+
+#[test]
+fn the_file_without_faults_loads() {
+    let robot = load_toml(GOOD, &urdf()).unwrap();
+    assert_eq!(robot.files.len(), 2);
+    assert!(robot.files[0].0.ends_with("robot.toml") && robot.files[1].0.ends_with("robot.urdf"));
+    assert_eq!(robot.files[0].1, GOOD.as_bytes());
+    assert_eq!(robot.model.home, [20f64.to_radians(), 0.0]);
+}
+
+#[test]
+fn each_fault_is_named_with_its_line() {
+    for &(from, to, line, needle) in CASES {
+        assert!(GOOD.contains(from), "`{from}` is not in the file: the case tests nothing");
+        let case = format!("{from} -> {to}");
+        assert_fault(&case, load_toml(&GOOD.replacen(from, to, 1), &urdf()), "robot.toml", line, needle);
+    }
+}
+
+#[test]
+fn joint_default_fills_what_a_joint_leaves_out() {
+    use stiction::robot::DriveMode;
+    let text = "urdf = \"robot.urdf\"\n[joint_default]\nkp = 7.0\nkd = 1.0\n[joint.knee]\nkd = 2.0\nfriction = { coulomb = 0.5 }\n";
+    let robot = load_toml(text, &urdf()).unwrap();
+    let [knee, slide] = &robot.model.joints[..] else { panic!() };
+    assert_eq!((knee.drive.mode, knee.drive.kp, knee.drive.kd), (DriveMode::Position, 7.0, 2.0));
+    assert_eq!((slide.drive.mode, slide.drive.kp, slide.drive.kd), (DriveMode::Position, 7.0, 1.0));
+    assert_eq!((knee.friction, slide.friction), (0.5, 0.0));
+    assert!(knee.drive_configured && slide.drive_configured);
+    let plain = load_toml("urdf = \"robot.urdf\"\n[joint.knee]\narmature = 0.1\n", &urdf()).unwrap();
+    assert!(!plain.model.joints[0].drive_configured);
+    assert_eq!(plain.model.joints[0].armature, 0.1);
+}
+
+#[test]
+fn parts_not_used_yet_are_told() {
+    let more = "[[end_effector]]\nname = \"tip\"\nlink = \"foot\"\n[sensors]\nimu = [{ name = \"i\", link = \"base\" }]\n[self_collision]\nbodies = [\"foot\"]\n";
+    let robot = load_toml(&format!("{GOOD}{more}"), &urdf()).unwrap();
+    for part in ["[[end_effector]]", "[sensors]", "[self_collision]"] {
+        let notice =
+            robot.notices.iter().find(|n| n.message.contains(part)).unwrap_or_else(|| panic!("{part} is silent"));
+        assert!(notice.message.contains("not used yet") && notice.line > 14, "{notice}");
+    }
+}
+
+#[test]
+fn the_schema_knows_every_key() {
+    let schema = stiction::robot::schema();
+    let properties = schema["properties"].as_object().unwrap();
+    for key in [
+        "urdf",
+        "base",
+        "home",
+        "sole",
+        "joint",
+        "joint_default",
+        "kinematic",
+        "end_effector",
+        "sensors",
+        "self_collision",
+    ] {
+        assert!(properties.contains_key(key), "{key}");
+    }
+    assert_eq!(schema["additionalProperties"], false);
+    assert_eq!(schema["required"], serde_json::json!(["urdf"]));
+}

@@ -1,0 +1,63 @@
+//! Robot files and URDF as users meet them.
+
+mod adjust;
+mod broken_file;
+mod broken_urdf;
+mod convention;
+mod finding;
+mod hoap2;
+mod notices;
+mod welding;
+
+use std::path::{Path, PathBuf};
+
+use stiction::robot::{Robot, RobotError, load};
+
+/// A link of 1 kg with a spherical inertia.
+pub const BODY: &str =
+    r#"<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>"#;
+
+/// A robot that ships with the program.
+pub fn shipped(path: &str) -> Robot {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(path);
+    load(&path).unwrap_or_else(|e| panic!("{}", e.render(false)))
+}
+
+/// Files written into a folder of their own.
+pub fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+    folder
+}
+
+/// Loads a URDF given as text.
+pub fn load_urdf(text: &str) -> Result<Robot, RobotError> {
+    let folder = folder(&[("robot.urdf", text)]);
+    load(&folder.path().join("robot.urdf"))
+}
+
+/// Loads a robot file given as text beside its URDF.
+pub fn load_toml(toml: &str, urdf: &str) -> Result<Robot, RobotError> {
+    let folder = folder(&[("robot.toml", toml), ("robot.urdf", urdf)]);
+    load(&folder.path().join("robot.toml"))
+}
+
+/// The error, checked for line and words, and for a picture of the offending line.
+pub fn assert_fault(case: &str, result: Result<Robot, RobotError>, file: &str, line: usize, needle: &str) {
+    let error = match result {
+        Ok(_) => panic!("{case}: loaded"),
+        Err(error) => error,
+    };
+    let shown = error.render(false);
+    let fault = error.fault().unwrap_or_else(|| panic!("{case}: no place in {shown}"));
+    assert_eq!(fault.line(), line, "{case}: wrong line in\n{shown}");
+    assert_eq!(fault.file().file_name(), PathBuf::from(file).file_name(), "{case}: {shown}");
+    assert!(error.to_string().contains(needle), "{case}: `{needle}` is not in `{error}`");
+    assert!(shown.contains(&format!("{file}:{line}:")), "{case}: no place in\n{shown}");
+    assert!(shown.contains(fault.source_line().trim()), "{case}: the line is not shown in\n{shown}");
+    assert!(shown.contains('^'), "{case}: no caret in\n{shown}");
+}
