@@ -28,7 +28,7 @@ EXAMPLES = Path(pin.__file__).resolve().parents[4] / "share/example-robot-data/r
 CONFIGURATIONS = 3
 GRAVITY = np.array([0.4, -0.3, -9.7])
 
-# name: (URDF, floating base, links that carry a sole; frozen tree or not)
+# name: (URDF, floating base, frozen tree)
 ROBOTS = {
     "talos": (EXAMPLES / "talos_data/robots/talos_reduced.urdf", True, True),
     "solo12": (EXAMPLES / "solo_description/robots/solo12.urdf", True, True),
@@ -137,6 +137,10 @@ def values(model, floating, soles, random):
     com = pin.centerOfMass(model, data, q, v_pin)
     momentum = pin.computeCentroidalMomentum(model, data, q, v_pin)
 
+    twists = [data.v[i].vector for i in range(1, model.njoints)]
+    links = sum(0.5 * t @ i.matrix() @ t for t, i in zip(twists, list(model.inertias)[1:]))
+    kinetic_energy = links + 0.5 * np.sum(model.armature * v_pin**2)
+
     # Frames at points of chosen links, all in world axes.
     pin.computeJointJacobians(model, data, q)
     frames = []
@@ -192,7 +196,8 @@ def values(model, floating, soles, random):
         "com": exact(com),
         "com_velocity": exact(data.vcom[0]),
         "momentum": exact(momentum.vector),
-        "kinetic_energy": exact(pin.computeKineticEnergy(model, data, q, v_pin)),
+        # Not computeKineticEnergy: in 4.1 it leaves out the armature of revolute joints with an axis off x, y and z.
+        "kinetic_energy": exact(kinetic_energy),
         "potential_energy": exact(pin.computePotentialEnergy(model, data, q)),
         "frames": frames,
         "contact_w_lower": exact(w[np.tril_indices(len(w))]),
