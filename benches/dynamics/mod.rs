@@ -1,17 +1,17 @@
-//! Algorithms of the dynamics room: HOAP-2's size and Unitree G1's or Talos' size (35 velocities), two soles of four
-//! vertices.
+//! Algorithms of the dynamics room, on HOAP-2 (31 velocities) and on a humanoid of Unitree G1's or Talos' size (35), each
+//! with two soles of four vertices.
 
 mod humanoid;
 
 use divan::Bencher;
 use humanoid::humanoid;
 use nalgebra::{Matrix3, Vector3};
+use std::path::Path;
 use stiction::dynamics::{self, Reduced, State, Workspace, aba, crba, factor, kinematics, reduced, rnea};
 use stiction::robot::Model;
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
-/// Joints per leg, per arm, in the torso.
-const ROBOTS: [[usize; 3]; 2] = [[6, 6, 1], [6, 7, 3]];
+const ROBOTS: [&str; 2] = ["hoap2", "humanoid"];
 
 struct Setup {
     model: Model,
@@ -21,8 +21,14 @@ struct Setup {
     out: Vec<f64>,
 }
 
-fn setup(size: [usize; 3]) -> Setup {
-    let model = humanoid(size);
+fn setup(robot: &str) -> Setup {
+    let model = match robot {
+        "hoap2" => {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml");
+            stiction::robot::load(&path).expect("our own robot").model
+        }
+        _ => humanoid([6, 7, 3]),
+    };
     let mut state = State::home(&model);
     for (i, q) in state.joints.iter_mut().enumerate() {
         *q = 0.1 + 0.03 * i as f64;
@@ -37,15 +43,15 @@ fn setup(size: [usize; 3]) -> Setup {
 }
 
 #[divan::bench(args = ROBOTS)]
-fn kinematics(bencher: Bencher, size: [usize; 3]) {
-    let mut s = setup(size);
+fn kinematics(bencher: Bencher, robot: &str) {
+    let mut s = setup(robot);
     super::each(bencher, || kinematics::update(&s.model, &s.state, &mut s.ws));
 }
 
 /// Kinematics and the bias force.
 #[divan::bench(args = ROBOTS)]
-fn rnea(bencher: Bencher, size: [usize; 3]) {
-    let mut s = setup(size);
+fn rnea(bencher: Bencher, robot: &str) {
+    let mut s = setup(robot);
     super::each(bencher, || {
         kinematics::update(&s.model, &s.state, &mut s.ws);
         rnea::inverse_dynamics(&s.model, &mut s.ws, &s.tau, &GRAVITY, &mut s.out);
@@ -54,8 +60,8 @@ fn rnea(bencher: Bencher, size: [usize; 3]) {
 
 /// Positions, mass matrix and its factor.
 #[divan::bench(args = ROBOTS)]
-fn crba_and_factor(bencher: Bencher, size: [usize; 3]) {
-    let mut s = setup(size);
+fn crba_and_factor(bencher: Bencher, robot: &str) {
+    let mut s = setup(robot);
     super::each(bencher, || {
         kinematics::positions(&s.model, &s.state, &mut s.ws);
         crba::mass_matrix(&s.model, &mut s.ws);
@@ -65,8 +71,8 @@ fn crba_and_factor(bencher: Bencher, size: [usize; 3]) {
 
 /// Kinematics and articulated bodies.
 #[divan::bench(args = ROBOTS)]
-fn aba(bencher: Bencher, size: [usize; 3]) {
-    let mut s = setup(size);
+fn aba(bencher: Bencher, robot: &str) {
+    let mut s = setup(robot);
     super::each(bencher, || {
         kinematics::update(&s.model, &s.state, &mut s.ws);
         aba::forward_dynamics(&s.model, &mut s.ws, &s.tau, &GRAVITY, &mut s.out).is_ok()
@@ -75,8 +81,8 @@ fn aba(bencher: Bencher, size: [usize; 3]) {
 
 /// The reduced problem alone, for a state that is prepared.
 #[divan::bench(args = ROBOTS)]
-fn reduced_problem(bencher: Bencher, size: [usize; 3]) {
-    let s = setup(size);
+fn reduced_problem(bencher: Bencher, robot: &str) {
+    let s = setup(robot);
     let mut problem = Reduced::new(&s.model, &s.ws);
     super::each(bencher, || reduced::assemble(&s.model, &s.ws, &Matrix3::identity(), &s.tau, &mut problem));
 }
@@ -84,8 +90,8 @@ fn reduced_problem(bencher: Bencher, size: [usize; 3]) {
 /// Everything from the state to the acceleration with both soles clamped: kinematics, h, M, factor, W, a0, a Cholesky
 /// solve for the wrenches, the acceleration.
 #[divan::bench(args = ROBOTS)]
-fn constrained_forward_dynamics(bencher: Bencher, size: [usize; 3]) {
-    let mut s = setup(size);
+fn constrained_forward_dynamics(bencher: Bencher, robot: &str) {
+    let mut s = setup(robot);
     let mut problem = Reduced::new(&s.model, &s.ws);
     super::each(bencher, || {
         dynamics::prepare(&s.model, &s.state, &GRAVITY, &mut s.ws).expect("every joint moves mass");

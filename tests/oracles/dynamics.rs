@@ -136,3 +136,9 @@ macro_rules! frozen {
 }
 
 frozen!(talos, solo12, tiago, panda);
+
+#[test]
+fn hoap2() {
+    let oracle = Oracle::parse(include_str!("dynamics_hoap2.json"));
+    check(&oracle, &oracle.loaded("robots/hoap2/hoap2.toml"));
+}

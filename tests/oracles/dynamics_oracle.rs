@@ -154,6 +154,21 @@ impl Oracle {
         self.with_soles(subject)
     }
 
+    /// A robot of this repository, its joints found by name, armature and soles as in the oracle.
+    pub fn loaded(&self, path: &str) -> Subject {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+        let mut model = stiction::robot::load(&path).expect("our own robot").model;
+        assert_eq!(model.nj(), self.names.len());
+        let joint: Vec<usize> = self.names.iter().map(|n| model.joint(n).expect("joint of that name").0).collect();
+        for (&j, &armature) in joint.iter().zip(&self.armature) {
+            model.joints[j].armature = armature;
+        }
+        let link: Vec<usize> = std::iter::once(0).chain(joint.iter().map(|j| j + 1)).collect();
+        // A joint's frame is the URDF frame of the link it moves.
+        let frame = link.iter().map(|&l| model.links[l].urdf_frame).collect();
+        self.with_soles(Subject { model, joint, link, frame })
+    }
+
     /// One-vertex soles at the oracle's points, in place of the model's own.
     pub fn with_soles(&self, mut subject: Subject) -> Subject {
         subject.model.soles = self
