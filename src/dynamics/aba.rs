@@ -90,7 +90,8 @@ impl Articulated {
 /// m/s^2, world axes.
 ///
 /// # Errors
-/// [`DynamicsError::Singular`] when a joint or the base moves no inertia.
+/// [`DynamicsError::Singular`] when a joint or the base moves no inertia. Joints that repeat each other leave rounding
+/// instead of zero here; only [`super::factor::factorize`] tells that apart.
 pub fn forward_dynamics(
     model: &Model,
     ws: &mut Workspace,

@@ -42,18 +42,20 @@ fn eliminate(factor: &mut TreeMatrix, least: &mut [f64]) -> Result<(), DynamicsE
         if !(pivot > least[k] && pivot < f64::INFINITY) {
             return Err(DynamicsError::Singular { dof: k, pivot });
         }
-        let inverse = 1.0 / pivot.sqrt();
-        *diagonal = inverse;
-        for x in row.iter_mut() {
-            *x *= inverse;
-        }
-        // Row of the ancestor at depth e: its first e + 1 entries belong to the same velocities as ours.
+        // Row of the ancestor at depth e: its first e + 1 entries belong to the same velocities as ours. The next pivot
+        // waits only for 1 / pivot this way; the square root is off the critical path.
+        let reciprocal = 1.0 / pivot;
         for (e, &ancestor) in pattern.chain(k)[..row.len()].iter().enumerate() {
-            let scale = row[e];
+            let scale = row[e] * reciprocal;
             let target = &mut before[pattern.range(ancestor)];
             for (t, &x) in target.iter_mut().zip(&*row) {
                 *t -= scale * x;
             }
+        }
+        let inverse = pivot.sqrt() * reciprocal;
+        *diagonal = inverse;
+        for x in row.iter_mut() {
+            *x *= inverse;
         }
     }
     Ok(())

@@ -1,0 +1,105 @@
+//! Algorithms of the dynamics room, on HOAP-2 (31 velocities) and on a humanoid of Unitree G1's or Talos' size (35), each
+//! with two soles of four vertices.
+
+mod humanoid;
+
+use divan::Bencher;
+use humanoid::humanoid;
+use nalgebra::{Matrix3, Vector3};
+use std::path::Path;
+use stiction::dynamics::{self, Reduced, State, Workspace, aba, crba, factor, kinematics, reduced, rnea};
+use stiction::robot::Model;
+
+const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+const ROBOTS: [&str; 2] = ["hoap2", "humanoid"];
+
+struct Setup {
+    model: Model,
+    state: State,
+    ws: Workspace,
+    tau: Vec<f64>,
+    out: Vec<f64>,
+}
+
+fn setup(robot: &str) -> Setup {
+    let model = match robot {
+        "hoap2" => {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml");
+            stiction::robot::load(&path).expect("our own robot").model
+        }
+        _ => humanoid([6, 7, 3]),
+    };
+    let mut state = State::home(&model);
+    for (i, q) in state.joints.iter_mut().enumerate() {
+        *q = 0.1 + 0.03 * i as f64;
+    }
+    for (i, v) in state.v.iter_mut().enumerate() {
+        *v = 0.2 - 0.01 * i as f64;
+    }
+    let mut ws = Workspace::new(&model);
+    dynamics::prepare(&model, &state, &GRAVITY, &mut ws).expect("every joint moves mass");
+    let (tau, out) = (vec![0.1; model.nv()], vec![0.0; model.nv()]);
+    Setup { model, state, ws, tau, out }
+}
+
+#[divan::bench(args = ROBOTS)]
+fn kinematics(bencher: Bencher, robot: &str) {
+    let mut s = setup(robot);
+    super::each(bencher, || kinematics::update(&s.model, &s.state, &mut s.ws));
+}
+
+/// Kinematics and the bias force.
+#[divan::bench(args = ROBOTS)]
+fn rnea(bencher: Bencher, robot: &str) {
+    let mut s = setup(robot);
+    super::each(bencher, || {
+        kinematics::update(&s.model, &s.state, &mut s.ws);
+        rnea::inverse_dynamics(&s.model, &mut s.ws, &s.tau, &GRAVITY, &mut s.out);
+    });
+}
+
+/// Positions, mass matrix and its factor.
+#[divan::bench(args = ROBOTS)]
+fn crba_and_factor(bencher: Bencher, robot: &str) {
+    let mut s = setup(robot);
+    super::each(bencher, || {
+        kinematics::positions(&s.model, &s.state, &mut s.ws);
+        crba::mass_matrix(&s.model, &mut s.ws);
+        factor::factorize(&mut s.ws).is_ok()
+    });
+}
+
+/// Kinematics and articulated bodies.
+#[divan::bench(args = ROBOTS)]
+fn aba(bencher: Bencher, robot: &str) {
+    let mut s = setup(robot);
+    super::each(bencher, || {
+        kinematics::update(&s.model, &s.state, &mut s.ws);
+        aba::forward_dynamics(&s.model, &mut s.ws, &s.tau, &GRAVITY, &mut s.out).is_ok()
+    });
+}
+
+/// The reduced problem alone, for a state that is prepared.
+#[divan::bench(args = ROBOTS)]
+fn reduced_problem(bencher: Bencher, robot: &str) {
+    let s = setup(robot);
+    let mut problem = Reduced::new(&s.model, &s.ws);
+    super::each(bencher, || reduced::assemble(&s.model, &s.ws, &Matrix3::identity(), &s.tau, &mut problem));
+}
+
+/// Everything from the state to the acceleration with both soles clamped: kinematics, h, M, factor, W, a0, a Cholesky
+/// solve for the wrenches, the acceleration.
+#[divan::bench(args = ROBOTS)]
+fn constrained_forward_dynamics(bencher: Bencher, robot: &str) {
+    let mut s = setup(robot);
+    let mut problem = Reduced::new(&s.model, &s.ws);
+    super::each(bencher, || {
+        dynamics::prepare(&s.model, &s.state, &GRAVITY, &mut s.ws).expect("every joint moves mass");
+        reduced::assemble(&s.model, &s.ws, &Matrix3::identity(), &s.tau, &mut problem);
+        let w = nalgebra::SMatrix::<f64, 12, 12>::from_column_slice(&problem.w);
+        let a0 = nalgebra::SVector::<f64, 12>::from_column_slice(&problem.a0);
+        let wrench = w.cholesky().expect("bent legs: W is regular").solve(&-a0);
+        s.out.copy_from_slice(&problem.free);
+        reduced::apply(&s.model, &s.ws, &mut problem, wrench.as_slice(), &mut s.out);
+    });
+}

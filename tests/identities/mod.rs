@@ -1,0 +1,10 @@
+//! Truths that hold for every robot and state, checked on seeded random trees.
+
+pub mod allocations;
+mod closed_forms;
+mod conservation;
+mod contact_reduction;
+mod equation_of_motion;
+mod jacobians;
+mod numeric;
+mod random_tree;

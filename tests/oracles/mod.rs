@@ -1,0 +1,4 @@
+//! Comparison with independent libraries. Each `make_*.py` writes the JSON beside it and is run by hand.
+
+mod dynamics;
+mod dynamics_oracle;
