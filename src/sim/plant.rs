@@ -22,9 +22,9 @@ use crate::task::Command;
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
 
-/// Speed below which the direction of a sliding vertex is taken from its reference direction instead, m/s: far below
-/// anything the integrator resolves, far above rounding.
-const DIRECTION_SPEED: f64 = 1e-12;
+/// Speed below which a sliding vertex keeps its reference direction, m/s. Rounding (1e-16 m/s) turns the direction of a
+/// slower vertex by more than 1e-9 rad, while friction passes through such speeds within 1e-7 / (mu g), some 1e-8 s.
+const DIRECTION_SPEED: f64 = 1e-7;
 
 /// See the module.
 pub struct Plant {
