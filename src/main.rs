@@ -1,1 +1,17 @@
-fn main() {}
+//! `runner`: scenarios of legged-robot contact in, logs, verdicts and one summary out.
+
+mod cli;
+
+use clap::Parser;
+use cli::{Arguments, Command, Exit};
+
+fn main() -> Exit {
+    let done = match Arguments::parse().command() {
+        Command::Run(run) => run.execute(),
+        Command::Check(check) => check.execute(),
+        Command::List(list) => list.execute(),
+        Command::Inspect(inspect) => inspect.execute(),
+        Command::Schema(schema) => schema.execute(),
+    };
+    done.unwrap_or_else(|failed| failed)
+}

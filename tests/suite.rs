@@ -1,6 +1,8 @@
 //! The one integration test program; each folder is a kind of truth.
 
 mod analytic;
+mod cli;
+mod determinism;
 mod identities;
 mod oracles;
 mod record;

@@ -1,0 +1,109 @@
+//! What there is to say before a batch starts: errors, warnings and notes of scenarios and robots in one list.
+
+use std::collections::HashSet;
+
+use crate::robot::{self, Notice, RobotError};
+use crate::scenario::{self, Diagnostic, Diagnostics};
+
+/// How bad it is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Severity {
+    /// Something ignored, assumed or found.
+    Note,
+    /// Probably not as meant.
+    Warning,
+    /// Cannot run.
+    Error,
+}
+
+/// One thing to say.
+#[derive(Clone, Debug)]
+pub enum Finding {
+    /// About a scenario file.
+    Scenario(Box<Diagnostic>),
+    /// A robot that cannot be used.
+    Robot {
+        /// What is wrong with it.
+        error: Box<RobotError>,
+        /// Where a scenario names it.
+        named_at: String,
+    },
+    /// About a robot that can be used.
+    Notice(Notice),
+    /// An error about the batch as a whole.
+    Plan(String),
+}
+
+impl Finding {
+    /// How bad it is.
+    pub fn severity(&self) -> Severity {
+        match self {
+            Finding::Scenario(d) => match d.severity {
+                scenario::Severity::Error => Severity::Error,
+                scenario::Severity::Warning => Severity::Warning,
+            },
+            Finding::Notice(n) => match n.severity {
+                robot::Severity::Info => Severity::Note,
+                robot::Severity::Warning => Severity::Warning,
+            },
+            Finding::Robot { .. } | Finding::Plan(_) => Severity::Error,
+        }
+    }
+
+    /// Does its text show a piece of a file, over several lines?
+    pub fn is_block(&self) -> bool {
+        matches!(self, Finding::Scenario(_) | Finding::Robot { .. })
+    }
+
+    /// For a person, with terminal colours or without; no newline at the end.
+    pub fn render(&self, colour: bool) -> String {
+        match self {
+            Finding::Scenario(diagnostic) => diagnostic.render(colour),
+            Finding::Robot { error, named_at } => {
+                format!("{}\n  = note: the robot is named at {named_at}", error.render(colour))
+            }
+            Finding::Notice(notice) => notice.to_string(),
+            Finding::Plan(message) => format!("error: {message}"),
+        }
+    }
+}
+
+/// All there is to say, in the order in which it was found; the same thing is said once.
+#[derive(Clone, Debug, Default)]
+pub struct Findings {
+    list: Vec<Finding>,
+    said: HashSet<String>,
+    errors: usize,
+}
+
+impl Findings {
+    /// Adds one.
+    pub fn push(&mut self, finding: Finding) {
+        if self.said.insert(finding.render(false)) {
+            self.errors += usize::from(finding.severity() == Severity::Error);
+            self.list.push(finding);
+        }
+    }
+
+    /// Adds all of a scenario's.
+    pub fn extend(&mut self, diagnostics: Diagnostics) {
+        for diagnostic in diagnostics.0 {
+            self.push(Finding::Scenario(Box::new(diagnostic)));
+        }
+    }
+
+    /// In order.
+    pub fn iter(&self) -> std::slice::Iter<'_, Finding> {
+        self.list.iter()
+    }
+
+    /// How many errors.
+    pub fn errors(&self) -> usize {
+        self.errors
+    }
+
+    /// How many of one severity.
+    pub fn count(&self, severity: Severity) -> usize {
+        self.list.iter().filter(|f| f.severity() == severity).count()
+    }
+}

@@ -1,0 +1,104 @@
+//! One run from its job to its records.
+
+use std::path::Path;
+
+use super::clock::Clock;
+use super::judge::judge;
+use super::{Body, Cancellation, Finished, Job, Options, Reason, guard};
+use crate::record::{InputHash, RUN_SCHEMA, RunRecord, Timing, hash_input};
+use crate::sim::{Metrics, Outcome};
+
+/// How the body of a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct End {
+    /// Before any expectation is looked at.
+    pub outcome: Outcome,
+    /// Why, when there is something to say.
+    pub message: String,
+    /// What was measured; none when nothing was.
+    pub metrics: Option<Metrics>,
+}
+
+impl End {
+    /// The end of a run that something went wrong with.
+    pub fn error(message: impl Into<String>) -> Self {
+        Self { outcome: Outcome::Error, message: message.into(), metrics: None }
+    }
+}
+
+/// Runs a job: simulates, judges, writes `run.json` last. Whatever goes wrong is the run's outcome.
+pub(super) fn run(job: &Job, options: &Options, cancellation: &Cancellation, body: &Body<'_>) -> Finished {
+    let folder = job.folder(&options.output);
+    let log = (options.log && job.run.scenario.log.rate > 0.0).then(|| folder.join("log.mcap"));
+    let clock = Clock::start();
+    let mut end = guard::catch(|| body(job, log.as_deref(), cancellation.flag())).unwrap_or_else(End::error);
+    let timing = clock.read();
+    if end.outcome == Outcome::Cancelled && cancellation.reason() == Some(Reason::TimedOut) {
+        end.outcome = Outcome::TimedOut;
+        end.message = timed_out(options);
+    }
+    let mut record = record(job, end, timing);
+    let (row, accepted) = judge(record.summary_row(), &job.run.scenario.expect);
+    (record.outcome, record.message) = (row.outcome, row.message.clone());
+    let path = folder.join("run.json");
+    let log = log.filter(|log| log.exists());
+    match record.write(&path) {
+        Ok(()) => Finished { files: [path].into_iter().chain(log).collect(), row, accepted },
+        Err(error) => {
+            (record.outcome, record.message) = (Outcome::Error, error.to_string());
+            Finished { files: log.into_iter().collect(), row: record.summary_row(), accepted: false }
+        }
+    }
+}
+
+fn timed_out(options: &Options) -> String {
+    let limit = options.timeout.unwrap_or_default().as_secs_f64();
+    format!("not at its end after {limit} s of wall-clock time")
+}
+
+fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
+    let scenario = &job.run.scenario;
+    RunRecord {
+        schema: RUN_SCHEMA,
+        scenario: job.run.name.clone(),
+        key: job.key.clone(),
+        outcome: end.outcome,
+        message: end.message,
+        method: scenario.contact.method.name().to_owned(),
+        integrator: scenario.integrator.method.name().to_owned(),
+        seed: scenario.seed,
+        parameters: job.parameters(),
+        metrics: end.metrics.unwrap_or_else(unmeasured),
+        program: concat!("stiction ", env!("CARGO_PKG_VERSION")).to_owned(),
+        inputs: inputs(job),
+        resolved: job.run.resolved_toml.clone(),
+        timing,
+    }
+}
+
+/// Files of the robot under their names from its folder, so that moving all of them changes nothing.
+fn inputs(job: &Job) -> Vec<InputHash> {
+    let home = job.robot.files.first().and_then(|(path, _)| path.parent()).unwrap_or(Path::new(""));
+    let name = |path: &Path| match path.strip_prefix(home) {
+        Ok(below) => below.display().to_string(),
+        Err(_) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+    };
+    job.robot.files.iter().map(|(path, bytes)| hash_input(&name(path), bytes)).collect()
+}
+
+/// Nothing happened; what would have been measured is not a number.
+fn unmeasured() -> Metrics {
+    const UNKNOWN: [f64; 3] = [f64::NAN; 3];
+    Metrics {
+        final_base_position: UNKNOWN,
+        final_base_rpy: UNKNOWN,
+        final_base_velocity: UNKNOWN,
+        max_penetration_m: f64::NAN,
+        max_static_creep_m: f64::NAN,
+        max_projection_m: f64::NAN,
+        max_lift_m: f64::NAN,
+        max_cone_excess: f64::NAN,
+        energy_error_j: f64::NAN,
+        ..Metrics::default()
+    }
+}

@@ -1,0 +1,30 @@
+//! `runner check`: everything that happens before the first step.
+
+use clap::Args;
+use stiction::batch::Severity;
+
+use super::Exit;
+use super::prepare::Scenarios;
+use super::terminal::{plural, print};
+
+/// Arguments of `check`.
+#[derive(Args, Debug)]
+pub struct Check {
+    #[command(flatten)]
+    scenarios: Scenarios,
+}
+
+impl Check {
+    /// Says what is wrong, else what there is.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let plan = self.scenarios.prepare(Severity::Note)?;
+        let mut text = String::new();
+        for file in &plan.files {
+            let runs = plan.jobs.iter().filter(|j| j.run.file == *file).count();
+            text += &format!("{}: {}\n", file.display(), plural(runs, "run"));
+        }
+        text += &format!("all good: {}, {}\n", plural(plan.files.len(), "scenario"), plural(plan.jobs.len(), "run"));
+        print(&text)?;
+        Ok(Exit::Success)
+    }
+}

@@ -1,0 +1,28 @@
+//! `runner inspect`: a robot as the simulator sees it.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use stiction::robot;
+
+use super::{Exit, terminal};
+
+/// Arguments of `inspect`.
+#[derive(Args, Debug)]
+pub struct Inspect {
+    /// A robot file or a URDF
+    #[arg(value_name = "ROBOT")]
+    robot: PathBuf,
+}
+
+impl Inspect {
+    /// Prints the robot's model.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let robot = robot::load(&self.robot).map_err(|error| {
+            terminal::complain(&error.render(terminal::colour()));
+            Exit::Invalid
+        })?;
+        terminal::print(&robot::inspect(&robot))?;
+        Ok(Exit::Success)
+    }
+}

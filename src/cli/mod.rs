@@ -1,0 +1,51 @@
+//! What is typed, and what is shown for it: one file per command.
+
+mod check;
+mod exit;
+mod inputs;
+mod inspect;
+mod list;
+mod prepare;
+mod run;
+mod schema;
+mod terminal;
+
+use clap::{Parser, Subcommand};
+
+pub use exit::Exit;
+
+/// Run scenarios of legged-robot contact: exact Coulomb friction against faster methods.
+///
+/// Without a command the arguments are scenarios to run.
+#[derive(Parser, Debug)]
+#[command(name = "runner", version, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(arg_required_else_help = true, after_help = exit::HELP)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    run: run::Run,
+}
+
+/// What can be done.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Simulate scenarios, judge them, leave logs and a summary
+    #[command(after_help = exit::HELP)]
+    Run(run::Run),
+    /// Validate scenarios and robots and expand sweeps; step nothing, write nothing
+    Check(check::Check),
+    /// Show the runs that scenarios expand to, with their keys
+    List(list::List),
+    /// Describe a robot: degrees of freedom, masses, joints, soles, what was ignored
+    Inspect(inspect::Inspect),
+    /// Print the JSON Schema of a file format
+    Schema(schema::Schema),
+}
+
+impl Arguments {
+    /// The command that was typed; `run` when none was.
+    pub fn command(self) -> Command {
+        self.command.unwrap_or(Command::Run(self.run))
+    }
+}

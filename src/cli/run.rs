@@ -1,0 +1,108 @@
+//! `runner run`: simulate, judge, record.
+
+use std::fmt::Write;
+use std::num::NonZero;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use stiction::batch::{Batch, Options, Progress, Report, Severity, simulate};
+use stiction::record::table;
+
+use super::Exit;
+use super::prepare::Scenarios;
+use super::terminal::{complain, plural, print};
+
+/// Runs whose files are named one by one below the table.
+const MOST_NAMED: usize = 20;
+
+/// Arguments of `run`.
+#[derive(Args, Debug)]
+pub struct Run {
+    #[command(flatten)]
+    scenarios: Scenarios,
+    /// Folder of the results
+    #[arg(short, long, value_name = "DIR", default_value = "results")]
+    output: PathBuf,
+    /// Runs side by side [default: one per processor]
+    #[arg(short, long, value_name = "N")]
+    jobs: Option<NonZero<usize>>,
+    /// Write no logs
+    #[arg(long)]
+    no_log: bool,
+    /// Start no more runs after the first that fails or does not finish
+    #[arg(long)]
+    fail_fast: bool,
+    /// Wall-clock limit of each run
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    timeout: Option<Duration>,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let number: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
+    match Duration::try_from_secs_f64(number) {
+        Ok(duration) if !duration.is_zero() => Ok(duration),
+        _ => Err("a number of seconds above 0 is wanted".into()),
+    }
+}
+
+impl Run {
+    /// Checks everything, runs everything, and shows what came of it.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let plan = self.scenarios.prepare(Severity::Note)?;
+        let runs = plan.jobs.len();
+        let options = Options {
+            output: self.output.clone(),
+            jobs: self.jobs.or(std::thread::available_parallelism().ok()).map_or(1, NonZero::get),
+            log: !self.no_log,
+            timeout: self.timeout,
+            fail_fast: self.fail_fast,
+        };
+        let side_by_side = options.jobs.min(runs);
+        let batch = Batch::new(plan, options).map_err(|error| {
+            complain(&format!("error: {error}"));
+            Exit::Invalid
+        })?;
+        let interrupter = batch.interrupter();
+        if let Err(error) = ctrlc::set_handler(move || interrupter.interrupt()) {
+            complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
+        }
+        complain(&format!("{}, {side_by_side} side by side", plural(runs, "run")));
+        let report = batch.run(Progress::on_stderr(runs), &simulate).map_err(|error| {
+            complain(&format!("error: {error}"));
+            Exit::Unfinished
+        })?;
+        print(&summary(&report))?;
+        Ok(exit(&report))
+    }
+}
+
+/// The table and the paths written.
+fn summary(report: &Report) -> String {
+    let mut out = table(&report.rows());
+    if report.not_started > 0 {
+        // A String takes every write.
+        let _ = writeln!(out, "{} not started", plural(report.not_started, "run"));
+    }
+    let Some(files) = &report.summary else { return out };
+    out += "\nwritten:\n";
+    for path in [&files.csv, &files.parquet, &report.runs_log] {
+        let _ = writeln!(out, "  {}", path.display());
+    }
+    for file in report.finished.iter().take(MOST_NAMED).flat_map(|f| &f.files) {
+        let _ = writeln!(out, "  {}", file.display());
+    }
+    if let more @ 1.. = report.finished.len().saturating_sub(MOST_NAMED) {
+        let _ = writeln!(out, "  and the same for {}", plural(more, "more run"));
+    }
+    out
+}
+
+fn exit(report: &Report) -> Exit {
+    match () {
+        () if report.interrupted => Exit::Interrupted,
+        () if report.has_unfinished() => Exit::Unfinished,
+        () if report.has_failed() => Exit::Failed,
+        () => Exit::Success,
+    }
+}

@@ -1,0 +1,35 @@
+//! `runner schema`: file formats for editors and other programs.
+
+use clap::{Args, ValueEnum};
+use stiction::{robot, scenario};
+
+use super::{Exit, terminal};
+
+/// Arguments of `schema`.
+#[derive(Args, Debug)]
+pub struct Schema {
+    /// Which format
+    #[arg(value_enum)]
+    format: Format,
+}
+
+/// A file format.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum Format {
+    /// A scenario file
+    Scenario,
+    /// A robot file
+    Robot,
+}
+
+impl Schema {
+    /// Prints the format's JSON Schema.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let schema = match self.format {
+            Format::Scenario => scenario::schema(),
+            Format::Robot => robot::schema(),
+        };
+        terminal::print(&format!("{schema:#}\n"))?;
+        Ok(Exit::Success)
+    }
+}

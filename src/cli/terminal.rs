@@ -1,0 +1,52 @@
+//! Standard output and standard error, which may be pipes that nobody reads any more.
+
+use std::io::{ErrorKind, IsTerminal, Write};
+
+use stiction::batch::{Findings, Severity};
+
+use super::Exit;
+
+/// Writes results to standard output. A pipe that was closed has had all it wanted; any other trouble is an error.
+pub fn print(text: &str) -> Result<(), Exit> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            complain(&format!("error: cannot write to standard output: {error}"));
+            Err(Exit::Invalid)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Says something on standard error; if nobody listens, so be it.
+pub fn complain(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Are colours wanted on standard error?
+pub fn colour() -> bool {
+    let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
+    let dumb = std::env::var_os("TERM").is_some_and(|v| v == "dumb");
+    std::io::stderr().is_terminal() && !no_color && !dumb
+}
+
+/// Says all findings of at least this severity, and below them how many errors and warnings there are, if any.
+pub fn show(findings: &Findings, least: Severity) {
+    let colour = colour();
+    for finding in findings.iter().filter(|f| f.severity() >= least) {
+        // Diagnostics with a piece of source need air between them.
+        let air = if finding.is_block() { "\n" } else { "" };
+        complain(&format!("{}{air}", finding.render(colour)));
+    }
+    let counts =
+        [(Severity::Error, "error"), (Severity::Warning, "warning")].map(|(s, word)| (findings.count(s), word));
+    let words: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, word)| plural(*n, word)).collect();
+    if !words.is_empty() {
+        complain(&words.join(", "));
+    }
+}
+
+/// `1 run`, `2 runs`
+pub fn plural(n: usize, word: &str) -> String {
+    if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") }
+}

@@ -1,0 +1,142 @@
+//! Exit codes, one by one.
+
+use super::Place;
+
+#[test]
+fn all_is_well_is_0() {
+    let place = Place::new();
+    place.block("rest.toml", "");
+    place.runner(&["--set", "duration=0.1", "rest.toml"]).exits(0);
+}
+
+#[test]
+fn a_broken_expectation_is_1() {
+    let place = Place::new();
+    place.block("rest.toml", "[[expect]]\nmetric = \"final_base_z\"\nmin = 1.0\n");
+    let done = place.runner(&["--set", "duration=0.1", "rest.toml"]).exits(1);
+    assert!(done.stdout.contains("below 1"), "{}", done.stdout);
+    let summary = place.summary("results");
+    assert_eq!(summary.column("outcome"), ["failed"]);
+    assert!(summary.column("message")[0].starts_with("final_base_z is 0.0"), "{:?}", summary.column("message"));
+}
+
+#[test]
+fn a_fall_is_no_failure_unless_an_expectation_says_so() {
+    let place = Place::new();
+    // The block's base is 5 cm above the floor.
+    place.block("low.toml", "[stop]\nfallen = { below = 1.0 }\n");
+    place.runner(&["low.toml"]).exits(0);
+    assert_eq!(place.summary("results").column("outcome"), ["fallen"]);
+    place.block("up.toml", "[stop]\nfallen = { below = 1.0 }\n[[expect]]\noutcome = \"passed\"\n");
+    place.runner(&["up.toml"]).exits(1);
+    assert_eq!(place.summary("results").column("outcome"), ["failed"]);
+}
+
+#[test]
+fn wrong_usage_is_2() {
+    let place = Place::new();
+    place.block("rest.toml", "");
+    let wrong: &[&[&str]] = &[
+        &[],
+        &["run"],
+        &["--no-such-option", "rest.toml"],
+        &["-j", "0", "rest.toml"],
+        &["-j", "two", "rest.toml"],
+        &["--timeout", "0", "rest.toml"],
+        &["--timeout", "nan", "rest.toml"],
+        &["--set", "duration", "rest.toml"],
+        &["--set", "duration=[1", "rest.toml"],
+        &["--max-runs", "0", "rest.toml"],
+        &["schema", "results"],
+        &["list", "--format", "xml", "rest.toml"],
+        &["inspect"],
+        &["report", "results"],
+    ];
+    for arguments in wrong {
+        let done = place.runner(arguments).exits(2);
+        assert!(!done.stderr.is_empty(), "{arguments:?} says nothing");
+        assert!(!place.path("results").exists(), "{arguments:?} wrote");
+    }
+}
+
+#[test]
+fn a_misspelt_command_is_told_from_a_missing_file() {
+    let place = Place::new();
+    place.block("rest.toml", "");
+    let done = place.runner(&["chekc", "rest.toml"]).exits(2);
+    assert!(done.stderr.contains("did you mean `runner check`?"), "{}", done.stderr);
+    let done = place.runner(&["nowhere.toml"]).exits(2);
+    assert!(done.stderr.contains("nowhere.toml") && done.stderr.contains("cannot read"), "{}", done.stderr);
+}
+
+#[test]
+fn a_run_that_does_not_finish_is_3() {
+    let place = Place::new();
+    // Beyond 1e6 m/s nothing is sensible.
+    place.block("fast.toml", "base = { linear_velocity = [1e7, 0, 0] }\n");
+    place.runner(&["fast.toml"]).exits(3);
+    assert_eq!(place.summary("results").column("outcome"), ["diverged"]);
+    place.block("known.toml", "base = { linear_velocity = [1e7, 0, 0] }\n[[expect]]\noutcome = \"diverged\"\n");
+    place.runner(&["known.toml"]).exits(0);
+}
+
+#[test]
+fn a_run_out_of_time_is_3_and_hurts_no_other() {
+    let place = Place::new();
+    place.block("long.toml", "[log]\nrate = 0\n[sweep]\ngrid = { duration = [1e9, 0.1] }\n");
+    let done = place.runner(&["long.toml", "--timeout", "0.2", "-j", "1"]).exits(3);
+    let summary = place.summary("results");
+    assert_eq!(summary.column("outcome"), ["timed-out", "passed"], "{}", done.stderr);
+    assert_eq!(summary.column("message")[0], "not at its end after 0.2 s of wall-clock time");
+    let wall = summary.numbers("wall_s")[0];
+    // It cannot end before its time; how much later depends on how busy the machine is.
+    assert!(wall >= 0.2, "ended after {wall} s");
+    let simulated = summary.numbers("duration_s")[0];
+    assert!(simulated > 0.0 && simulated < 1e9, "what was reached is kept: {simulated}");
+}
+
+#[test]
+fn nothing_selected_is_4() {
+    let place = Place::new();
+    place.write("empty/read.me", "no scenario");
+    for arguments in [&["empty"][..], &["run", "empty"], &["check", "empty"], &["list", "empty"]] {
+        let done = place.runner(arguments).exits(4);
+        assert!(done.stderr.contains("nothing selected"), "{}", done.stderr);
+    }
+    assert!(!place.path("results").exists());
+}
+
+#[test]
+fn after_the_first_failure_fail_fast_starts_nothing() {
+    let place = Place::new();
+    place.block(
+        "sweep.toml",
+        "[[expect]]\nmetric = \"duration_s\"\nmax = 0.15\n[sweep]\ngrid = { duration = [0.1, 0.2, 0.3, 0.4] }\n",
+    );
+    let done = place.runner(&["sweep.toml", "--fail-fast", "-j", "1"]).exits(1);
+    assert_eq!(place.summary("results").column("outcome"), ["passed", "failed"]);
+    assert!(done.stdout.contains("2 runs not started"), "{}", done.stdout);
+}
+
+#[test]
+fn strict_takes_warnings_for_errors() {
+    let place = Place::new();
+    // A push that begins after the run's end is legal and hardly meant.
+    place.block(
+        "warned.toml",
+        "[[force]]\ntype = \"push\"\nlink = \"block\"\nforce = [1, 0, 0]\nstart = 9.0\nduration = 0.1\n",
+    );
+    let plain = place.runner(&["check", "warned.toml"]).exits(0);
+    assert!(plain.stderr.contains("warning"), "{}", plain.stderr);
+    place.runner(&["check", "--strict", "warned.toml"]).exits(2);
+    place.runner(&["run", "--strict", "warned.toml"]).exits(2);
+    assert!(!place.path("results").exists());
+
+    // A robot's warnings count as well.
+    let urdf = std::fs::read_to_string(place.path("block/block.urdf")).unwrap();
+    let no_mesh = urdf.replacen("<box size=\"0.2 0.2 0.1\"/>", "<mesh filename=\"none.stl\"/>", 1);
+    place.block("rest.toml", "").write("block/block.urdf", no_mesh);
+    let plain = place.runner(&["check", "rest.toml"]).exits(0);
+    assert!(plain.stderr.contains("block/block.urdf:"), "{}", plain.stderr);
+    place.runner(&["check", "--strict", "rest.toml"]).exits(2);
+}

@@ -1,0 +1,96 @@
+//! Ctrl-C: finished runs are kept.
+#![cfg(unix)]
+
+use std::fs::File;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use super::{Place, Table};
+
+/// Far beyond what any step below needs, so that a hang ends the test.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Waits for something that will happen.
+#[track_caller]
+fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let start = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(start.elapsed() < PATIENCE, "{what} did not happen");
+        sleep(Duration::from_millis(5));
+    }
+}
+
+fn lines(path: &Path) -> usize {
+    std::fs::read_to_string(path).map_or(0, |text| text.matches('\n').count())
+}
+
+/// As a terminal does on Ctrl-C.
+fn interrupt(child: &Child) {
+    let sent = Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap();
+    assert!(sent.success());
+}
+
+/// A batch in the background, its standard error in the file `stderr`.
+fn start(place: &Place, arguments: &[&str]) -> Child {
+    let stderr = File::create(place.path("stderr")).unwrap();
+    place.command(arguments).stdout(Stdio::null()).stderr(stderr).spawn().unwrap()
+}
+
+fn said(place: &Place) -> String {
+    std::fs::read_to_string(place.path("stderr")).unwrap()
+}
+
+#[test]
+fn the_first_lets_running_runs_finish_and_keeps_the_rows() {
+    let place = Place::new();
+    // Thousands of runs of which each takes its time: no batch is over before the signal comes.
+    place.block("s.toml", "[sweep]\nrepeat = 5000\n");
+    let mut child = start(&place, &["s.toml", "--set", "duration=20", "-j", "2"]);
+    let rows = place.path("results/runs.jsonl");
+    until("the first row", || (lines(&rows) > 0).then_some(()));
+    interrupt(&child);
+    let status = until("the end", || child.try_wait().unwrap());
+    assert_eq!(status.code(), Some(130), "{}", said(&place));
+    assert!(said(&place).contains("interrupted: no more runs are started"), "{}", said(&place));
+    let summary = place.summary("results");
+    let finished = summary.rows.len();
+    assert!((1..5000).contains(&finished), "{finished} rows");
+    assert_eq!(lines(&rows), finished);
+    assert!(summary.column("outcome").iter().all(|o| *o == "passed"), "what ran was finished");
+    for key in summary.column("key") {
+        let folder = place.path("results/s").join(key);
+        assert!(folder.join("run.json").exists() && folder.join("log.mcap").exists(), "{key}");
+    }
+}
+
+#[test]
+fn the_second_cancels_what_is_running() {
+    let place = Place::new();
+    place.block("s.toml", "[log]\nrate = 1\n[sweep]\ngrid = { duration = [0.1, 1e9] }\n");
+    let mut child = start(&place, &["s.toml", "-j", "1"]);
+    until("the first row", || (lines(&place.path("results/runs.jsonl")) > 0).then_some(()));
+    // The second run will not end by itself.
+    let folder = place.path("results/s");
+    until("the second run", || (std::fs::read_dir(&folder).unwrap().count() > 1).then_some(()));
+    interrupt(&child);
+    until("an answer", || said(&place).contains("again to cancel").then_some(()));
+    assert!(child.try_wait().unwrap().is_none(), "the running run goes on");
+    interrupt(&child);
+    let status = until("the end", || child.try_wait().unwrap());
+    assert_eq!(status.code(), Some(130), "{}", said(&place));
+    let summary: Table = place.summary("results");
+    assert_eq!(summary.column("outcome"), ["passed", "cancelled"]);
+    let reached = summary.numbers("duration_s")[1];
+    assert!(reached > 0.0 && reached < 1e9, "{reached}");
+    let log = folder.join(summary.column("key")[1]).join("log.mcap");
+    let log = std::fs::read(log).unwrap();
+    let read = mcap::Summary::read(&log).unwrap().expect("a cancelled run's log is whole as a file");
+    let end = read.metadata_indexes.iter().find(|m| m.name == "end").expect("metadata `end`");
+    let end = mcap::read::metadata(&log, end).unwrap();
+    assert_eq!(end.metadata["complete"], "false", "and says that it is not all");
+}

@@ -1,0 +1,108 @@
+//! One run's panic is its own: nothing in the program panics on purpose, so here the body of a run is another.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use stiction::batch::{Batch, End, Job, Options, Plan, Progress, Report, prepare, simulate};
+use stiction::record::{Document, LogHeader, LogWriter, RunRecord, Topics};
+use stiction::sim::Outcome;
+
+use super::{Place, Table};
+
+fn plan(place: &Place, text: &str) -> Plan {
+    place.block("s.toml", text);
+    let set = [("duration".to_owned(), toml::Value::Float(0.1))];
+    match prepare(&[place.path("s.toml")], &set, 100) {
+        Ok((plan, _)) => plan,
+        Err(findings) => panic!("{findings:?}"),
+    }
+}
+
+fn run(place: &Place, plan: Plan, jobs: usize, body: &stiction::batch::Body<'_>) -> Report {
+    let options = Options { output: place.path("results"), jobs, log: true, timeout: None, fail_fast: false };
+    Batch::new(plan, options).unwrap().run(Progress::Silent, body).unwrap()
+}
+
+/// Opens a log as a run does and then breaks.
+fn break_down(job: &Job, log: &Path) -> End {
+    let header = LogHeader {
+        scenario_name: &job.run.name,
+        key: &job.key,
+        method: "exact",
+        scenario: Document { name: "s.toml", text: &job.run.resolved_toml },
+        robot: None,
+        urdf: Document { name: "block.urdf", text: &job.robot.urdf_text },
+        floor: nalgebra::Isometry3::identity(),
+        topics: Topics::ALL,
+    };
+    let _writer = LogWriter::create(log, &job.robot.model, &header).unwrap();
+    let nothing: Vec<f64> = Vec::new();
+    let missing = job.index + nothing.len();
+    End { outcome: Outcome::Passed, message: format!("{}", nothing[missing]), metrics: None }
+}
+
+#[test]
+fn a_panic_is_an_outcome_with_words_and_place_and_the_others_go_on() {
+    let place = Place::new();
+    let plan = plan(&place, "[sweep]\nrepeat = 8\n");
+    let body = |job: &Job, log: Option<&Path>, cancel: &AtomicBool| match job.index % 4 {
+        1 => break_down(job, log.unwrap()),
+        _ => simulate(job, log, cancel),
+    };
+    let report = run(&place, plan, 2, &body);
+    assert!(report.has_unfinished() && !report.has_failed());
+    let outcomes: Vec<Outcome> = report.finished.iter().map(|f| f.row.outcome).collect();
+    let broken = |i: usize| i % 4 == 1;
+    for (i, outcome) in outcomes.iter().enumerate() {
+        assert_eq!(*outcome, if broken(i) { Outcome::Error } else { Outcome::Passed }, "run {i}");
+    }
+    let row = &report.finished[5].row;
+    assert!(row.message.contains("index out of bounds: the len is 0 but the index is 5"), "{}", row.message);
+    assert!(row.message.contains("tests/cli/isolation.rs:"), "{}", row.message);
+    // Its record says so, and what it logged is kept.
+    let folder = place.path("results/s").join(&row.key);
+    let record = RunRecord::read(&folder.join("run.json")).unwrap();
+    assert_eq!((record.outcome, &record.message), (Outcome::Error, &row.message));
+    let log = std::fs::read(folder.join("log.mcap")).unwrap();
+    assert!(mcap::Summary::read(&log).unwrap().is_some(), "the log is whole as a file");
+    let table: Table = place.summary("results");
+    assert_eq!(table.rows.len(), 8);
+    assert_eq!(table.column("final_base_x")[5], "NaN", "nothing was measured");
+}
+
+#[test]
+fn rows_stand_in_the_order_of_the_plan_whatever_ends_first() {
+    let place = Place::new();
+    let plan = plan(&place, "[sweep]\nrepeat = 6\n");
+    let (sender, receiver) = std::sync::mpsc::channel::<()>();
+    let (sender, receiver) = (std::sync::Mutex::new(sender), std::sync::Mutex::new(receiver));
+    // The first run waits for a word from the last, which starts when the others have ended.
+    let body = |job: &Job, _: Option<&Path>, _: &AtomicBool| {
+        match job.index {
+            0 => receiver.lock().unwrap().recv().unwrap(),
+            5 => sender.lock().unwrap().send(()).unwrap(),
+            _ => {}
+        }
+        End { outcome: Outcome::Passed, message: String::new(), metrics: None }
+    };
+    let report = run(&place, plan, 2, &body);
+    let seeds: Vec<u64> = report.finished.iter().map(|f| f.row.seed).collect();
+    assert_eq!(seeds, [1, 2, 3, 4, 5, 6]);
+    let ended = std::fs::read_to_string(place.path("results/runs.jsonl")).unwrap();
+    let seed = |line: &str| serde_json::from_str::<serde_json::Value>(line).unwrap()["seed"].as_u64().unwrap();
+    let ended: Vec<u64> = ended.lines().map(seed).collect();
+    assert_eq!(ended[..4], [2, 3, 4, 5], "runs.jsonl tells the order of ending");
+    assert_eq!(ended.len(), 6);
+}
+
+#[test]
+fn a_record_that_cannot_be_written_is_the_outcome_of_its_run() {
+    let place = Place::new();
+    let plan = plan(&place, "[sweep]\nrepeat = 2\n");
+    // Where the first run's folder should be stands a file.
+    place.write(&format!("results/s/{}", plan.jobs[0].key), "in the way");
+    let report = run(&place, plan, 1, &simulate);
+    let outcomes: Vec<Outcome> = report.finished.iter().map(|f| f.row.outcome).collect();
+    assert_eq!(outcomes, [Outcome::Error, Outcome::Passed]);
+    assert!(report.finished[0].files.is_empty());
+}

@@ -1,0 +1,115 @@
+//! What a batch leaves: files, their contents, and keys that depend on contents only.
+
+use std::fs;
+
+use super::{Place, Table};
+use stiction::record::RunRecord;
+
+#[test]
+fn a_batch_leaves_its_files_and_names_them() {
+    let place = Place::new();
+    place.block(
+        "slide.toml",
+        "base = { linear_velocity = [1, 0, 0] }\n[sweep]\ngrid = { \"floor.friction\" = [0.5, 0.25] }\n",
+    );
+    place.block("rest.toml", "[log]\nrate = 0\n");
+    let done = place.runner(&["slide.toml", "rest.toml", "--set", "duration=0.5", "-o", "deep/out"]).exits(0);
+    let summary = place.summary("deep/out");
+    assert_eq!(summary.column("scenario"), ["slide", "slide", "rest"]);
+    assert_eq!(summary.column("floor.friction"), ["0.5", "0.25", ""]);
+    // At 0.5 s both have come to rest after v^2 / (2 mu g). Friction is constant until then, which the integrator takes
+    // without error; what is left is the speed below which a block counts as resting.
+    let x = summary.numbers("final_base_x");
+    for (x, mu) in x.iter().zip([0.5, 0.25]) {
+        let stop = 1.0 / (2.0 * mu * 9.81);
+        assert!((x - stop).abs() < 1e-6, "{x} is not {stop}");
+    }
+
+    for name in ["summary.csv", "summary.parquet", "runs.jsonl"] {
+        assert!(place.path("deep/out").join(name).is_file(), "{name}");
+        assert!(done.stdout.contains(&format!("deep/out/{name}")), "{}", done.stdout);
+    }
+    for (scenario, key) in summary.column("scenario").into_iter().zip(summary.column("key")) {
+        let folder = place.path("deep/out").join(scenario).join(key);
+        let record = RunRecord::read(&folder.join("run.json")).unwrap();
+        assert_eq!((record.scenario.as_str(), record.key.as_str()), (scenario, key));
+        assert_eq!(record.inputs.iter().map(|i| i.name.as_str()).collect::<Vec<_>>(), ["block.toml", "block.urdf"]);
+        assert!(record.resolved.contains("duration = 0.5"), "{}", record.resolved);
+        assert!(record.timing.wall_s > 0.0 && record.timing.cpu_s > 0.0, "{:?}", record.timing);
+        assert_eq!(folder.join("log.mcap").is_file(), scenario == "slide", "rate = 0 means no log");
+        assert!(done.stdout.contains(&format!("deep/out/{scenario}/{key}/run.json")), "{}", done.stdout);
+    }
+    let lines = fs::read_to_string(place.path("deep/out/runs.jsonl")).unwrap();
+    assert_eq!(lines.lines().count(), 3);
+    assert!(done.stderr.contains("3 runs, "), "announced before the start: {}", done.stderr);
+    assert!(done.stderr.contains("[3/3] "), "one line per run: {}", done.stderr);
+}
+
+#[test]
+fn no_log_changes_nothing_but_the_log() {
+    let place = Place::new();
+    place.block("drop.toml", "base = { position = [0, 0, 0.2], linear_velocity = [0.5, 0, 0] }\n");
+    place.runner(&["drop.toml", "--set", "duration=1", "-o", "with"]).exits(0);
+    place.runner(&["drop.toml", "--set", "duration=1", "-o", "without", "--no-log"]).exits(0);
+    let (with, without) = (place.summary("with"), place.summary("without"));
+    let folder = |results: &str, t: &Table| place.path(results).join("drop").join(t.column("key")[0]);
+    assert!(folder("with", &with).join("log.mcap").exists());
+    assert!(!folder("without", &without).join("log.mcap").exists());
+    // Each record of a log takes an evaluation.
+    let differ = ["wall_s", "cpu_s", "real_time_factor", "evaluations"];
+    for name in with.header.iter().filter(|h| !differ.contains(&h.as_str())) {
+        assert_eq!(with.column(name), without.column(name), "{name}");
+    }
+}
+
+#[test]
+fn the_table_stands_on_stdout_and_progress_on_stderr() {
+    let place = Place::new();
+    place.block("rest.toml", "");
+    let done = place.runner(&["rest.toml", "--set", "duration=0.1"]).exits(0);
+    assert!(done.stdout.starts_with("scenario"), "{}", done.stdout);
+    assert!(!done.stdout.contains("[1/1]") && done.stderr.contains("[1/1] rest: passed"), "{}", done.stderr);
+    assert!(!done.stdout.contains('\u{1b}') && !done.stderr.contains('\u{1b}'), "no colours in a pipe");
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_told_before_anything_runs() {
+    let place = Place::new();
+    place.block("long.toml", "").write("file", "in the way");
+    for output in ["file", "file/below"] {
+        // It would run for ever.
+        let done = place.runner(&["long.toml", "--set", "duration=1e9", "-o", output]).exits(2);
+        assert!(done.stderr.contains("cannot write results into file"), "{}", done.stderr);
+    }
+}
+
+#[test]
+fn keys_depend_on_contents_and_not_on_places() {
+    let here = Place::new();
+    here.block("s.toml", "");
+    let key = |place: &Place, arguments: &[&str]| {
+        let all: Vec<&str> = ["list", "--format", "csv"].iter().chain(arguments).copied().collect();
+        Table::parse(&place.runner(&all).exits(0).stdout).column("key")[0].to_owned()
+    };
+    let original = key(&here, &["s.toml"]);
+    // Another folder, another name, another way to the robot.
+    let there = Place::new();
+    for name in ["block.toml", "block.urdf"] {
+        there.write(&format!("elsewhere/{name}"), fs::read(here.path("block").join(name)).unwrap());
+    }
+    there.write("deep/t.toml", "[robot]\nmodel = \"../elsewhere/block.toml\"\n");
+    assert_eq!(key(&there, &["deep/t.toml"]), original);
+    let absolute = there.path("deep/t.toml");
+    assert_eq!(key(&here, &[absolute.to_str().unwrap()]), original);
+    // Whatever changes a run changes its key: a value, the seed, the robot's bytes.
+    let mut keys = vec![original];
+    keys.push(key(&here, &["s.toml", "--set", "duration=1"]));
+    keys.push(key(&here, &["s.toml", "--set", "seed=2"]));
+    let urdf = fs::read_to_string(here.path("block/block.urdf")).unwrap();
+    here.write("block/block.urdf", urdf.replace("0.76 0.60 0.42 1", "1 0 0 1"));
+    keys.push(key(&here, &["s.toml"]));
+    let mut distinct = keys.clone();
+    distinct.sort();
+    distinct.dedup();
+    assert_eq!(distinct.len(), keys.len(), "{keys:?}");
+}
