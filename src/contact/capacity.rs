@@ -27,7 +27,7 @@ pub fn edge(c: [f64; 2], across: [f64; 2], along: f64) -> f64 {
 /// A slip twist of a sole: velocity of its reference point and yaw rate times the sole radius.
 pub type Slip = Vector3<f64>;
 
-/// Margin of a face and the slip twist of least margin. `points` gives capacity `c_i` and horizontal position `r_i` (m)
+/// Margin of a face and the twist of least margin, along the load (a sole slips against the friction it carries). `points` gives capacity `c_i` and horizontal position `r_i` (m)
 /// of each vertex; `force` (N) and `yaw` (N m, about the reference point) is the load; `radius` scales the yaw rate.
 pub fn face(points: &[(f64, Vector2<f64>)], force: &Vector2<f64>, yaw: f64, radius: f64) -> (f64, Slip) {
     let total: f64 = points.iter().map(|p| p.0).sum();

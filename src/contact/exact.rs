@@ -46,6 +46,14 @@ impl Method for Exact {
     }
 
     fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+        let tol = &question.rules.tolerances;
+        for v in p.soles.iter_mut().flat_map(|s| &mut s.vertices) {
+            // A vertex about to be clamped out of a slow motion has its velocity settled first.
+            v.moving &= v.velocity.z.abs() <= tol.rest || v.velocity.xy().norm() > tol.velocity;
+            if v.moving {
+                v.direction = v.velocity.xy().normalize();
+            }
+        }
         let start = Self::carry_over(p, &question.rules.previous);
         let start = permit(p, start, question);
         self.selector.select(p, &start, !question.event, question.rules, question.allowed, out)

@@ -12,7 +12,7 @@ use super::problem::Problem;
 use super::state::{MAX_SOLES, Mode, States};
 use nalgebra::{Vector2, Vector3};
 
-/// Tangential motions of all soles: velocity or acceleration of the reference point, yaw motion times the radius.
+/// Tangential motions of all soles: that of the mean of the clamped vertices, and the yaw motion times the radius.
 type Slips = [Vector3<f64>; MAX_SOLES];
 
 /// Residual asked for, relative to the motion without friction.
@@ -28,8 +28,16 @@ pub fn is_implicit(p: &Problem, states: &States, s: usize) -> bool {
 }
 
 /// Solves a candidate, finding the implicit directions, which are left in the problem. `hint` is a first guess of the
-/// slip of each sole, zero where there is none. False when no consistent directions were found.
-pub fn solve(kernel: &mut Kernel, p: &mut Problem, states: &States, hint: &Slips, out: &mut Solution) -> bool {
+/// slip of each sole, zero where there is none; `thorough` looks over all directions when the guesses lead nowhere.
+/// False when no consistent directions were found.
+pub fn solve(
+    kernel: &mut Kernel,
+    p: &mut Problem,
+    states: &States,
+    hint: &Slips,
+    thorough: bool,
+    out: &mut Solution,
+) -> bool {
     let mut which = [0usize; MAX_SOLES];
     let mut count = 0;
     for s in (0..p.soles.len()).filter(|&s| is_implicit(p, states, s)) {
@@ -45,7 +53,7 @@ pub fn solve(kernel: &mut Kernel, p: &mut Problem, states: &States, hint: &Slips
     let zero = [Vector3::zeros(); MAX_SOLES];
     point(p, states, which, &zero);
     kernel.solve(p, states, out);
-    let drive = read(p, which, out);
+    let drive = read(p, states, which, out);
     let size = norm(which, &drive);
     if size == 0.0 {
         return false;
@@ -59,7 +67,8 @@ pub fn solve(kernel: &mut Kernel, p: &mut Problem, states: &States, hint: &Slips
         && let Mode::Pivoting(j) = states[s].mode
     {
         // About a pivot only the sense of rotation is open.
-        let (r, radius) = (p.soles[s].vertices[j as usize].r, p.soles[s].radius);
+        let radius = p.soles[s].radius;
+        let r = p.soles[s].vertices[j as usize].r - centre(p, states, s);
         for turn in [1.0, -1.0] {
             let mut guess = zero;
             guess[s] = Vector3::new(r.y * turn, -r.x * turn, turn * radius);
@@ -68,7 +77,7 @@ pub fn solve(kernel: &mut Kernel, p: &mut Problem, states: &States, hint: &Slips
             }
         }
     }
-    scan(kernel, p, states, which, hint, size, out)
+    thorough && scan(kernel, p, states, which, hint, size, out)
 }
 
 /// Looks over a grid of slip directions for the ones that come closest to themselves and starts from those, one
@@ -85,7 +94,8 @@ fn scan(
     const STARTS: usize = 3;
     for &s in which {
         let mut best = [(f64::INFINITY, Vector3::zeros()); STARTS];
-        for direction in directions() {
+        let turns = states[s].normal_rows() > 1;
+        for direction in directions().filter(|d| turns || d.z == 0.0) {
             let mut guess = *hint;
             guess[s] = direction;
             let image = evaluate(kernel, p, states, which, &guess, out)[s];
@@ -130,11 +140,34 @@ fn subtract(which: &[usize], a: &Slips, b: &Slips) -> Slips {
     d
 }
 
-fn read(p: &Problem, which: &[usize], out: &Solution) -> Slips {
+/// Mean of the clamped vertices, relative to the reference point: where the slip of a sole is taken. Motions of other
+/// points contain rotations that the pattern leaves free and that no friction opposes.
+fn centre(p: &Problem, states: &States, s: usize) -> Vector3<f64> {
+    let sole = &p.soles[s];
+    let k = sole.vertices.len();
+    let clamped = || sole.vertices.iter().enumerate().filter(|(i, _)| states[s].clamps(*i, k));
+    clamped().map(|(_, v)| v.r).sum::<Vector3<f64>>() / clamped().count() as f64
+}
+
+/// Tangential motion of a vertex at `r` under the slip of its sole, taken at `centre`.
+fn tangential(slip: &Vector3<f64>, r: &Vector3<f64>, centre: &Vector3<f64>, radius: f64) -> Vector2<f64> {
+    let d = r - centre;
+    slip.xy() + Vector2::new(-d.y, d.x) * (slip.z / radius)
+}
+
+fn read(p: &Problem, states: &States, which: &[usize], out: &Solution) -> Slips {
     let mut slips = [Vector3::zeros(); MAX_SOLES];
     for &s in which {
+        let sole = &p.soles[s];
         let m = &out.motion[6 * s..6 * s + 6];
-        slips[s] = Vector3::new(m[0], m[1], m[5] * p.soles[s].radius);
+        let (linear, angular) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
+        let k = sole.vertices.len();
+        let clamped = || sole.vertices.iter().enumerate().filter(|(i, _)| states[s].clamps(*i, k));
+        let bias = clamped().map(|(_, v)| v.bias).sum::<Vector3<f64>>() / clamped().count() as f64;
+        let t = linear + angular.cross(&centre(p, states, s)) + bias;
+        // A vertex turns freely.
+        let turn = if states[s].normal_rows() > 1 { m[5] * sole.radius } else { 0.0 };
+        slips[s] = Vector3::new(t.x, t.y, turn);
     }
     slips
 }
@@ -142,6 +175,7 @@ fn read(p: &Problem, which: &[usize], out: &Solution) -> Slips {
 /// Sets the implicit directions from the slips; a vertex that stands still gets none.
 fn point(p: &mut Problem, states: &States, which: &[usize], slips: &Slips) {
     for &s in which {
+        let centre = centre(p, states, s);
         let sole = &mut p.soles[s];
         let (k, radius) = (sole.vertices.len(), sole.radius);
         let slip = &slips[s];
@@ -149,7 +183,7 @@ fn point(p: &mut Problem, states: &States, which: &[usize], slips: &Slips) {
             if states[s].mode == Mode::Pivoting(i as u8) {
                 continue;
             }
-            let t = slip.xy() + Vector2::new(-v.r.y, v.r.x) * (slip.z / radius);
+            let t = tangential(slip, &v.r, &centre, radius);
             let speed = t.norm();
             v.direction = if speed > 1e-14 * slip.norm() { t / speed } else { Vector2::zeros() };
         }
@@ -167,7 +201,7 @@ fn evaluate(
 ) -> Slips {
     point(p, states, which, slips);
     kernel.solve(p, states, out);
-    read(p, which, out)
+    read(p, states, which, out)
 }
 
 fn iterate(
@@ -237,10 +271,11 @@ fn descend(
 /// After convergence: every implicit vertex really moves along its direction (or not at all).
 fn opposes(p: &Problem, states: &States, which: &[usize], slips: &Slips) -> bool {
     which.iter().all(|&s| {
+        let centre = centre(p, states, s);
         let sole = &p.soles[s];
         let k = sole.vertices.len();
         sole.vertices.iter().enumerate().filter(|(i, v)| states[s].clamps(*i, k) && !v.moving).all(|(_, v)| {
-            let t = slips[s].xy() + Vector2::new(-v.r.y, v.r.x) * (slips[s].z / sole.radius);
+            let t = tangential(&slips[s], &v.r, &centre, sole.radius);
             t.dot(&v.direction) >= -TOLERANCE * slips[s].norm()
         })
     })

@@ -32,7 +32,7 @@ pub struct Margin {
     pub normal: f64,
     /// Until a static pattern slips, or a pivot does.
     pub friction: f64,
-    /// The slip twist with least margin.
+    /// The slip twist with least margin: how the sole gives way, against the friction it carries.
     pub slip: Slip,
 }
 
@@ -197,7 +197,7 @@ pub fn margin(p: &Problem, s: usize, state: SoleState, solution: &Solution) -> M
             let t = &t[i as usize];
             let size = t.norm();
             if size > 0.0 {
-                m.slip = Vector3::new(t.x / size, t.y / size, 0.0);
+                m.slip = Vector3::new(-t.x / size, -t.y / size, 0.0);
             }
             capacity::vertex(capacity(i as usize), t)
         }
@@ -208,7 +208,7 @@ pub fn margin(p: &Problem, s: usize, state: SoleState, solution: &Solution) -> M
             let pull = across * (side[0] + side[1]) + unit * along;
             let size = pull.norm();
             if size > 0.0 {
-                m.slip = Vector3::new(pull.x / size, pull.y / size, 0.0);
+                m.slip = Vector3::new(-pull.x / size, -pull.y / size, 0.0);
             }
             capacity::edge([capacity(i), capacity(j)], side, along)
         }
@@ -216,7 +216,7 @@ pub fn margin(p: &Problem, s: usize, state: SoleState, solution: &Solution) -> M
             let mut points = [(0.0, Vector2::zeros()); 64];
             (0..k).for_each(|i| points[i] = (capacity(i), sole.vertices[i].r.xy()));
             let (margin, slip) = capacity::face(&points[..k], &Vector2::new(w[0], w[1]), w[5], sole.radius);
-            m.slip = slip;
+            m.slip = -slip;
             margin
         }
     } / p.scale;

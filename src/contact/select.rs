@@ -42,12 +42,14 @@ pub struct Selection {
 pub struct Selector {
     kernel: Kernel,
     queue: Vec<Entry>,
+    /// Look over all slip directions; not while enumerating, where the guesses must do.
+    thorough: bool,
 }
 
 impl Selector {
     /// A selector for problems of this size.
     pub fn new(p: &Problem) -> Self {
-        Selector { kernel: Kernel::new(p), queue: Vec::with_capacity(1024) }
+        Selector { kernel: Kernel::new(p), queue: Vec::with_capacity(1024), thorough: true }
     }
 
     /// The candidate solve, for the states that were chosen.
@@ -70,7 +72,7 @@ impl Selector {
                 hint[s] = margin(p, s, stuck[s], out).slip;
             }
         }
-        let slides = implicit::solve(&mut self.kernel, p, states, &hint, out);
+        let slides = implicit::solve(&mut self.kernel, p, states, &hint, self.thorough, out);
         share_static(p, states, out);
         judge(p, states, out, slides, rules)
     }
@@ -118,7 +120,9 @@ impl Selector {
         }
         let mut best = self.best();
         if !best.verdict.valid() {
+            self.thorough = false;
             self.enumerate(p, rules, allowed, &mut tested, out);
+            self.thorough = true;
             best = self.best();
         }
         // Leave the chosen candidate's solution and directions in place.

@@ -20,9 +20,9 @@ impl Simulation {
     /// Chooses the contact states at the plant's present state, with impacts where something hits the floor, and leaves
     /// the plant evaluated.
     pub(super) fn decide(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        self.count_event()?;
         self.plant.evaluate_free();
         if self.plant.method.locates_events() {
+            self.count_event()?;
             let mut rounds = 0;
             while self.hits() {
                 self.impact(observer)?;
@@ -80,15 +80,7 @@ impl Simulation {
     fn choose(&mut self) -> Selection {
         let rules = self.rules();
         let forced = self.forced(self.plant.state.time);
-        let tol = self.tolerances;
         let plant = &mut self.plant;
-        for sole in &mut plant.problem.soles {
-            for v in &mut sole.vertices {
-                // A vertex about to be clamped out of a slow motion has its velocity settled first.
-                v.moving &= v.velocity.z.abs() <= tol.rest || v.velocity.xy().norm() > tol.velocity;
-                v.direction = if v.moving { v.velocity.xy().normalize() } else { v.direction };
-            }
-        }
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
         let question = Question { rules: &rules, event: true, allowed: &allowed };
         plant.method.select(&mut plant.problem, &question, &mut plant.solution)

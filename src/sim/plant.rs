@@ -229,12 +229,16 @@ impl Plant {
 
     /// Points sliding friction against the velocity; where a vertex has turned against its reference direction the
     /// direction is continued through zero, so that the equations stay smooth until the event is located.
+    ///
+    /// A method that does not locate its events holds the directions of its last choice: it could not stop in time when
+    /// a vertex comes to rest.
     pub fn point_directions(&mut self) {
+        let held = !self.method.locates_events();
         for (sole, references) in self.problem.soles.iter_mut().zip(&self.directions) {
             for (v, reference) in sole.vertices.iter_mut().zip(references) {
                 let t = v.velocity.xy();
                 let speed = t.norm();
-                v.direction = if speed <= DIRECTION_SPEED {
+                v.direction = if held || speed <= DIRECTION_SPEED {
                     *reference
                 } else if t.dot(reference) < 0.0 {
                     -t / speed

@@ -2,4 +2,5 @@
 
 mod block;
 mod scratch;
+mod scratch2;
 mod support;
