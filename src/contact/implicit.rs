@@ -58,8 +58,9 @@ pub fn solve(
     if size == 0.0 {
         return false;
     }
+    let effort = (size, if thorough { 30 } else { 5 });
     for guess in [*hint, drive] {
-        if norm(which, &guess) > 0.0 && iterate(kernel, p, states, which, guess, size, out) {
+        if norm(which, &guess) > 0.0 && iterate(kernel, p, states, which, guess, effort, out) {
             return true;
         }
     }
@@ -72,7 +73,7 @@ pub fn solve(
         for turn in [1.0, -1.0] {
             let mut guess = zero;
             guess[s] = Vector3::new(r.y * turn, -r.x * turn, turn * radius);
-            if iterate(kernel, p, states, which, guess, size, out) {
+            if iterate(kernel, p, states, which, guess, effort, out) {
                 return true;
             }
         }
@@ -109,7 +110,7 @@ fn scan(
         for (_, start) in best {
             let mut guess = *hint;
             guess[s] = start;
-            if iterate(kernel, p, states, which, guess, drive, out) {
+            if iterate(kernel, p, states, which, guess, (drive, 15), out) {
                 return true;
             }
         }
@@ -210,7 +211,7 @@ fn iterate(
     states: &States,
     which: &[usize],
     mut slips: Slips,
-    drive: f64,
+    (drive, rounds): (f64, usize),
     out: &mut Solution,
 ) -> bool {
     let mut image = evaluate(kernel, p, states, which, &slips, out);
@@ -218,7 +219,7 @@ fn iterate(
     if norm(which, &image) <= 1e-9 * drive {
         return true;
     }
-    for round in 0..60 {
+    for round in 0..rounds {
         let residual = subtract(which, &slips, &image);
         let size = norm(which, &residual);
         if size <= TOLERANCE * drive {
