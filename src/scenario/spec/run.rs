@@ -13,7 +13,7 @@ pub struct LogSpec {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub rate: f64,
-    /// What is recorded.
+    /// What is recorded; events always are.
     pub topics: Vec<LogTopic>,
 }
 
@@ -27,11 +27,11 @@ impl Default for LogSpec {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LogTopic {
-    /// Frames, base, joints, centre of mass and events.
+    /// Base, joints, centre of mass.
     State,
     /// Soles: states, vertices and forces.
     Contact,
-    /// Shapes of robot and floor, force arrows.
+    /// Frames, shapes of robot and floor, force arrows.
     Scene,
 }
 
