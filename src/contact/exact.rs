@@ -54,6 +54,15 @@ impl Method for Exact {
                 v.direction = v.velocity.xy().normalize();
             }
         }
+        // The vertices of a sole that stops do so together, but for what the integrator cannot resolve.
+        for (s, sole) in p.soles.iter_mut().enumerate() {
+            let (state, k) = (question.rules.previous[s], sole.vertices.len());
+            let clamped = |i: &usize| state.clamps(*i, k);
+            let fastest = (0..k).filter(clamped).map(|i| sole.vertices[i].velocity.xy().norm()).fold(0.0, f64::max);
+            if state.is_dynamic() && fastest <= 10.0 * tol.rest {
+                (0..k).filter(clamped).for_each(|i| sole.vertices[i].moving = false);
+            }
+        }
         let start = Self::carry_over(p, &question.rules.previous);
         let start = permit(p, start, question);
         self.selector.select(p, &start, !question.event, question.rules, question.allowed, out)

@@ -62,6 +62,12 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         },
         IntegratorMethod::SemiImplicit => IntegratorSetup::SemiImplicit { step: s.integrator.step },
     };
+    let bounces = contact.method == "exact" && s.integrator.method == IntegratorMethod::Dopri5;
+    if s.contact.restitution > 0.0 && !bounces {
+        let message = "`contact.restitution` is not available yet with this method and integrator";
+        let help = "it works with method `exact` and integrator `dopri5`".to_owned();
+        errors.push(run.error_at("contact.restitution", message, Some(help)));
+    }
     if !errors.is_empty() {
         return Err(Diagnostics(errors));
     }

@@ -22,18 +22,18 @@ impl Layout {
     }
 
     /// Length of the vector.
-    pub fn len(&self) -> usize {
+    pub fn size(&self) -> usize {
         7 + self.nj + self.nv + 1
     }
 
     /// Number of leading entries under error control.
     pub fn controlled(&self) -> usize {
-        self.len() - 1
+        self.size() - 1
     }
 
     /// Index of the work.
     pub fn work(&self) -> usize {
-        self.len() - 1
+        self.size() - 1
     }
 
     /// Reads a state; the quaternion is normalised.

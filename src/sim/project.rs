@@ -73,15 +73,15 @@ impl Simulation {
             let origin = plant.floor.to_floor(&(plant.reduced.reference[s] - plant.floor.point));
             let k = p.soles[s].vertices.len();
             let mut error = [Vector3::zeros(); 64];
-            for i in 0..k {
-                error[i] = origin + p.soles[s].vertices[i].r - self.anchors[s][i];
+            for (i, error) in error.iter_mut().enumerate().take(k) {
+                *error = origin + p.soles[s].vertices[i].r - self.anchors[s][i];
                 if state.is_dynamic() {
-                    error[i] = Vector3::new(0.0, 0.0, error[i].z);
+                    *error = Vector3::new(0.0, 0.0, error.z);
                 }
                 if state.clamps(i, k) {
-                    drift = drift.max(error[i].norm());
+                    drift = drift.max(error.norm());
                     if state.is_static() {
-                        self.metrics.max_static_creep_m = self.metrics.max_static_creep_m.max(error[i].norm());
+                        self.metrics.max_static_creep_m = self.metrics.max_static_creep_m.max(error.norm());
                     }
                 }
             }

@@ -85,7 +85,7 @@ impl Simulation {
         corners.retain(|c| *c > 0.0 && *c < setup.duration);
         corners.sort_by(f64::total_cmp);
         corners.dedup();
-        let n = plant.layout.len();
+        let n = plant.layout.size();
         let stepper = match setup.integrator {
             IntegratorSetup::Dopri5 { relative, absolute, max_step } => {
                 Stepper::Adaptive(Box::new(Adaptive::new(n, relative, absolute, max_step)))

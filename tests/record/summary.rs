@@ -112,7 +112,10 @@ fn what_never_happened_is_empty() {
         assert_eq!(number(frame, "states_tested_mean", 2), None, "no selection, no mean");
     }
     assert!(
-        text.lines().last().unwrap().ends_with(",,,,,0.04999999999999999,0.30000000000000004,0.0,,0.14285714285714285,1e-13"),
+        text.lines()
+            .last()
+            .unwrap()
+            .ends_with(",,,,,0.04999999999999999,0.30000000000000004,0.0,,0.14285714285714285,1e-13"),
         "{text}"
     );
 }
