@@ -1,5 +1,15 @@
 //! Contact against closed forms (`contact.md` section 13).
 
 mod block;
+mod body;
+mod breakaway;
+mod flight;
+mod incline;
+mod landing;
+mod pendulum;
+mod planar;
 mod scratch;
-mod support;
+mod spin;
+mod standing;
+pub mod support;
+mod tipping;
