@@ -68,25 +68,28 @@ fn bounces_reach_the_heights_of_the_restitution_and_end() {
         let rest = 0.05;
         let mut truth = vec![fall];
         let mut speed: f64 = G * fall;
-        while speed > rest {
+        while e * speed > rest {
             speed *= e;
             truth.push(truth.last().unwrap() + 2.0 * speed / G);
         }
+        // One more hop, too slow to bounce when it ends.
+        let end = truth.last().unwrap() + 2.0 * e * speed / G;
         let text = format!(
             "duration = {}\n{}
             integrator = {{ relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }}
             contact = {{ restitution = {e}, velocity_tolerance = {rest}, distance_tolerance = 1e-8, acceleration_tolerance = 1e-8 }}",
-            truth.last().unwrap() + 0.2,
+            end + 0.2,
             base(&body, height, 0.3, [0.0; 3]),
         );
         let (m, told) = watch(&text);
         let impacts: Vec<f64> = told.events.iter().filter(|e| e.kind == "impact").map(|e| e.time).collect();
-        assert_eq!(impacts.len(), truth.len(), "{impacts:?}\n{truth:?}");
+        assert!(impacts.len() >= truth.len() && impacts[truth.len()..].iter().all(|t| (t - end).abs() < 1e-6));
         for (seen, truth) in impacts.iter().zip(&truth) {
             // Flights are parabolas, exact for the integrator; every impact adds its rounding of the speed.
             assert!((seen - truth).abs() < 1e-10, "{seen} {truth}");
         }
-        assert!((m.final_base_position[2] - body.half[2]).abs() < 1e-10 && m.inconsistent == 0);
+        // At rest within the distance tolerance.
+        assert!((m.final_base_position[2] - body.half[2]).abs() < 1.1e-8 && m.inconsistent == 0);
         assert!(m.final_base_velocity.iter().all(|v| v.abs() < 1e-12));
     }
 }
