@@ -21,7 +21,8 @@ fn a_dropped_body_lands_in_time_loses_its_height_and_rests() {
         assert!((touch / fall - 1.0).abs() < 1e-12, "{touch} {fall}");
         assert_eq!((m.impacts, m.inconsistent, m.jams), (1, 0, 0));
         let impact = told.events.iter().find(|e| e.kind == "impact").expect("it is told");
-        let loss: f64 = impact.message.split("lost ").nth(1).and_then(|s| s.split(' ').next()).unwrap().parse().unwrap();
+        let loss: f64 =
+            impact.message.split("lost ").nth(1).and_then(|s| s.split(' ').next()).unwrap().parse().unwrap();
         // The message has seven digits.
         assert!((loss / (body.mass * G * height) - 1.0).abs() < 1e-6, "{loss}");
         // Energy of start and end are known exactly; the loss is counted as it happens. Integration at 1e-9.

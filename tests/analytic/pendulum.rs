@@ -45,12 +45,7 @@ fn swings_as_its_equations_say_and_keeps_its_energy() {
         let truth = rk4([shoulder, shoulder + elbow, rate, rate + 0.5], duration, 200_000, |_, s| derivative(s));
         let (q, v) = (&sim.plant().state.joints, &sim.plant().state.v);
         // Integration at 1e-12 over some thousand steps, grown by the divergence of neighbouring swings, at most 1e3.
-        for (mine, truth) in [
-            (q[0], truth[0]),
-            (q[0] + q[1], truth[1]),
-            (v[0], truth[2]),
-            (v[0] + v[1], truth[3]),
-        ] {
+        for (mine, truth) in [(q[0], truth[0]), (q[0] + q[1], truth[1]), (v[0], truth[2]), (v[0] + v[1], truth[3])] {
             assert!((mine - truth).abs() < 1e-8, "{mine} {truth}");
         }
         // Nothing drives it, so the work is zero and the error is the drift of the energy itself: integration error.

@@ -5,10 +5,8 @@ use super::planar;
 use super::support::{TIGHT, rk4, run};
 
 fn scenario(body: &Body, mu: f64, velocity: [f64; 2], spin: f64, duration: f64) -> String {
-    let base = format!(
-        "linear_velocity = [{}, {}, 0.0], angular_velocity = [0.0, 0.0, {spin}]",
-        velocity[0], velocity[1]
-    );
+    let base =
+        format!("linear_velocity = [{}, {}, 0.0], angular_velocity = [0.0, 0.0, {spin}]", velocity[0], velocity[1]);
     format!("duration = {duration}\nfloor = {{ friction = {mu} }}\n{}{TIGHT}", body.robot(&base))
 }
 
@@ -43,8 +41,7 @@ fn sliding_with_spin_follows_an_independent_quadrature() {
             // At most v / (mu g) and w I / (mu m g r) are needed to stop; half the lesser is well before.
             let decay = mu * body.mass * G * body.radius() / body.inertia()[2];
             let duration = 0.5 * (f64::hypot(vx, vy) / (mu * G)).min(spin.abs() / decay);
-            let truth =
-                rk4([0.0, 0.0, 0.0, vx, vy, spin], duration, 20_000, |_, s| planar::derivative(&body, mu, s));
+            let truth = rk4([0.0, 0.0, 0.0, vx, vy, spin], duration, 20_000, |_, s| planar::derivative(&body, mu, s));
             let m = run(&scenario(&body, mu, [vx, vy], spin, duration));
             let [x, y, z] = m.final_base_position;
             // Integration at relative tolerance 1e-9 (absolute 1e-11) over a few hundred steps; where a corner passes

@@ -1,6 +1,6 @@
 //! A body at rest under any load: the state that is selected.
 
-use super::rigid::{Rigid, body, rules, triple, G};
+use super::rigid::{G, Rigid, body, rules, triple};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stiction::contact::candidate::Solution;
