@@ -2,6 +2,7 @@
 
 mod analytic;
 mod cli;
+mod contact;
 mod determinism;
 mod identities;
 mod oracles;

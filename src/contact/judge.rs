@@ -129,8 +129,9 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
         let m = margin(p, s, state, solution);
         let suspect = if state == rules.previous[s] { rules.suspect[s] } else { 0 };
         let floor = |bit: u8| if suspect & bit != 0 { CLEAR } else { -ROUNDING };
-        if !(m.normal >= floor(SUSPECT_NORMAL)) {
-            verdict.levels[1] += 1.0 - m.normal;
+        // A face whose pressure rule gave up holds negative forces, wherever its centre of pressure is.
+        if !(m.normal >= floor(SUSPECT_NORMAL)) || !solution.inside[s] {
+            verdict.levels[1] += 1.0 + (-m.normal).max(0.0);
             faults.pulling = true;
         }
         let legal = match state.mode {

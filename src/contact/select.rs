@@ -225,6 +225,9 @@ impl Moves {
             let shift = faults.pulling && faults.penetrating != 0 && clamps_fault;
             if pattern != state.pattern && (clamp || release || shift) {
                 self.add(first_mode(p, s, pattern));
+                if valid && state.is_dynamic() {
+                    self.add(SoleState::sliding(pattern));
+                }
             }
         }
         if state.pattern == Pattern::Free {

@@ -70,6 +70,7 @@ impl Adaptive {
         }
         sim.plant.within = t0 + 0.5 * h;
         self.rk.begin(&mut sim.plant, t0, &self.y);
+        sim.plant.follow_directions();
         self.watch.begin(sim);
         self.watch.values(sim, &mut self.start);
         let doubtful = self.watch.overlook(&mut self.start);

@@ -249,6 +249,22 @@ impl Plant {
         }
     }
 
+    /// Makes the present sliding directions the references of the step that begins. One that has turned against its
+    /// reference is left to the event that this is.
+    pub fn follow_directions(&mut self) {
+        if !self.method.locates_events() {
+            return;
+        }
+        for (sole, references) in self.problem.soles.iter().zip(&mut self.directions) {
+            for (v, reference) in sole.vertices.iter().zip(references) {
+                let t = v.velocity.xy();
+                if t.norm() > DIRECTION_SPEED && t.dot(reference) > 0.0 {
+                    *reference = t.normalize();
+                }
+            }
+        }
+    }
+
     /// Full evaluation at `self.state`: accelerations and contact wrenches with the states held.
     pub fn evaluate(&mut self) {
         self.evaluate_free();

@@ -21,6 +21,9 @@ const STALL_IN_PLACE: u64 = 200;
 /// Speeds (m/s, rad/s) and positions (m) beyond this mean divergence.
 const SENSIBLE: f64 = 1e6;
 
+/// Distance tolerance where events are located, m: ten times the height at which a vertex counts as touching.
+const MEETING: f64 = 1e-9;
+
 enum Stepper {
     Adaptive(Box<Adaptive>),
     Fixed(Box<Fixed>),
@@ -92,9 +95,14 @@ impl Simulation {
             }
             IntegratorSetup::SemiImplicit { step } => Stepper::Fixed(Box::new(Fixed::new(step))),
         };
+        let mut tolerances = setup.contact.tolerances;
+        if setup.contact.locate && plant.method.locates_events() {
+            // Every vertex meets the floor in an event of its own, so none has to be clamped above it.
+            tolerances.distance = tolerances.distance.min(MEETING);
+        }
         let snapshot = super::observe::blank(&model);
         let mut sim = Simulation {
-            tolerances: setup.contact.tolerances,
+            tolerances,
             contact: setup.contact,
             tasks: setup.tasks,
             metrics: Metrics::default(),

@@ -4,7 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use stiction::robot;
 use stiction::scenario;
-use stiction::sim::{Blind, Metrics, Outcome, Simulation, build};
+use stiction::sim::{Blind, Metrics, Observer, Outcome, SimEvent, Simulation, Snapshot, build};
+
+/// What contact.md section 13 asks of the validation runs.
+pub const TIGHT: &str = "
+    integrator = { relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }
+    contact = { distance_tolerance = 1e-8, velocity_tolerance = 1e-8, acceleration_tolerance = 1e-8 }
+";
 
 /// The repository's root.
 pub fn root() -> PathBuf {
@@ -22,8 +28,60 @@ pub fn simulation(text: &str) -> Simulation {
 
 /// Runs it to the end; it must get there.
 pub fn run(text: &str) -> Metrics {
-    let mut sim = simulation(text);
-    let (outcome, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    finish(&mut simulation(text), &mut Blind)
+}
+
+/// Runs it to the end, which it must reach, and keeps what it told.
+pub fn watch(text: &str) -> (Metrics, Told) {
+    let mut told = Told::default();
+    let metrics = finish(&mut simulation(text), &mut told);
+    (metrics, told)
+}
+
+/// Runs to the end; it must get there.
+pub fn finish(sim: &mut Simulation, observer: &mut dyn Observer) -> Metrics {
+    let (outcome, message) = sim.run(observer, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}\n{:?}", sim.metrics());
     sim.metrics().clone()
+}
+
+/// What a run told.
+#[derive(Default)]
+pub struct Told {
+    /// Events in order.
+    pub events: Vec<SimEvent>,
+    /// Snapshots in order.
+    pub snapshots: Vec<Snapshot>,
+}
+
+impl Observer for Told {
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
+        self.snapshots.push(snapshot.clone());
+        Ok(())
+    }
+
+    fn event(&mut self, event: &SimEvent) -> Result<(), String> {
+        self.events.push(event.clone());
+        Ok(())
+    }
+}
+
+/// Fixed-step classical Runge-Kutta, the independent integrator of these tests.
+pub fn rk4<const N: usize>(
+    mut y: [f64; N],
+    duration: f64,
+    steps: usize,
+    f: impl Fn(f64, &[f64; N]) -> [f64; N],
+) -> [f64; N] {
+    let h = duration / steps as f64;
+    let go = |y: &[f64; N], k: &[f64; N], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
+    for n in 0..steps {
+        let t = n as f64 * h;
+        let a = f(t, &y);
+        let b = f(t + 0.5 * h, &go(&y, &a, 0.5 * h));
+        let c = f(t + 0.5 * h, &go(&y, &b, 0.5 * h));
+        let d = f(t + h, &go(&y, &c, h));
+        y = std::array::from_fn(|i| y[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+    }
+    y
 }

@@ -8,3 +8,4 @@ mod equation_of_motion;
 mod jacobians;
 mod numeric;
 mod random_tree;
+mod stepping;

@@ -1,0 +1,81 @@
+//! HOAP-2 (31 velocities, two soles of four vertices) standing and swaying under a push: one evaluation of the equations
+//! of motion, one step of 1 ms by each integrator, one choice of contact states.
+
+use divan::Bencher;
+use std::path::Path;
+use stiction::contact::candidate::Solution;
+use stiction::contact::judge::Rules;
+use stiction::contact::method;
+use stiction::contact::problem::Tolerances;
+use stiction::contact::select::Selector;
+use stiction::contact::state::{MAX_SOLES, Pattern, SoleState, States};
+use stiction::robot;
+use stiction::scenario;
+use stiction::sim::plant::Plant;
+use stiction::sim::{Blind, Setup, Simulation, build};
+
+const ADAPTIVE: &str = "method = \"dopri5\", max_step = 1e-3";
+
+fn setup(method: &str, integrator: &str) -> Setup {
+    let text = format!(
+        "duration = 1e6
+        robot = {{ model = \"robots/hoap2/hoap2.toml\" }}
+        contact = {{ method = \"{method}\" }}
+        integrator = {{ {integrator} }}
+        [[force]]
+        type = \"push\"
+        link = \"torso\"
+        point = [0.0, 0.0, 0.1]
+        force = [2.0, 1.0, 0.0]
+        duration = 1e6
+        profile = \"half-sine\"\n"
+    );
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let file = scenario::parse(&root.join("bench.toml"), &text).expect("our own scenario");
+    let run = file.expand(&[]).expect("a single run").remove(0);
+    let robot = robot::load(&run.resolve(&run.scenario.robot.model)).expect("our own robot");
+    build::setup(&run, &robot).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A run that has left its start behind.
+fn swaying(method: &str, integrator: &str) -> Simulation {
+    let mut sim = Simulation::new(setup(method, integrator)).expect("the physics can do it");
+    sim.begin(&mut Blind).expect("it begins");
+    (0..20).for_each(|_| sim.step(&mut Blind).expect("it steps"));
+    sim
+}
+
+/// Accelerations and contact wrenches with the states held: what an integrator asks again and again.
+#[divan::bench]
+fn right_hand_side(bencher: Bencher) {
+    let sim = swaying("exact", ADAPTIVE);
+    let problem = sim.plant().problem.clone();
+    let method = method::make("exact", &problem).expect("it is there");
+    let mut plant = Plant::new(&mut setup("exact", ADAPTIVE), method, problem);
+    plant.state.clone_from(&sim.plant().state);
+    plant.states = sim.plant().states;
+    assert!((0..2).all(|s| plant.states[s] == SoleState::fixed(Pattern::Face)), "on both soles");
+    super::each(bencher, || plant.evaluate());
+}
+
+#[divan::bench(args = [
+    ("exact", ADAPTIVE),
+    ("exact", "method = \"semi-implicit\", step = 1e-3"),
+    ("one-step", "method = \"semi-implicit\", step = 1e-3"),
+])]
+fn step(bencher: Bencher, (method, integrator): (&str, &str)) {
+    let mut sim = swaying(method, integrator);
+    super::each(bencher, || sim.step(&mut Blind).is_ok());
+}
+
+/// The search for the states of both soles, starting from one foot in the air.
+#[divan::bench]
+fn selection_from_a_changed_state(bencher: Bencher) {
+    let sim = swaying("exact", ADAPTIVE);
+    let mut p = sim.plant().problem.clone();
+    let (mut selector, mut out) = (Selector::new(&p), Solution::new(&p));
+    let mut start = States::default();
+    start[0] = SoleState::fixed(Pattern::Face);
+    let rules = Rules { tolerances: Tolerances::default(), previous: start, suspect: [0; MAX_SOLES] };
+    super::each(bencher, || selector.select(&mut p, &start, false, &rules, &|_, _| true, &mut out).tested);
+}

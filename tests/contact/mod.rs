@@ -1,0 +1,6 @@
+//! The contact kernel on problems built by hand: no robot, no stepping.
+
+mod capacity;
+mod impact;
+mod rest;
+mod rigid;

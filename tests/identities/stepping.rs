@@ -1,0 +1,44 @@
+//! The stepping loop allocates nothing once it runs.
+
+use super::allocations::count;
+use crate::analytic::support::simulation;
+use stiction::sim::Blind;
+
+/// HOAP-2 standing, swaying under a push; no event falls into the steps counted.
+fn pushed(method: &str, integrator: &str) -> String {
+    format!(
+        "duration = 100.0
+        robot = {{ model = \"robots/hoap2/hoap2.toml\" }}
+        contact = {{ method = \"{method}\" }}
+        integrator = {{ {integrator} }}
+        log = {{ rate = 0.0 }}
+        [[force]]
+        type = \"push\"
+        link = \"torso\"
+        point = [0.0, 0.0, 0.1]
+        force = [2.0, 1.0, 0.0]
+        start = 0.0
+        duration = 50.0
+        profile = \"half-sine\"\n"
+    )
+}
+
+#[test]
+fn stepping_allocates_nothing() {
+    for (method, integrator) in [
+        ("exact", "method = \"dopri5\""),
+        ("exact", "method = \"semi-implicit\", step = 1e-3"),
+        ("one-step", "method = \"dopri5\""),
+        ("one-step", "method = \"semi-implicit\", step = 1e-3"),
+    ] {
+        let mut sim = simulation(&pushed(method, integrator));
+        sim.begin(&mut Blind).expect("it begins");
+        // The first step may make its lists.
+        sim.step(&mut Blind).expect("it steps");
+        let before = sim.metrics().state_changes;
+        let allocations = count(|| (0..200).for_each(|_| sim.step(&mut Blind).expect("it steps")));
+        assert_eq!(sim.metrics().state_changes, before, "no event in the window");
+        assert!(sim.plant().state.v.iter().any(|v| v.abs() > 1e-6), "it moves");
+        assert_eq!(allocations, 0, "{method} {integrator}");
+    }
+}
