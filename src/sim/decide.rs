@@ -34,27 +34,27 @@ impl Simulation {
                 }
             }
         }
-        for _ in 0..SETTLE {
-            let mut selection = self.choose();
-            if !selection.consistent && self.jam(observer)? {
-                selection = self.choose();
-            }
+        for round in 1..=SETTLE {
+            let selection = self.choose();
             self.count(&selection);
-            if !selection.consistent {
-                self.metrics.inconsistent += 1;
-                let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
-                self.event(observer, "inconsistent", "", &message)?;
-            }
             self.adopt(selection.states, observer)?;
-            self.suspect = [0; MAX_SOLES];
             // What little normal motion (below v_t) and slip (below the rest speed) the new state does not allow ends
             // here; the choice is then made once more with the velocities that go with it.
             let change = self.settle();
             self.plant.evaluate_free();
-            if change <= self.tolerances.rest {
-                break;
+            if change > self.tolerances.rest && round < SETTLE {
+                continue;
             }
+            if !selection.consistent && !self.jam(observer)? {
+                self.metrics.inconsistent += 1;
+                let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
+                self.event(observer, "inconsistent", "", &message)?;
+            } else if !selection.consistent && round < SETTLE {
+                continue;
+            }
+            break;
         }
+        self.suspect = [0; MAX_SOLES];
         self.plant.evaluate();
         Ok(())
     }
