@@ -1,4 +1,4 @@
-//! A box that spins, and one that slides and spins at once.
+//! A box that spins to rest, and one that slides and spins at once.
 
 use super::body::{Body, G};
 use super::planar;
@@ -16,27 +16,27 @@ fn apart(a: f64, b: f64) -> f64 {
 }
 
 #[test]
-fn a_spinning_body_slows_as_its_corners_rub() {
+fn a_spinning_body_comes_to_rest_as_its_corners_rub() {
     for (body, mu) in Body::several().into_iter().zip([0.5, 0.3, 0.8, 0.2]) {
         for spin in [3.0_f64, -8.0] {
             let decay = mu * body.mass * G * body.radius() / body.inertia()[2];
-            let duration = 0.95 * spin.abs() / decay;
-            let m = run(&scenario(&body, mu, [0.0; 2], spin, duration));
-            let angle = spin.signum() * (spin.abs() * duration - decay * duration * duration / 2.0);
-            // Constant deceleration: integration at relative tolerance 1e-9.
-            assert!(apart(m.final_base_rpy[2], angle).abs() < 1e-9 * angle.abs(), "{:?} {angle}", m.final_base_rpy);
+            let time = spin.abs() / decay;
+            let m = run(&scenario(&body, mu, [0.0; 2], spin, time + 0.1));
+            let angle = spin * time / 2.0;
+            // Integration at relative tolerance 1e-9.
+            assert!(apart(m.final_base_rpy[2], angle).abs() < 1e-8 * angle.abs().max(1.0), "{:?}", m.final_base_rpy);
+            assert!((m.first_stick_s.expect("it stops") / time - 1.0).abs() < 1e-8);
             let [x, y, z] = m.final_base_position;
-            assert!(x.abs() < 1e-12 && y.abs() < 1e-12 && (z - body.half[2]).abs() < 1e-12, "{x} {y} {z}");
-            assert_eq!((m.inconsistent, m.first_stick_s), (0, None));
+            assert!(x.abs() < 1e-9 && y.abs() < 1e-9 && (z - body.half[2]).abs() < 1e-12, "{x} {y} {z}");
+            assert_eq!(m.inconsistent, 0);
         }
     }
 }
 
 #[test]
 fn sliding_with_spin_follows_an_independent_quadrature() {
-    let [block, slab, _, brick] = Body::several();
-    for (body, mu) in [block, slab, brick].into_iter().zip([0.3, 0.4, 0.15]) {
-        for (vx, vy, turn) in [(1.0, 0.2, 1.0_f64), (-0.5, 0.8, -0.5), (0.3, 0.3, 1.5)] {
+    for (body, mu) in Body::several().into_iter().zip([0.3, 0.4, 0.25, 0.15]) {
+        for (vx, vy, turn) in [(1.0, 0.2, 1.0_f64), (-0.5, 0.8, -0.5), (0.3, 0.3, 2.0)] {
             let spin = turn / body.radius();
             // At most v / (mu g) and w I / (mu m g r) are needed to stop; half the lesser is well before.
             let decay = mu * body.mass * G * body.radius() / body.inertia()[2];
@@ -47,7 +47,7 @@ fn sliding_with_spin_follows_an_independent_quadrature() {
             // Integration at relative tolerance 1e-9 (absolute 1e-11) over a few hundred steps; where a corner passes
             // close to rest its direction turns fast and the error of a step is at its limit.
             assert!((x - truth[0]).hypot(y - truth[1]) < 1e-8, "{x} {y} {truth:?}");
-            assert!(apart(m.final_base_rpy[2], truth[2]).abs() < 1e-8, "{:?} {truth:?}", m.final_base_rpy);
+            assert!(apart(m.final_base_rpy[2], truth[2]).abs() < 1e-7, "{:?} {truth:?}", m.final_base_rpy);
             assert!((m.final_base_velocity[0] - truth[3]).hypot(m.final_base_velocity[1] - truth[4]) < 1e-7);
             assert!((z - body.half[2]).abs() < 1e-12 && m.inconsistent == 0);
         }
