@@ -47,6 +47,7 @@ pub const METRICS: &[&str] = &[
     "first_slip_s",
     "first_stick_s",
     "first_fall_s",
+    "max_projection_m",
 ];
 
 /// One expectation: a metric with `value` and `tolerance`, or with `min`, `max` or both; or an outcome.
