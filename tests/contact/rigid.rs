@@ -115,7 +115,7 @@ pub fn body() -> impl Strategy<Value = Rigid> {
             let turn = UnitQuaternion::from_scaled_axis(turn * 3.0).to_rotation_matrix();
             let inertia = turn * Matrix3::from_diagonal(&Vector3::new(b + c, a + c, a + b)) * turn.transpose();
             let com = Vector3::new(0.06 * side.x, 0.06 * side.y, height);
-            Rigid { sole, mass, inertia: inertia.into(), com, mu: [mu, mu * share] }
+            Rigid { sole, mass, inertia, com, mu: [mu, mu * share] }
         },
     )
 }
