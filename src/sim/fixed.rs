@@ -78,7 +78,10 @@ impl Fixed {
             for v in &mut p.soles[s].vertices {
                 v.bias = Vector3::zeros();
             }
-            let gap = fit_plane(&p.soles[s], |i| p.soles[s].vertices[i].height.max(0.0));
+            // Only a method that looks where the step leads clamps just what closes its gap within it. One that decides
+            // from heights may clamp a vertex a whole distance tolerance up, and stops it there.
+            let closes = plant.method.locates_events();
+            let gap = fit_plane(&p.soles[s], |i| if closes { p.soles[s].vertices[i].height.max(0.0) } else { 0.0 });
             p.soles[s].target = gap * (-1.0 / dt);
             let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm()).fold(0.0, f64::max);
             for i in 0..p.soles[s].vertices.len() {
@@ -88,7 +91,7 @@ impl Fixed {
                 v.near = v.height + dt * free.min(0.0) <= tol.distance.min(dt * fastest) || v.height <= 0.0;
                 v.moving = false;
                 // The gap is in the target now.
-                v.height = if v.near { v.height.min(0.0) } else { v.height };
+                v.height = if v.near && closes { v.height.min(0.0) } else { v.height };
             }
         }
     }
