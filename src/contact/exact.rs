@@ -1,4 +1,5 @@
-//! The exact method: the state is searched for until it is valid, at events and nowhere else.
+//! The exact method: the state is searched for until it is valid. In continuous time that is at events and nowhere else;
+//! with fixed steps once a step, on the velocities at its end.
 
 use super::candidate::Solution;
 use super::method::{Method, Question};

@@ -4,9 +4,6 @@
 //! them positive on the left and some negative on the right, regula falsi with the Illinois weights per function and
 //! bisection as a safeguard close in on the first sign change.
 
-/// Most event functions located together.
-pub const MAX_EVENTS: usize = 512;
-
 /// Finds the first theta in (`a`, `b`] where any of the `n` functions is negative. `evaluate(theta, g)` fills the
 /// values. `left` and `right` hold the values at the ends and are overwritten; on return `right` holds those at the
 /// returned theta, where at least one is negative. The bracket is at most `width` wide at the end.

@@ -45,13 +45,16 @@ impl Simulation {
             if change > self.tolerances.rest && round < SETTLE {
                 continue;
             }
-            if !selection.consistent && !self.jam(observer)? {
-                self.metrics.inconsistent += 1;
-                let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
-                self.event(observer, "inconsistent", "", &message)?;
-            } else if !selection.consistent && round < SETTLE {
+            if selection.consistent {
+                break;
+            }
+            // A jam is only an answer if a state is chosen after it.
+            if round < SETTLE && self.jam(observer)? {
                 continue;
             }
+            self.metrics.inconsistent += 1;
+            let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
+            self.event(observer, "inconsistent", "", &message)?;
             break;
         }
         self.suspect = [0; MAX_SOLES];
@@ -149,13 +152,17 @@ impl Simulation {
         Ok(())
     }
 
-    /// Painleve: the sliding equations have no solution. A tangential impulse in zero time stops the sliding soles.
+    /// Painleve: the sliding equations have no solution. A tangential impulse in zero time stops the sliding soles. False
+    /// when none of them moves, or when the floor would have to pull.
     fn jam(&mut self, observer: &mut dyn Observer) -> Result<bool, Stop> {
         let plant = &mut self.plant;
         let mut stuck = plant.states;
         let mut any = false;
-        for s in 0..plant.problem.soles.len() {
-            if stuck[s].is_dynamic() {
+        for (s, sole) in plant.problem.soles.iter().enumerate() {
+            let k = sole.vertices.len();
+            let moves =
+                |i: usize| stuck[s].clamps(i, k) && sole.vertices[i].velocity.xy().norm() > self.tolerances.rest;
+            if stuck[s].is_dynamic() && (0..k).any(moves) {
                 stuck[s] = SoleState::fixed(stuck[s].pattern);
                 any = true;
             }

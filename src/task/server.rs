@@ -38,7 +38,7 @@ impl TaskServer {
         self.slots.iter().filter(|s| !s.ended).map(due).min_by(f64::total_cmp)
     }
 
-    /// Runs every task whose time has come. Returns true when something started or ended, for the log.
+    /// Runs every task whose time has come; `report(what, name)` hears of each that begins or ends.
     pub fn run(&mut self, context: &Context, mut report: impl FnMut(&str, &str)) {
         self.tick = (context.time / self.period).round() as u64 + 1;
         for slot in self.slots.iter_mut().filter(|s| !s.ended && s.start <= context.time + 1e-9 * self.period) {
