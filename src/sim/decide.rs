@@ -252,7 +252,16 @@ impl Simulation {
             sole.target = Vector3::new(m[2], m[3], m[4]) * -e;
             sole.vertices.iter_mut().for_each(|v| v.bias = Vector3::zeros());
         }
-        plant.method.respond(p, &plant.states, &mut self.projection);
+        // A sole about to slip from rest loses what is left of its old motion, or friction would oppose that instead.
+        let mut states = plant.states;
+        for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| plant.states[*s].is_dynamic()) {
+            let k = sole.vertices.len();
+            let rests = |i: usize| sole.vertices[i].velocity.xy().norm() <= 10.0 * tol.rest;
+            if (0..k).all(|i| !plant.states[s].clamps(i, k) || rests(i)) {
+                states[s] = SoleState::fixed(states[s].pattern);
+            }
+        }
+        plant.method.respond(p, &states, &mut self.projection);
         let mut change: f64 = 0.0;
         for (s, sole) in p.soles.iter().enumerate() {
             for (i, v) in sole.vertices.iter().enumerate() {
