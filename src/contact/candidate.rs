@@ -70,17 +70,19 @@ pub struct Kernel {
     rows: Vec<(usize, Six, f64)>,
     /// W B, one column after the other, each 6F long.
     wb: Vec<f64>,
+    /// R W B, or its factors after a solve, of this size.
     a: Vec<f64>,
+    size: usize,
     x: Vec<f64>,
-    /// Elimination, also lent to the search for sliding directions.
-    pub(super) linear: Linear,
+    linear: Linear,
     /// First unknown of each sole.
     first: [usize; MAX_SOLES],
     /// Loaded vertices of each sliding face, one bit each.
     loaded: [u64; MAX_SOLES],
 }
 
-fn wrench_at(r: &Vector3<f64>, f: &Vector3<f64>) -> Six {
+/// Wrench at the reference point of a force at `r`.
+pub(super) fn wrench_at(r: &Vector3<f64>, f: &Vector3<f64>) -> Six {
     let m = r.cross(f);
     [f.x, f.y, f.z, m.x, m.y, m.z]
 }
@@ -113,6 +115,7 @@ impl Kernel {
             rows: Vec::with_capacity(n),
             wb: vec![0.0; n * n],
             a: vec![0.0; n * n],
+            size: 0,
             x: vec![0.0; n],
             linear: Linear::new(n),
             first: [0; MAX_SOLES],
@@ -127,7 +130,6 @@ impl Kernel {
         out.inside = [true; MAX_SOLES];
         for round in 0.. {
             self.solve_linear(p, states, out);
-            // The last round keeps the plain linear pressure: the centre of pressure has left some polygon.
             if !self.reload(p, states, out, round >= 12) {
                 break;
             }
@@ -155,6 +157,7 @@ impl Kernel {
             }
         }
         self.linear.solve(&mut self.a[..n * n], &mut self.x[..n]);
+        self.size = n;
         out.wrench.fill(0.0);
         out.motion.copy_from_slice(&p.b);
         for (c, (s, b)) in self.columns.iter().enumerate() {
@@ -165,6 +168,22 @@ impl Kernel {
             for (m, y) in out.motion.iter_mut().zip(&self.wb[c * dim..(c + 1) * dim]) {
                 *m += y * x;
             }
+        }
+    }
+
+    /// How the motions answer a small wrench `six` on sole `s` while the conditions of the last solve go on holding:
+    /// `motion` (6F) = W e + W B x' with R W (e + B x') = 0.
+    pub fn answer(&mut self, p: &Problem, s: usize, six: &[f64; 6], motion: &mut [f64]) {
+        let (dim, n) = (p.dim(), self.size);
+        for (i, m) in motion.iter_mut().enumerate() {
+            *m = dot(&p.w[i * dim + 6 * s..], six);
+        }
+        for (x, (t, row, _)) in self.x.iter_mut().zip(&self.rows) {
+            *x = -dot(&motion[6 * t..], row);
+        }
+        self.linear.apply(&self.a[..n * n], &mut self.x[..n]);
+        for (c, x) in self.x[..n].iter().enumerate() {
+            motion.iter_mut().zip(&self.wb[c * dim..(c + 1) * dim]).for_each(|(m, y)| *m += y * x);
         }
     }
 
@@ -263,10 +282,13 @@ impl Kernel {
                     let all = u64::MAX >> (64 - k);
                     let settled = positive == self.loaded[s] & all || out.normal[s].iter().all(|&n| n == 0.0);
                     if !settled && out.inside[s] {
-                        let lost = give_up || positive.count_ones() < 3;
-                        out.inside[s] = !lost;
-                        self.loaded[s] = if lost { u64::MAX } else { positive };
-                        again = true;
+                        // On fewer than three vertices the centre of pressure has left the polygon; the forces of the
+                        // last set then go on smoothly, with a negative one, so that the instant can be located.
+                        out.inside[s] = !give_up && positive.count_ones() >= 3;
+                        if out.inside[s] {
+                            self.loaded[s] = positive;
+                            again = true;
+                        }
                     }
                 }
             }

@@ -8,6 +8,7 @@
 
 use super::candidate::{Solution, edge_load};
 use super::capacity::{self, Slip};
+use super::implicit::Onset;
 use super::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
 use super::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
 use nalgebra::{Vector2, Vector3};
@@ -190,6 +191,10 @@ pub fn margin(p: &Problem, s: usize, state: SoleState, solution: &Solution) -> M
             border(sole, n.iter().sum(), [moment(0), moment(1)])
         }
     } / p.scale;
+    if !solution.inside[s] {
+        // No non-negative pressure carries this load, wherever its centre is.
+        m.normal = m.normal.min(-ROUNDING);
+    }
     let capacity = |i: usize| sole.vertices[i].mu_s * n[i].max(0.0);
     m.friction = match (state.mode, state.pattern) {
         (Mode::Sliding, _) => f64::INFINITY,
@@ -222,6 +227,47 @@ pub fn margin(p: &Problem, s: usize, state: SoleState, solution: &Solution) -> M
         }
     } / p.scale;
     m
+}
+
+/// The directions in which the vertices of a sole give way whose friction load in `state` is at its limit. Vertices that
+/// go on holding, as the centre of a turn, are left out.
+pub fn onset(p: &Problem, s: usize, state: SoleState, solution: &Solution, out: &mut Onset) {
+    let sole = &p.soles[s];
+    let k = sole.vertices.len();
+    let (n, t) = (&solution.normal[s], &solution.tangent[s]);
+    out.vertices = 0;
+    match (state.mode, state.pattern) {
+        (Mode::Sliding, _) | (_, Pattern::Free) => {}
+        (Mode::Pivoting(j), _) => out.against(j as usize, &t[j as usize]),
+        (Mode::Static, Pattern::Vertex(i)) => out.against(i as usize, &t[i as usize]),
+        (Mode::Static, Pattern::Edge(i)) => {
+            let (i, j) = (i as usize, (i as usize + 1) % k);
+            let (_, side, along, unit) = edge_load(sole, i, j, &solution.wrench[6 * s..6 * s + 6]);
+            let across = Vector2::new(-unit.y, unit.x);
+            let capacity = [i, j].map(|i| sole.vertices[i].mu_s * n[i].max(0.0));
+            let room = [0, 1].map(|c| (capacity[c] * capacity[c] - side[c] * side[c]).max(0.0).sqrt());
+            let spare = [0, 1].map(|c| capacity[c] - side[c].abs());
+            let reach = room[0] + room[1] - along.abs();
+            // Either the whole edge gives way along itself, or one end across it, turning about the other.
+            for (c, vertex) in [i, j].into_iter().enumerate() {
+                if reach <= spare[0].min(spare[1]) {
+                    out.against(vertex, &(across * side[c] + unit * (room[c] * along.signum())));
+                } else if spare[c] <= spare[1 - c] {
+                    out.against(vertex, &(across * side[c]));
+                }
+            }
+        }
+        (Mode::Static, Pattern::Face) => {
+            let slip = margin(p, s, state, solution).slip;
+            for (i, v) in sole.vertices.iter().enumerate() {
+                let motion = slip.xy() + Vector2::new(-v.r.y, v.r.x) * (slip.z / sole.radius);
+                // What does not move in the twist of least margin is its centre.
+                if motion.norm() > 1e-9 * slip.norm() {
+                    out.against(i, &-motion);
+                }
+            }
+        }
+    }
 }
 
 /// Least over the polygon's edges of load times distance of the centre of pressure inside the edge, over the radius.

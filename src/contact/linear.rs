@@ -8,25 +8,35 @@
 /// 1e-14; closed kinematic loops of real robots leave honest pivots above 1e-9.
 const RANK: f64 = 1e-12;
 
-/// Scratch for systems up to a given size.
+/// Scratch for systems up to a given size, and the last factorisation.
 #[derive(Clone, Debug)]
 pub struct Linear {
+    /// Which unknown each column holds after pivoting.
     column: Vec<usize>,
+    /// Which row was exchanged with row k at step k.
+    row: Vec<usize>,
+    rank: usize,
     scratch: Vec<f64>,
 }
 
 impl Linear {
     /// For systems of at most `n` unknowns.
     pub fn new(n: usize) -> Self {
-        Linear { column: vec![0; n], scratch: vec![0.0; n] }
+        Linear { column: vec![0; n], row: vec![0; n], rank: 0, scratch: vec![0.0; n] }
     }
 
-    /// Solves `A x = b` in place: `a` is n x n row-major and is destroyed, `b` becomes x. Returns the rank.
+    /// Solves `A x = b` in place: `a` is n x n row-major and becomes its factors, `b` becomes x. Returns the rank.
     pub fn solve(&mut self, a: &mut [f64], b: &mut [f64]) -> usize {
-        let n = b.len();
+        self.factor(a, b.len());
+        self.apply(a, b);
+        self.rank
+    }
+
+    /// Factors `a`, n x n row-major, in place.
+    pub fn factor(&mut self, a: &mut [f64], n: usize) {
         let column = &mut self.column[..n];
         column.iter_mut().enumerate().for_each(|(i, c)| *c = i);
-        let mut rank = n;
+        self.rank = n;
         let mut first = 0.0;
         for k in 0..n {
             let (mut pi, mut pj, mut best) = (k, k, 0.0);
@@ -41,14 +51,14 @@ impl Linear {
                 first = best;
             }
             if best <= RANK * first || best == 0.0 {
-                rank = k;
+                self.rank = k;
                 break;
             }
+            self.row[k] = pi;
             if pi != k {
                 for j in 0..n {
                     a.swap(k * n + j, pi * n + j);
                 }
-                b.swap(k, pi);
             }
             if pj != k {
                 for i in 0..n {
@@ -59,31 +69,42 @@ impl Linear {
             let inverse = 1.0 / a[k * n + k];
             let (upper, lower) = a.split_at_mut((k + 1) * n);
             let pivot_row = &upper[k * n + k + 1..(k + 1) * n];
-            for (i, row) in lower.chunks_exact_mut(n).enumerate() {
+            for row in lower.chunks_exact_mut(n) {
                 let f = row[k] * inverse;
+                row[k] = f;
                 if f != 0.0 {
                     for (x, p) in row[k + 1..].iter_mut().zip(pivot_row) {
                         *x -= f * p;
                     }
-                    b[k + 1 + i] -= f * b[k];
                 }
             }
         }
-        for k in (0..n).rev() {
-            if k >= rank {
-                b[k] = 0.0;
-                continue;
+    }
+
+    /// Solves with the factors that [`factor`](Self::factor) left in `a`: `b` becomes x.
+    pub fn apply(&mut self, a: &[f64], b: &mut [f64]) {
+        let (n, rank) = (b.len(), self.rank);
+        // The multipliers have been exchanged along with their rows.
+        (0..rank).for_each(|k| b.swap(k, self.row[k]));
+        for k in 0..rank {
+            let pivot = b[k];
+            if pivot != 0.0 {
+                for i in k + 1..n {
+                    b[i] -= a[i * n + k] * pivot;
+                }
             }
+        }
+        b[rank..].fill(0.0);
+        for k in (0..rank).rev() {
             let row = &a[k * n + k + 1..k * n + rank];
             let sum: f64 = row.iter().zip(&b[k + 1..rank]).map(|(x, y)| x * y).sum();
             b[k] = (b[k] - sum) / a[k * n + k];
         }
         let x = &mut self.scratch[..n];
-        for (k, &c) in column.iter().enumerate() {
+        for (k, &c) in self.column[..n].iter().enumerate() {
             x[c] = b[k];
         }
         b.copy_from_slice(x);
-        rank
     }
 }
 
@@ -100,6 +121,21 @@ mod tests {
         // Exact solution by hand: x = (1, -2, 4); rounding of a 3 x 3 elimination.
         for (x, y) in b.iter().zip([1.0, -2.0, 4.0]) {
             assert!((x - y).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn factors_serve_several_right_hand_sides() {
+        let original = [0.0, 2.0, 1.0, 1.0, 1.0, -3.0, 4.0, -1.0, 2.0];
+        let (mut lin, mut a) = (Linear::new(3), original);
+        lin.factor(&mut a, 3);
+        for rhs in [[1.0, 0.0, 0.0], [0.3, -2.0, 5.0]] {
+            let mut x = rhs;
+            lin.apply(&a, &mut x);
+            for i in 0..3 {
+                let image: f64 = (0..3).map(|j| original[3 * i + j] * x[j]).sum();
+                assert!((image - rhs[i]).abs() < 1e-14);
+            }
         }
     }
 

@@ -7,8 +7,8 @@
 //! selection says so.
 
 use super::candidate::{Kernel, Solution, share_static};
-use super::implicit;
-use super::judge::{Faults, Margin, Rules, Verdict, judge, margin};
+use super::implicit::{self, Finder, Onset, Slips};
+use super::judge::{Faults, Margin, Rules, SUSPECT_FRICTION, Verdict, judge, margin, onset};
 use super::problem::Problem;
 use super::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
 use nalgebra::Vector3;
@@ -21,6 +21,10 @@ const ENUMERABLE: usize = 20_000;
 struct Entry {
     states: States,
     verdict: Verdict,
+    /// How its soles slip, for the directions to be found again.
+    slips: Slips,
+    /// Were its directions sought from a settled start?
+    guessed: bool,
     expanded: bool,
 }
 
@@ -41,7 +45,14 @@ pub struct Selection {
 #[derive(Clone, Debug)]
 pub struct Selector {
     kernel: Kernel,
+    finder: Finder,
+    /// Slips to start from when directions are sought, beside those that the loads suggest.
+    guess: Option<Slips>,
+    /// How soles give way whose load an event has put at its limit.
+    onset: Vec<Onset>,
     queue: Vec<Entry>,
+    /// Clamped patterns whose modes have been solved for.
+    patterns: Vec<States>,
     /// Look over all slip directions; not while enumerating, where the guesses must do.
     thorough: bool,
 }
@@ -49,7 +60,15 @@ pub struct Selector {
 impl Selector {
     /// A selector for problems of this size.
     pub fn new(p: &Problem) -> Self {
-        Selector { kernel: Kernel::new(p), queue: Vec::with_capacity(1024), thorough: true }
+        Selector {
+            kernel: Kernel::new(p),
+            finder: Finder::new(p),
+            guess: None,
+            onset: vec![Onset::default(); p.soles.len()],
+            queue: Vec::with_capacity(1024),
+            patterns: Vec::with_capacity(256),
+            thorough: true,
+        }
     }
 
     /// The candidate solve, for the states that were chosen.
@@ -72,13 +91,15 @@ impl Selector {
                 hint[s] = margin(p, s, stuck[s], out).slip;
             }
         }
-        let slides = implicit::solve(&mut self.kernel, p, states, &hint, self.thorough, out);
+        let hints = [self.guess.unwrap_or(hint), hint];
+        let hints = if self.guess.is_some() { &hints[..] } else { &hints[..1] };
+        let slides = self.finder.solve(&mut self.kernel, p, states, hints, &self.onset, self.thorough, out);
         share_static(p, states, out);
         judge(p, states, out, slides, rules)
     }
 
     /// Selects the states. `start` is tried first; unless `settled` (nothing happened since it was chosen), smaller
-    /// neighbours of a valid candidate are tried too. `allowed` restricts the states of each sole (forced states).
+    /// neighbours of a valid candidate are tried too. `out` holds the solution of the states before. `allowed` restricts the states of each sole (forced states).
     pub fn select(
         &mut self,
         p: &mut Problem,
@@ -89,8 +110,49 @@ impl Selector {
         out: &mut Solution,
     ) -> Selection {
         self.queue.clear();
+        self.patterns.clear();
+        for (s, limit) in self.onset.iter_mut().enumerate() {
+            limit.vertices = 0;
+            if rules.suspect[s] & SUSPECT_FRICTION != 0 {
+                onset(p, s, rules.previous[s], out, limit);
+            }
+        }
         let mut tested = 0;
         self.push(p, start, rules, &mut tested, out);
+        self.explore(p, settled, false, rules, allowed, &mut tested, out);
+        let mut best = self.best();
+        if !best.verdict.valid() {
+            // Again from the best, patterns only: what sticks and what slips is then solved for.
+            self.thorough = false;
+            self.queue.iter_mut().for_each(|e| e.expanded = true);
+            self.complete(p, &best.states, rules, allowed, &mut tested, out);
+            self.explore(p, false, true, rules, allowed, &mut tested, out);
+            best = self.best();
+            if !best.verdict.valid() {
+                self.enumerate(p, rules, allowed, &mut tested, out);
+                best = self.best();
+            }
+            self.thorough = true;
+        }
+        // Leave the chosen candidate's solution and directions in place.
+        self.guess = Some(best.slips);
+        let verdict = self.test(p, &best.states, rules, out);
+        self.guess = None;
+        Selection { states: best.states, tested, consistent: verdict.valid(), verdict }
+    }
+
+    /// Expands the best candidates until one is valid and none of its smaller neighbours beats it.
+    #[expect(clippy::too_many_arguments)]
+    fn explore(
+        &mut self,
+        p: &mut Problem,
+        settled: bool,
+        completing: bool,
+        rules: &Rules,
+        allowed: &dyn Fn(usize, SoleState) -> bool,
+        tested: &mut usize,
+        out: &mut Solution,
+    ) {
         loop {
             let best = (0..self.queue.len())
                 .filter(|&i| !self.queue[i].expanded)
@@ -110,24 +172,47 @@ impl Selector {
                 let mut moves = Moves::default();
                 moves.suggest(p, s, entry.states[s], faults, entry.verdict.valid());
                 for &state in &moves.list[..moves.count] {
-                    if allowed(s, state) {
-                        let mut next = entry.states;
-                        next[s] = state;
-                        self.push(p, &next, rules, &mut tested, out);
+                    let mut next = entry.states;
+                    next[s] = state;
+                    if completing {
+                        self.complete(p, &next, rules, allowed, tested, out);
+                    } else if allowed(s, state) {
+                        self.push(p, &next, rules, tested, out);
                     }
                 }
             }
         }
-        let mut best = self.best();
-        if !best.verdict.valid() {
-            self.thorough = false;
-            self.enumerate(p, rules, allowed, &mut tested, out);
-            self.thorough = true;
-            best = self.best();
+    }
+
+    /// Tests the patterns of `states` with the modes that follow from them.
+    fn complete(
+        &mut self,
+        p: &mut Problem,
+        states: &States,
+        rules: &Rules,
+        allowed: &dyn Fn(usize, SoleState) -> bool,
+        tested: &mut usize,
+        out: &mut Solution,
+    ) {
+        let mut patterns = *states;
+        (0..p.soles.len()).for_each(|s| patterns[s] = SoleState::fixed(patterns[s].pattern));
+        if self.patterns.contains(&patterns) {
+            return;
         }
-        // Leave the chosen candidate's solution and directions in place.
-        let verdict = self.test(p, &best.states, rules, out);
-        Selection { states: best.states, tested, consistent: verdict.valid(), verdict }
+        self.patterns.push(patterns);
+        *tested += 1;
+        let Some(settled) = self.finder.settle(&mut self.kernel, p, &patterns, out) else { return };
+        // A slip that has hardly begun can be told from viscous creep only by trying.
+        for threshold in [10.0, 1e3, 1e6] {
+            let states = settled.modes(p, threshold);
+            if (0..p.soles.len()).all(|s| allowed(s, states[s])) {
+                // What failed before for want of a good start is tried once more.
+                self.queue.retain(|e| e.states != states || e.verdict.valid() || e.guessed);
+                self.guess = Some(settled.slips);
+                self.push(p, &states, rules, tested, out);
+                self.guess = None;
+            }
+        }
     }
 
     fn best(&self) -> Entry {
@@ -140,7 +225,9 @@ impl Selector {
         }
         let verdict = self.test(p, states, rules, out);
         *tested += 1;
-        self.queue.push(Entry { states: *states, verdict, expanded: false });
+        let slips = implicit::slips(p, states, &out.motion);
+        let guessed = self.guess.is_some();
+        self.queue.push(Entry { states: *states, verdict, slips, guessed, expanded: false });
     }
 
     fn enumerate(

@@ -13,6 +13,8 @@ use nalgebra::{Vector2, Vector3};
 
 /// Rounds of choosing and settling at one instant.
 const SETTLE: usize = 4;
+/// Depth, in distance tolerances, down to which a vertex may still be said to arrive at the floor.
+const REACH: f64 = 10.0;
 /// Impacts that may follow each other at one instant.
 const CASCADE: usize = 32;
 
@@ -70,7 +72,7 @@ impl Simulation {
             let approaches = |i: usize| {
                 let v = &sole.vertices[i];
                 v.height <= tol.distance && v.velocity.z < -tol.velocity - tol.rest
-                    || v.height <= TOUCHING && v.height >= -tol.distance && v.velocity.z < -tol.rest
+                    || v.height <= TOUCHING && v.height >= -REACH * tol.distance && v.velocity.z < -tol.rest
             };
             (0..k).any(|i| !self.plant.states[s].clamps(i, k) && approaches(i))
         })

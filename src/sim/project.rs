@@ -25,12 +25,16 @@ pub fn fit_plane(sole: &SoleProblem, value: impl Fn(usize) -> f64) -> Vector3<f6
     Vector3::new(mean, tilt.x, tilt.y)
 }
 
-/// Remembers where the vertices of sole `s` are.
+/// Remembers where the vertices of sole `s` are. Where events are located, those that touch belong on the floor itself.
 pub fn anchor(sim: &mut Simulation, s: usize) {
+    let on_floor = if sim.locates() { 2.0 * sim.tolerances.distance } else { 0.0 };
     let sole = &sim.plant.problem.soles[s];
     let origin = sim.plant.sole_origin(s);
     for (place, v) in sim.anchors[s].iter_mut().zip(&sole.vertices) {
         *place = origin + v.r;
+        if place.z.abs() <= on_floor {
+            place.z = 0.0;
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use super::plant::Plant;
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
 use crate::contact::candidate::Solution;
+use crate::contact::judge::TOUCHING;
 use crate::contact::method;
 use crate::contact::problem::{Problem, Tolerances};
 use crate::contact::state::MAX_SOLES;
@@ -20,9 +21,6 @@ const STALL_RATE: u64 = 5_000;
 const STALL_IN_PLACE: u64 = 200;
 /// Speeds (m/s, rad/s) and positions (m) beyond this mean divergence.
 const SENSIBLE: f64 = 1e6;
-
-/// Distance tolerance where events are located, m: ten times the height at which a vertex counts as touching.
-const MEETING: f64 = 1e-9;
 
 enum Stepper {
     Adaptive(Box<Adaptive>),
@@ -98,7 +96,7 @@ impl Simulation {
         let mut tolerances = setup.contact.tolerances;
         if setup.contact.locate && plant.method.locates_events() {
             // Every vertex meets the floor in an event of its own, so none has to be clamped above it.
-            tolerances.distance = tolerances.distance.min(MEETING);
+            tolerances.distance = tolerances.distance.min(TOUCHING);
         }
         let snapshot = super::observe::blank(&model);
         let mut sim = Simulation {
