@@ -17,6 +17,9 @@ const LOCATE: f64 = 1e-13;
 /// Smallest step relative to the time scale of the run, s.
 const SMALLEST: f64 = 1e-13;
 
+/// Times a step is shortened to end where a vertex has gone over a narrow patch.
+const PASSAGES: usize = 8;
+
 /// The adaptive integrator of one run.
 pub struct Adaptive {
     rk: Dopri5,
@@ -60,8 +63,6 @@ impl Adaptive {
     pub fn step(&mut self, sim: &mut Simulation, until: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
         let t0 = sim.plant.state.time;
         let layout = sim.plant.layout;
-        layout.pack(&sim.plant.state, &mut self.y);
-        self.y[layout.work()] = sim.work;
         let remaining = until - t0;
         let mut h = self.h.min(self.max_step).min(remaining);
         // Do not leave a sliver before the stop.
@@ -69,10 +70,12 @@ impl Adaptive {
             h = remaining;
         }
         sim.plant.within = t0 + 0.5 * h;
-        self.rk.begin(&mut sim.plant, t0, &self.y);
-        sim.plant.follow_directions();
-        self.watch.begin(sim);
-        self.watch.values(sim, &mut self.start);
+        self.begin(sim, t0);
+        if sim.locates() && self.watch.strayed(&self.start) {
+            // Projecting the drift out has moved a vertex over a border.
+            sim.decide(observer)?;
+            self.begin(sim, t0);
+        }
         let doubtful = self.watch.overlook(&mut self.start);
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
@@ -94,6 +97,12 @@ impl Adaptive {
         }
         // The last stage was evaluated at the end of the step, so the plant stands there.
         self.watch.values(sim, &mut self.right);
+        for _ in 0..PASSAGES {
+            let Some(part) = self.watch.passed_over(sim, &self.right).filter(|_| sim.locates()) else { break };
+            h *= part;
+            self.rk.attempt(&mut sim.plant, t0, h, self.relative, self.absolute, 0);
+            self.watch.values(sim, &mut self.right);
+        }
         let mut event = self.right.iter().any(|g| *g < 0.0);
         if event && sim.locates() {
             h = self.locate(sim, t0, h);
@@ -113,6 +122,17 @@ impl Adaptive {
         }
         sim.measure();
         Ok(())
+    }
+
+    /// Evaluates the start of a step and chooses what to watch in it.
+    fn begin(&mut self, sim: &mut Simulation, t0: f64) {
+        let layout = sim.plant.layout;
+        layout.pack(&sim.plant.state, &mut self.y);
+        self.y[layout.work()] = sim.work;
+        self.rk.begin(&mut sim.plant, t0, &self.y);
+        sim.plant.follow_directions();
+        self.watch.begin(sim);
+        self.watch.values(sim, &mut self.start);
     }
 
     /// Shortens the step just tried to its first event; returns its new size. The plant is left at the event.

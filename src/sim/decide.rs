@@ -21,6 +21,7 @@ impl Simulation {
     /// the plant evaluated.
     pub(super) fn decide(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         self.plant.evaluate_free();
+        self.find_friction(observer)?;
         self.plant.point_directions();
         if self.plant.method.locates_events() {
             self.count_event()?;

@@ -45,6 +45,7 @@ impl Fixed {
         if let Some(failure) = sim.plant.failure {
             return Err(sim.diverged(&failure.to_string()));
         }
+        sim.find_friction(observer)?;
         self.pose(sim, dt);
         sim.choose_impulse(observer)?;
         // v+ = v + dt M^-1 (tau - h) + M^-1 J^T p

@@ -8,12 +8,14 @@ pub mod error;
 mod fixed;
 pub mod layout;
 pub mod observe;
+pub mod patch;
 pub mod plant;
 mod project;
 pub mod report;
 pub mod setup;
 pub mod simulation;
 mod watch;
+mod zones;
 
 pub use error::Stop;
 pub use report::*;

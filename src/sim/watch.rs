@@ -7,11 +7,13 @@
 //! | normal margin of a clamped pattern | lift-off, or the centre of pressure leaves it |
 //! | friction margin of a static pattern or a pivot | slip onset |
 //! | sliding velocity along the reference direction | stick, or turning round |
+//! | distance of a sliding vertex to the border of its zone | other friction |
 
 use super::simulation::Simulation;
 use crate::contact::candidate::share_static;
 use crate::contact::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL, TOUCHING, margin};
 use crate::contact::state::{MAX_SOLES, Mode};
+use nalgebra::Vector2;
 
 /// Most event functions watched at once.
 pub const MAX_WATCHED: usize = 512;
@@ -23,6 +25,7 @@ enum Item {
     Normal(usize),
     Friction(usize),
     Slide(usize, usize),
+    Border(usize, usize, Vector2<f64>),
 }
 
 /// The functions watched during one step.
@@ -47,6 +50,9 @@ impl Watch {
                     self.items.push(if v.height > TOUCHING { Item::Height(s, i) } else { Item::Band(s, i) });
                 } else if state.is_dynamic() && state.mode != Mode::Pivoting(i as u8) {
                     self.items.push(Item::Slide(s, i));
+                    if !sim.plant.floor.patches.is_empty() {
+                        self.items.push(Item::Border(s, i, sim.plant.seen_from_above(s, i)));
+                    }
                 }
             }
             if state.is_static() || state.is_dynamic() {
@@ -89,9 +95,28 @@ impl Watch {
                 Item::Normal(s) => of(s).normal,
                 Item::Friction(s) => of(s).friction,
                 Item::Slide(s, i) => p.soles[s].vertices[i].velocity.xy().dot(&plant.directions[s][i]),
+                Item::Border(s, i, _) => plant.border(s, i),
             };
         }
         self.overlooked.iter().for_each(|&i| out[i] = 1.0);
+    }
+
+    /// Is a vertex outside its zone?
+    pub fn strayed(&self, values: &[f64]) -> bool {
+        self.items.iter().zip(values).any(|(item, g)| matches!(item, Item::Border(..)) && *g < 0.0)
+    }
+
+    /// Has a sliding vertex gone over a border and back within the step that ends at the plant's present evaluation? Then
+    /// returns the part of the step after which it is likely to be beyond the border.
+    pub fn passed_over(&self, sim: &Simulation, values: &[f64]) -> Option<f64> {
+        let plant = &sim.plant;
+        let part = self.items.iter().zip(values).filter_map(|(item, g)| match item {
+            Item::Border(s, i, from) if *g >= 0.0 => {
+                plant.floor.strays(plant.zone(*s, *i), from, &plant.seen_from_above(*s, *i))
+            }
+            _ => None,
+        });
+        part.min_by(f64::total_cmp)
     }
 
     /// Marks the soles whose load reached its limit, from values of which some are negative.

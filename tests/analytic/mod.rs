@@ -6,6 +6,7 @@ mod breakaway;
 mod flight;
 mod incline;
 mod landing;
+mod patches;
 mod pendulum;
 mod planar;
 mod spin;
