@@ -6,7 +6,7 @@
 //! projected out.
 
 use super::error::Stop;
-use super::simulation::Simulation;
+use super::simulation::{Jump, Simulation};
 use super::watch::{MAX_WATCHED, Watch};
 use crate::integrate::event::first_crossing;
 use crate::integrate::{Dopri5, StepControl};
@@ -28,6 +28,8 @@ pub struct Adaptive {
     absolute: f64,
     max_step: f64,
     h: f64,
+    /// Have the states been chosen at the time where the next step starts?
+    fresh: bool,
     /// The integrator's vector.
     y: Vec<f64>,
     dense: Vec<f64>,
@@ -49,6 +51,7 @@ impl Adaptive {
             absolute,
             max_step,
             h: max_step.min(1e-3),
+            fresh: true,
             y: vec![0.0; n],
             dense: vec![0.0; n],
             watch: Watch::default(),
@@ -59,8 +62,15 @@ impl Adaptive {
         }
     }
 
-    /// Takes one step towards `until` (never beyond), with whatever event it meets.
-    pub fn step(&mut self, sim: &mut Simulation, until: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
+    /// Takes one step towards `until` (never beyond), with whatever event it meets. Where something has jumped the states
+    /// are asked again first.
+    pub fn step(
+        &mut self,
+        sim: &mut Simulation,
+        until: f64,
+        jump: Jump,
+        observer: &mut dyn Observer,
+    ) -> Result<(), Stop> {
         let t0 = sim.plant.state.time;
         let layout = sim.plant.layout;
         let remaining = until - t0;
@@ -70,9 +80,14 @@ impl Adaptive {
             h = remaining;
         }
         sim.plant.within = t0 + 0.5 * h;
+        if sim.locates() && jump == Jump::Corner {
+            sim.decide(observer)?;
+            self.fresh = true;
+        }
         self.begin(sim, t0);
-        if sim.locates() && self.watch.strayed(&self.start) {
-            // Projecting the drift out has moved a vertex over a border.
+        // A load that has jumped beyond what its state carries, or drift projected out over a border.
+        let spoiled = self.start.iter().any(|g| *g < 0.0) && (!self.fresh || jump == Jump::Tick);
+        if sim.locates() && spoiled {
             sim.decide(observer)?;
             self.begin(sim, t0);
         }
@@ -120,6 +135,7 @@ impl Adaptive {
             self.watch.suspects(&self.right, &mut sim.suspect);
             sim.decide(observer)?;
         }
+        self.fresh = event;
         sim.measure();
         Ok(())
     }

@@ -116,7 +116,7 @@ impl Simulation {
         let plant = &mut self.plant;
         let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
         self.count(&selection);
-        if !selection.consistent {
+        if !selection.consistent && !self.all_imposed(&selection.verdict) {
             self.metrics.inconsistent += 1;
             let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
             self.event(observer, "inconsistent", "", &message)?;

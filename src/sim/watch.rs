@@ -12,7 +12,7 @@
 use super::simulation::Simulation;
 use crate::contact::candidate::share_static;
 use crate::contact::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL, TOUCHING, margin};
-use crate::contact::state::{MAX_SOLES, Mode};
+use crate::contact::state::{MAX_SOLES, Mode, SoleState};
 use nalgebra::Vector2;
 
 /// Most event functions watched at once.
@@ -45,9 +45,12 @@ impl Watch {
         for (s, sole) in p.soles.iter().enumerate() {
             let state = sim.plant.states[s];
             let k = sole.vertices.len();
+            // An imposed state ends by the clock.
+            let asked = !sim.is_imposed(s);
             for (i, v) in sole.vertices.iter().enumerate() {
                 if !state.clamps(i, k) {
-                    self.items.push(if v.height > TOUCHING { Item::Height(s, i) } else { Item::Band(s, i) });
+                    let item = if v.height > TOUCHING { Item::Height(s, i) } else { Item::Band(s, i) };
+                    self.items.extend(asked.then_some(item));
                 } else if state.is_dynamic() && state.mode != Mode::Pivoting(i as u8) {
                     self.items.push(Item::Slide(s, i));
                     if !sim.plant.floor.patches.is_empty() {
@@ -55,7 +58,7 @@ impl Watch {
                     }
                 }
             }
-            if state.is_static() || state.is_dynamic() {
+            if asked && state != SoleState::FREE {
                 self.items.push(Item::Normal(s));
                 if state.mode != Mode::Sliding {
                     self.items.push(Item::Friction(s));
@@ -101,11 +104,6 @@ impl Watch {
         self.overlooked.iter().for_each(|&i| out[i] = 1.0);
     }
 
-    /// Is a vertex outside its zone?
-    pub fn strayed(&self, values: &[f64]) -> bool {
-        self.items.iter().zip(values).any(|(item, g)| matches!(item, Item::Border(..)) && *g < 0.0)
-    }
-
     /// Has a sliding vertex gone over a border and back within the step that ends at the plant's present evaluation? Then
     /// returns the part of the step after which it is likely to be beyond the border.
     pub fn passed_over(&self, sim: &Simulation, values: &[f64]) -> Option<f64> {
@@ -138,7 +136,8 @@ impl Watch {
         p.soles.iter().enumerate().any(|(s, sole)| {
             let k = sole.vertices.len();
             sole.vertices.iter().enumerate().any(|(i, v)| {
-                !sim.plant.states[s].clamps(i, k)
+                !sim.is_imposed(s)
+                    && !sim.plant.states[s].clamps(i, k)
                     && v.height <= tol.distance
                     && v.velocity.z.abs() <= tol.velocity
                     && p.vertex_motion(&sim.plant.solution.motion, s, i).z < -tol.acceleration
