@@ -232,3 +232,48 @@ fn two_line_feet_stand_and_slide() {
         assert!((x.hypot(y) / way - 1.0).abs() < 1e-8 && (x * 0.8 - y * 0.6).abs() < 1e-9, "{x} {y}");
     }
 }
+
+/// HOAP-2's soles, listed in the order given, each beginning with vertex `first`.
+fn humanoid_soles(order: [&str; 2], first: usize) -> String {
+    let corners = [[0.0582, 0.031], [-0.0358, 0.031], [-0.0358, -0.031], [0.0582, -0.031]];
+    let entries = order.map(|side| {
+        let polygon: Vec<_> = (0..4).map(|i| corners[(first + i) % 4]).map(|[x, y]| [x, y, -0.0405]).collect();
+        format!("{{ name = \"{side}\", link = \"{side}_foot\", polygon = {polygon:?} }}")
+    });
+    format!("[{}]", entries.join(", "))
+}
+
+#[test]
+fn a_humanoid_moves_the_same_whatever_the_order_of_its_soles_and_their_vertices() {
+    for (force, changes) in [([0.0, 0.0, 0.0], false), ([20.0, 0.0, 0.0], true), ([0.0, 15.0, 0.0], true)] {
+        let go = |soles: String| {
+            let (m, _) = watch(&format!(
+                "duration = 1.0
+                robot = {{ model = \"robots/hoap2/hoap2.toml\", soles = {soles} }}
+                integrator = {{ relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }}
+                contact = {{ velocity_tolerance = 0.02 }}
+                [[force]]
+                type = \"push\"
+                link = \"torso\"
+                point = [0, 0, 0.05]
+                force = {force:?}
+                start = 0.1
+                duration = 0.1
+                profile = \"half-sine\"\n"
+            ));
+            assert_eq!((m.inconsistent, m.jams), (0, 0));
+            m
+        };
+        let m = go(humanoid_soles(["l", "r"], 0));
+        assert_eq!(m.state_changes > 0, changes, "{force:?} {}", m.state_changes);
+        for other in [humanoid_soles(["r", "l"], 0), humanoid_soles(["l", "r"], 1), humanoid_soles(["r", "l"], 3)] {
+            let other = go(other);
+            assert_eq!(m.state_changes, other.state_changes);
+            let pairs = m.final_base_position.iter().zip(other.final_base_position);
+            for (a, b) in pairs.chain(m.final_base_rpy.iter().zip(other.final_base_rpy)) {
+                // Other sums, other rounding, through steps at relative tolerance 1e-9.
+                assert!((a - b).abs() < 1e-9, "{force:?} {a} {b}");
+            }
+        }
+    }
+}

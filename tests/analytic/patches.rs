@@ -285,7 +285,8 @@ fn friction_that_draws_a_foot_to_a_border_from_both_sides_keeps_it_there_with_fi
     let ratio = (0.05 - 0.05 * right) / (0.1 + 0.05 * floor);
     let slows = G * (right + ratio * floor) / (1.0 + ratio);
     println!("{} {} {m:?}", m.final_base_position[0], 2.0 / slows);
-    assert!(m.events > 10 && m.events < 5000, "{}", m.events);
+    // A border that did not widen would be crossed more than 3000 times.
+    assert!(m.events > 10 && m.events < 300, "{}", m.events);
     // The foot strays a micrometre from the border, and turns the body by some 1e-5.
     assert!(m.final_base_rpy[2].abs() < 1e-4, "{}", m.final_base_rpy[2]);
     assert!(
