@@ -54,6 +54,7 @@ fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordEr
     let model: &Model = &setup.model;
     let (robot, urdf) = documents(&job.robot);
     let scenario_name = format!("{}.toml", job.run.name);
+    let patches: Vec<_> = setup.floor.patches.iter().map(|p| setup.floor.outline(p)).collect();
     let header = LogHeader {
         scenario_name: &job.run.name,
         key: &job.key,
@@ -62,6 +63,7 @@ fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordEr
         robot: robot.as_ref().map(|(name, text)| Document { name, text }),
         urdf: Document { name: &urdf, text: &job.robot.urdf_text },
         floor: pose(&setup.floor),
+        patches: &patches,
         topics: topics(&job.run.scenario.log.topics),
     };
     LogWriter::create(path, model, &header)

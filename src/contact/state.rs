@@ -165,8 +165,8 @@ mod tests {
         }
         let biped = SoleState::all(4).flat_map(|l| SoleState::all(4).map(move |r| (l, r))).count();
         assert_eq!(biped, 361);
-        let quadruped = SoleState::all(1).count().pow(4);
-        assert_eq!(quadruped, 81);
+        let points = |n| SoleState::all(1).count().pow(n);
+        assert_eq!([points(3), points(4), points(6)], [27, 81, 729]);
     }
 
     #[test]

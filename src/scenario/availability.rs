@@ -12,7 +12,6 @@ use super::{
 const PLANNED: &[(&str, Option<&str>)] = &[
     ("robot.joint_default.mode", Some("kinematic")),
     ("robot.joint.*.mode", Some("kinematic")),
-    ("floor.patches", None),
     ("contact.method", Some("penalty")),
     ("contact.method", Some("lcp")),
     ("contact.method", Some("ncp")),
@@ -89,7 +88,7 @@ fn message(path: &[String], word: &str) -> String {
     }
 }
 
-/// `floor.patches = []` asks for nothing.
+/// An empty array asks for nothing.
 fn is_empty(node: &Node) -> bool {
     matches!(&node.value, Value::Array(items) if items.is_empty())
 }

@@ -3,6 +3,7 @@
 use super::{
     diagnostic::Findings,
     path::Path,
+    polygon,
     scenario::Scenario,
     source::Span,
     spec::{
@@ -30,6 +31,10 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     check.friction("floor.friction", scenario.floor.friction);
     for (i, patch) in scenario.floor.patches.iter().enumerate() {
         check.friction(&format!("floor.patches.{i}.friction"), patch.friction);
+        if let Some((corner, must)) = polygon::fault(&patch.polygon) {
+            let corner = corner.map_or(String::new(), |c| format!(".{c}"));
+            check.error(&format!("floor.patches.{i}.polygon{corner}"), must);
+        }
     }
     check.soles(scenario.robot.soles.as_deref().unwrap_or_default());
     for (i, payload) in scenario.robot.payload.iter().enumerate() {

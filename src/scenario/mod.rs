@@ -19,6 +19,7 @@ mod grid;
 mod key;
 mod overrides;
 mod path;
+mod polygon;
 mod quantity;
 #[expect(clippy::module_inception)]
 mod scenario;

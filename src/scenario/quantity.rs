@@ -156,6 +156,8 @@ pub mod json {
         Fraction = {"type": "number", "minimum": 0, "maximum": 1};
         /// See [`count`].
         Count = {"type": "integer", "minimum": 1};
+        /// A point seen from above; its height is not used.
+        Corner = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 3};
         /// Radians or a string.
         Angle = {"anyOf": [
             {"type": "number"},

@@ -6,7 +6,7 @@
 //! projected out.
 
 use super::error::Stop;
-use super::simulation::Simulation;
+use super::simulation::{Jump, Simulation};
 use super::watch::{MAX_WATCHED, Watch};
 use crate::integrate::event::first_crossing;
 use crate::integrate::{Dopri5, StepControl};
@@ -17,6 +17,9 @@ const LOCATE: f64 = 1e-13;
 /// Smallest step relative to the time scale of the run, s.
 const SMALLEST: f64 = 1e-13;
 
+/// Times a step is shortened to end where a vertex has gone over a narrow patch.
+const PASSAGES: usize = 8;
+
 /// The adaptive integrator of one run.
 pub struct Adaptive {
     rk: Dopri5,
@@ -25,6 +28,8 @@ pub struct Adaptive {
     absolute: f64,
     max_step: f64,
     h: f64,
+    /// Have the states been chosen at the time where the next step starts?
+    fresh: bool,
     /// The integrator's vector.
     y: Vec<f64>,
     dense: Vec<f64>,
@@ -46,6 +51,7 @@ impl Adaptive {
             absolute,
             max_step,
             h: max_step.min(1e-3),
+            fresh: true,
             y: vec![0.0; n],
             dense: vec![0.0; n],
             watch: Watch::default(),
@@ -56,12 +62,17 @@ impl Adaptive {
         }
     }
 
-    /// Takes one step towards `until` (never beyond), with whatever event it meets.
-    pub fn step(&mut self, sim: &mut Simulation, until: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
+    /// Takes one step towards `until` (never beyond), with whatever event it meets. Where something has jumped the states
+    /// are asked again first.
+    pub fn step(
+        &mut self,
+        sim: &mut Simulation,
+        until: f64,
+        jump: Jump,
+        observer: &mut dyn Observer,
+    ) -> Result<(), Stop> {
         let t0 = sim.plant.state.time;
         let layout = sim.plant.layout;
-        layout.pack(&sim.plant.state, &mut self.y);
-        self.y[layout.work()] = sim.work;
         let remaining = until - t0;
         let mut h = self.h.min(self.max_step).min(remaining);
         // Do not leave a sliver before the stop.
@@ -69,10 +80,17 @@ impl Adaptive {
             h = remaining;
         }
         sim.plant.within = t0 + 0.5 * h;
-        self.rk.begin(&mut sim.plant, t0, &self.y);
-        sim.plant.follow_directions();
-        self.watch.begin(sim);
-        self.watch.values(sim, &mut self.start);
+        if sim.locates() && jump == Jump::Corner {
+            sim.decide(observer)?;
+            self.fresh = true;
+        }
+        self.begin(sim, t0);
+        // A load that has jumped beyond what its state carries, or drift projected out over a border.
+        let spoiled = self.start.iter().any(|g| *g < 0.0) && (!self.fresh || jump == Jump::Tick);
+        if sim.locates() && spoiled {
+            sim.decide(observer)?;
+            self.begin(sim, t0);
+        }
         let doubtful = self.watch.overlook(&mut self.start);
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
@@ -94,6 +112,12 @@ impl Adaptive {
         }
         // The last stage was evaluated at the end of the step, so the plant stands there.
         self.watch.values(sim, &mut self.right);
+        for _ in 0..PASSAGES {
+            let Some(part) = self.watch.passed_over(sim, &self.right).filter(|_| sim.locates()) else { break };
+            h *= part;
+            self.rk.attempt(&mut sim.plant, t0, h, self.relative, self.absolute, 0);
+            self.watch.values(sim, &mut self.right);
+        }
         let mut event = self.right.iter().any(|g| *g < 0.0);
         if event && sim.locates() {
             h = self.locate(sim, t0, h);
@@ -111,8 +135,20 @@ impl Adaptive {
             self.watch.suspects(&self.right, &mut sim.suspect);
             sim.decide(observer)?;
         }
+        self.fresh = event;
         sim.measure();
         Ok(())
+    }
+
+    /// Evaluates the start of a step and chooses what to watch in it.
+    fn begin(&mut self, sim: &mut Simulation, t0: f64) {
+        let layout = sim.plant.layout;
+        layout.pack(&sim.plant.state, &mut self.y);
+        self.y[layout.work()] = sim.work;
+        self.rk.begin(&mut sim.plant, t0, &self.y);
+        sim.plant.follow_directions();
+        self.watch.begin(sim);
+        self.watch.values(sim, &mut self.start);
     }
 
     /// Shortens the step just tried to its first event; returns its new size. The plant is left at the event.

@@ -1,5 +1,6 @@
 //! From a scenario's run and a loaded robot to a [`Setup`]: the place where names meet what they name.
 
+use super::patch::Patch;
 use super::setup::{ContactSetup, Floor, Forced, IntegratorSetup, Setup, Start};
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
@@ -11,8 +12,8 @@ use crate::force::wrench::Wrench;
 use crate::robot::adjust::{self, DriveSettings};
 use crate::robot::{Base, DriveMode, JointId, Model, Robot};
 use crate::scenario::{
-    ConstantForce, Diagnostic, Diagnostics, EventHandling, ForceFrame, ForceSpec, IntegratorMethod, JointLimits,
-    JointMode, Profile as ProfileSpec, PushForce, Run, SoleSpec, TaskSpec, suggest,
+    ConstantForce, Diagnostic, Diagnostics, EventHandling, FloorSpec, ForceFrame, ForceSpec, IntegratorMethod,
+    JointLimits, JointMode, PatchSpec, Profile as ProfileSpec, PushForce, Run, SoleSpec, TaskSpec, suggest,
 };
 use crate::task::posture::Posture;
 use crate::task::{Command, TaskServer};
@@ -33,7 +34,12 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         point: Vector3::new(0.0, 0.0, s.floor.height),
         mu_s: s.floor.friction.static_,
         mu_k: s.floor.friction.kinetic,
+        patches: patches(&s.floor),
     };
+    if !floor.patches.is_empty() && floor.rotation[(2, 2)].abs() < STEEPEST {
+        let message = "`floor.patches` are seen from above, and this floor stands upright: see `floor.rpy`";
+        errors.push(run.error_at("floor.patches", message, None));
+    }
     let start = start(run, &model, &floor, &mut errors);
     let forces = forces(run, &model, &mut errors);
     let mut tasks = TaskServer::new(s.control.rate, Command::hold(&start.joints));
@@ -85,6 +91,18 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
     })
+}
+
+/// Cosine of the tilt from which on nothing can be projected onto the floor from above.
+const STEEPEST: f64 = 1e-6;
+
+fn patches(floor: &FloorSpec) -> Vec<Patch> {
+    let patch = |p: &PatchSpec| Patch {
+        corners: p.polygon.iter().map(|&c| c.into()).collect(),
+        mu_s: p.friction.static_,
+        mu_k: p.friction.kinetic,
+    };
+    floor.patches.iter().map(patch).collect()
 }
 
 /// Slip speeds that the integrator cannot tell from rest: ten times its absolute tolerance. Fixed steps resolve zero

@@ -23,6 +23,7 @@ impl Simulation {
     /// the plant evaluated.
     pub(super) fn decide(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         self.plant.evaluate_free();
+        self.find_friction(observer)?;
         self.plant.point_directions();
         if self.plant.method.locates_events() {
             self.count_event()?;
@@ -47,7 +48,7 @@ impl Simulation {
             if change > self.tolerances.rest && round < SETTLE {
                 continue;
             }
-            if selection.consistent {
+            if selection.consistent || self.all_imposed(&selection.verdict) {
                 break;
             }
             // A jam is only an answer if a state is chosen after it.
@@ -74,7 +75,7 @@ impl Simulation {
                 v.height <= tol.distance && v.velocity.z < -tol.velocity - tol.rest
                     || v.height <= TOUCHING && v.height >= -REACH * tol.distance && v.velocity.z < -tol.rest
             };
-            (0..k).any(|i| !self.plant.states[s].clamps(i, k) && approaches(i))
+            !self.is_imposed(s) && (0..k).any(|i| !self.plant.states[s].clamps(i, k) && approaches(i))
         })
     }
 
@@ -143,7 +144,7 @@ impl Simulation {
         self.work -= loss;
         self.metrics.impacts += 1;
         self.count(&selection);
-        if !selection.consistent {
+        if !selection.consistent && !self.all_imposed(&selection.verdict) {
             self.metrics.inconsistent += 1;
             self.event(observer, "inconsistent", "", "no contact state is valid at an impact")?;
         }

@@ -45,6 +45,7 @@ impl Fixed {
         if let Some(failure) = sim.plant.failure {
             return Err(sim.diverged(&failure.to_string()));
         }
+        sim.find_friction(observer)?;
         self.pose(sim, dt);
         sim.choose_impulse(observer)?;
         // v+ = v + dt M^-1 (tau - h) + M^-1 J^T p
@@ -115,7 +116,7 @@ impl Simulation {
         let plant = &mut self.plant;
         let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
         self.count(&selection);
-        if !selection.consistent {
+        if !selection.consistent && !self.all_imposed(&selection.verdict) {
             self.metrics.inconsistent += 1;
             let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
             self.event(observer, "inconsistent", "", &message)?;

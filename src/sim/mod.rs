@@ -6,14 +6,17 @@ pub mod build;
 mod decide;
 pub mod error;
 mod fixed;
+mod imposed;
 pub mod layout;
 pub mod observe;
+pub mod patch;
 pub mod plant;
 mod project;
 pub mod report;
 pub mod setup;
 pub mod simulation;
 mod watch;
+mod zones;
 
 pub use error::Stop;
 pub use report::*;

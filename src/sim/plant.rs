@@ -10,6 +10,7 @@
 use super::actuator::{self, Stop};
 use super::layout::Layout;
 use super::setup::{Floor, Setup};
+use super::zones::Place;
 use crate::contact::candidate::Solution;
 use crate::contact::method::Method;
 use crate::contact::problem::{Level, Problem};
@@ -58,6 +59,8 @@ pub struct Plant {
     pub method: Box<dyn Method>,
     /// Reference sliding directions, by sole and vertex, from the last choice of states.
     pub directions: Vec<Vec<Vector2<f64>>>,
+    /// Where each vertex is on the floor, by sole and vertex; held while a step is integrated.
+    pub(super) places: Vec<Vec<Place>>,
     /// Speed below which a sliding vertex is at rest, m/s.
     pub rest: f64,
     /// A time inside the smooth piece being integrated.
@@ -99,7 +102,7 @@ impl Plant {
         Plant {
             layout: Layout::new(&model),
             gravity: setup.gravity,
-            floor: setup.floor,
+            floor: setup.floor.clone(),
             forces: std::mem::take(&mut setup.forces),
             command: setup.tasks.command.clone(),
             stops,
@@ -110,6 +113,7 @@ impl Plant {
             method,
             problem,
             directions,
+            places: model.soles.iter().map(|s| vec![Place::default(); s.vertices.len()]).collect(),
             rest: setup.contact.tolerances.rest,
             within: 0.0,
             tau: vec![0.0; nv],

@@ -1,5 +1,6 @@
 //! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
 
+use super::patch::Patch;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
 use crate::force::Force;
@@ -9,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// The floor plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Floor {
     /// Floor axes in the world; the third column is the upward normal.
     pub rotation: Matrix3<f64>,
@@ -19,6 +20,8 @@ pub struct Floor {
     pub mu_s: f64,
     /// Kinetic friction coefficient.
     pub mu_k: f64,
+    /// Regions with friction of their own; where they overlap the last one counts.
+    pub patches: Vec<Patch>,
 }
 
 impl Floor {

@@ -27,6 +27,17 @@ enum Stepper {
     Fixed(Box<Fixed>),
 }
 
+/// What may have jumped at the start of a step.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Jump {
+    /// Nothing.
+    None,
+    /// What the joints are asked.
+    Tick,
+    /// A force, or which states are imposed.
+    Corner,
+}
+
 /// A run: owns its state, couples the rooms.
 pub struct Simulation {
     pub(super) plant: Plant,
@@ -152,6 +163,7 @@ impl Simulation {
     pub fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         self.run_tasks(observer)?;
         self.plant.within = 0.0;
+        self.tell_imposed(observer)?;
         self.decide(observer)?;
         self.started = true;
         self.measure();
@@ -162,15 +174,24 @@ impl Simulation {
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         let t = self.plant.state.time;
         let tick = self.tasks.next_tick();
-        if tick.is_some_and(|tick| tick <= t) {
+        let ticks = tick.is_some_and(|tick| tick <= t);
+        if ticks {
             self.run_tasks(observer)?;
         }
+        let jump = if self.corners.contains(&t) {
+            self.tell_imposed(observer)?;
+            Jump::Corner
+        } else if ticks {
+            Jump::Tick
+        } else {
+            Jump::None
+        };
         let corner = self.corners.iter().copied().find(|c| *c > t);
         let stops = [self.tasks.next_tick(), corner];
         let until = stops.into_iter().flatten().fold(self.duration, f64::min);
         let mut stepper = self.stepper.take().expect("put back below");
         let result = match &mut stepper {
-            Stepper::Adaptive(adaptive) => adaptive.step(self, until, observer),
+            Stepper::Adaptive(adaptive) => adaptive.step(self, until, jump, observer),
             Stepper::Fixed(fixed) => fixed.step(self, until, observer),
         };
         self.stepper = Some(stepper);
@@ -289,7 +310,10 @@ impl Simulation {
         if self.window.1 > STALL_RATE {
             return Err(Stop::new(
                 Outcome::Stalled,
-                format!("more than {STALL_RATE} events within one second before {t:.6} s"),
+                format!(
+                    "more than {STALL_RATE} contact events within one second before {t:.6} s; a larger \
+                     contact.velocity_tolerance ends bouncing and rocking sooner"
+                ),
             ));
         }
         if self.in_place.1 > STALL_IN_PLACE {

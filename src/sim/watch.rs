@@ -7,11 +7,13 @@
 //! | normal margin of a clamped pattern | lift-off, or the centre of pressure leaves it |
 //! | friction margin of a static pattern or a pivot | slip onset |
 //! | sliding velocity along the reference direction | stick, or turning round |
+//! | distance of a sliding vertex to the border of its zone | other friction |
 
 use super::simulation::Simulation;
 use crate::contact::candidate::share_static;
 use crate::contact::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL, TOUCHING, margin};
-use crate::contact::state::{MAX_SOLES, Mode};
+use crate::contact::state::{MAX_SOLES, Mode, SoleState};
+use nalgebra::Vector2;
 
 /// Most event functions watched at once.
 pub const MAX_WATCHED: usize = 512;
@@ -23,6 +25,7 @@ enum Item {
     Normal(usize),
     Friction(usize),
     Slide(usize, usize),
+    Border(usize, usize, Vector2<f64>),
 }
 
 /// The functions watched during one step.
@@ -42,14 +45,20 @@ impl Watch {
         for (s, sole) in p.soles.iter().enumerate() {
             let state = sim.plant.states[s];
             let k = sole.vertices.len();
+            // An imposed state ends by the clock.
+            let asked = !sim.is_imposed(s);
             for (i, v) in sole.vertices.iter().enumerate() {
                 if !state.clamps(i, k) {
-                    self.items.push(if v.height > TOUCHING { Item::Height(s, i) } else { Item::Band(s, i) });
+                    let item = if v.height > TOUCHING { Item::Height(s, i) } else { Item::Band(s, i) };
+                    self.items.extend(asked.then_some(item));
                 } else if state.is_dynamic() && state.mode != Mode::Pivoting(i as u8) {
                     self.items.push(Item::Slide(s, i));
+                    if !sim.plant.floor.patches.is_empty() {
+                        self.items.push(Item::Border(s, i, sim.plant.seen_from_above(s, i)));
+                    }
                 }
             }
-            if state.is_static() || state.is_dynamic() {
+            if asked && state != SoleState::FREE {
                 self.items.push(Item::Normal(s));
                 if state.mode != Mode::Sliding {
                     self.items.push(Item::Friction(s));
@@ -89,9 +98,23 @@ impl Watch {
                 Item::Normal(s) => of(s).normal,
                 Item::Friction(s) => of(s).friction,
                 Item::Slide(s, i) => p.soles[s].vertices[i].velocity.xy().dot(&plant.directions[s][i]),
+                Item::Border(s, i, _) => plant.border(s, i),
             };
         }
         self.overlooked.iter().for_each(|&i| out[i] = 1.0);
+    }
+
+    /// Has a sliding vertex gone over a border and back within the step that ends at the plant's present evaluation? Then
+    /// returns the part of the step after which it is likely to be beyond the border.
+    pub fn passed_over(&self, sim: &Simulation, values: &[f64]) -> Option<f64> {
+        let plant = &sim.plant;
+        let part = self.items.iter().zip(values).filter_map(|(item, g)| match item {
+            Item::Border(s, i, from) if *g >= 0.0 => {
+                plant.floor.strays(plant.zone(*s, *i), from, &plant.seen_from_above(*s, *i))
+            }
+            _ => None,
+        });
+        part.min_by(f64::total_cmp)
     }
 
     /// Marks the soles whose load reached its limit, from values of which some are negative.
@@ -113,7 +136,8 @@ impl Watch {
         p.soles.iter().enumerate().any(|(s, sole)| {
             let k = sole.vertices.len();
             sole.vertices.iter().enumerate().any(|(i, v)| {
-                !sim.plant.states[s].clamps(i, k)
+                !sim.is_imposed(s)
+                    && !sim.plant.states[s].clamps(i, k)
                     && v.height <= tol.distance
                     && v.velocity.z.abs() <= tol.velocity
                     && p.vertex_motion(&sim.plant.solution.motion, s, i).z < -tol.acceleration

@@ -246,6 +246,16 @@ fn the_floor_slabs_upper_face_is_the_floor() {
 }
 
 #[test]
+fn patches_are_outlined() {
+    let scene = &protobuf::<SceneUpdate>("/scene")[0];
+    let drawn = &entity(scene, "floor/patch-0").lines[0];
+    assert_eq!(drawn.r#type(), foxglove::messages::line_primitive::Type::LineLoop);
+    assert_eq!(isometry(drawn.pose), Isometry3::identity());
+    let points: Vec<_> = drawn.points.iter().map(|p| Vector3::new(p.x, p.y, p.z)).collect();
+    assert_eq!(points, sample::PATCHES[0]);
+}
+
+#[test]
 fn marks_show_forces_clamped_vertices_and_balance() {
     let model = sample::model();
     // Half a metre stands for the weight.

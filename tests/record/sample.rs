@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
+use std::sync::LazyLock;
 use stiction::record::{Document, LogHeader, LogWriter, Topics};
 use stiction::robot::{Base, Drive, Geometry, Joint, JointKind, Link, LinkId, Merged, Model, Shape, Sole};
 use stiction::sim::{Observer, SimEvent, Snapshot, SoleSnapshot};
@@ -187,6 +188,10 @@ pub fn event(tick: usize) -> SimEvent {
     }
 }
 
+/// A patch on the tilted floor.
+pub static PATCHES: LazyLock<Vec<Vec<Vector3<f64>>>> =
+    LazyLock::new(|| vec![vec![vector(0, 500), vector(0, 510), vector(0, 520)]]);
+
 pub fn header(topics: Topics) -> LogHeader<'static> {
     LogHeader {
         scenario_name: "sample",
@@ -196,6 +201,7 @@ pub fn header(topics: Topics) -> LogHeader<'static> {
         robot: Some(Document { name: "robot.toml", text: ROBOT }),
         urdf: Document { name: "sample.urdf", text: URDF },
         floor: isometry(0.0, 0.0, -0.1, [0.2, 0.0, 0.0]),
+        patches: &PATCHES,
         topics,
     }
 }

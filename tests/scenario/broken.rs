@@ -91,7 +91,51 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[self_collision]\nmethod = 2", (3, 2), "`self_collision` is not available yet", ""),
     Broken("[compare]\nreference = { a = 1 }", (3, 2), "`compare` is not available yet", ""),
     Broken("[[event]]\nat = 1\nset = { \"floor.friction\" = 1 }", (3, 3), "`event` is not available yet", ""),
-    Broken("[floor]\npatches = [{ polygon = [], friction = 1 }]", (4, 1), "`floor.patches` is not available yet", ""),
+    // Patches of the floor.
+    Broken("[floor]\npatches = [{ polygon = [], friction = 1 }]", (4, 24), "at least 3 corners, not 0", ""),
+    Broken(
+        "[floor]\npatches = [{ polygon = [[0, 0], [1], [1, 1]], friction = 1 }]",
+        (4, 33),
+        "`floor.patches.0.polygon.1` must be `[x, y]` or `[x, y, z]`, not an array of length 1",
+        "",
+    ),
+    Broken(
+        "[floor]\npatches = [{ polygon = [[0, 0], [1, 0, 0], [1, 1, 0, 0]], friction = 1 }]",
+        (4, 44),
+        "not an array of length 4",
+        "",
+    ),
+    Broken(
+        "[floor]\npatches = [{ polygon = [[0, 0], [1, 1], [1, 0], [0, 1]], friction = 1 }]",
+        (4, 24),
+        "crosses or touches itself: edge 0 (from corner 0 to 1) and edge 2",
+        "",
+    ),
+    Broken(
+        "[floor]\npatches = [{ polygon = [[0, 0], [1, 0], [1, 1], [1, 0]], friction = 1 }]",
+        (4, 49),
+        "`floor.patches.0.polygon.3` is the same point as corner 1",
+        "",
+    ),
+    Broken(
+        "[floor]\npatches = [{ polygon = [[0, 0], [1, nan], [1, 1]], friction = 1 }]",
+        (4, 37),
+        "every number must be finite",
+        "",
+    ),
+    Broken(
+        "[floor]\npatches = [{ polygon = [[0, 0], [1, 0], [1, 1]], friction = -1 }]",
+        (4, 61),
+        "must be 0 or greater, not -1",
+        "",
+    ),
+    Broken(
+        "[floor]\npatches = [{ polygon = [[0, 0], [1, 0], [1, 1]], friction = { static = 1, kinetic = 2 } }]",
+        (4, 85),
+        "greater than `static` = 1",
+        "",
+    ),
+    Broken("[floor]\npatches = [{ polygon = [[0, 0], [1, 0], [1, 1]] }]", (4, 12), "lacks the key `friction`", ""),
     Broken("[sweep]\nzip = [{ \"seed\" = [1, 2] }]", (4, 1), "`sweep.zip` is not available yet", ""),
     Broken("[[expect]]\nmetric = \"error_joint_rms_rad\"\nmax = 1", (4, 10), "is not available yet", ""),
     // Sweeps.

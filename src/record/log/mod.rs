@@ -23,7 +23,7 @@ mod topics;
 use super::RecordError;
 use crate::robot::Model;
 use crate::sim::{Observer, SimEvent, Snapshot};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use sink::Sink;
 use std::path::Path;
 pub use topics::{ParseTopicError, Topics};
@@ -54,6 +54,8 @@ pub struct LogHeader<'a> {
     pub urdf: Document<'a>,
     /// Pose of the floor in the world: a point of the plane, z its normal.
     pub floor: Isometry3<f64>,
+    /// Outlines of the floor's patches, world, m.
+    pub patches: &'a [Vec<Vector3<f64>>],
     /// What to log.
     pub topics: Topics,
 }

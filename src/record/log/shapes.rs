@@ -3,7 +3,7 @@
 //! jumps to a time and reads only the last message of each topic still shows the robot.
 
 use super::LogHeader;
-use super::convert::{colour, pose, timestamp};
+use super::convert::{colour, point, pose, timestamp};
 use super::frames::world_frame;
 use super::sink::Sink;
 use crate::record::RecordError;
@@ -19,13 +19,16 @@ const FLOOR: f64 = 10.0;
 /// Distance of its grid lines, m.
 const GRID: f64 = 0.5;
 const FLOOR_COLOUR: [f32; 4] = [0.82, 0.83, 0.85, 1.0];
+const PATCH_COLOUR: [f32; 4] = [0.1, 0.45, 0.75, 1.0];
 const GRID_COLOUR: [f32; 4] = [0.6, 0.62, 0.66, 1.0];
 
 /// Writes the robot and the floor.
 pub(super) fn write(sink: &mut Sink, model: &Model, header: &LogHeader) -> Result<(), RecordError> {
     let mut channel = sink.foxglove::<SceneUpdate>("/scene")?;
     let robot = model.links.iter().map(link_entity).filter(|e| !is_empty(e));
-    let entities = std::iter::once(floor_entity(world_frame(model), &header.floor)).chain(robot).collect();
+    let world = world_frame(model);
+    let patches = header.patches.iter().enumerate().map(|(i, outline)| patch_entity(world, i, outline));
+    let entities = std::iter::once(floor_entity(world, &header.floor)).chain(patches).chain(robot).collect();
     sink.send(&mut channel, 0, &SceneUpdate { deletions: Vec::new(), entities })
 }
 
@@ -121,6 +124,21 @@ fn floor_entity(world: &str, floor: &Isometry3<f64>) -> SceneEntity {
         scale_invariant: true,
         points,
         color: Some(colour(GRID_COLOUR)),
+        ..Default::default()
+    });
+    to
+}
+
+/// The outline of a patch of other friction.
+fn patch_entity(world: &str, i: usize, outline: &[nalgebra::Vector3<f64>]) -> SceneEntity {
+    let mut to = entity(world, format!("floor/patch-{i}"));
+    to.lines.push(LinePrimitive {
+        r#type: line_primitive::Type::LineLoop.into(),
+        pose: Some(pose(&Isometry3::identity())),
+        thickness: 3.0,
+        scale_invariant: true,
+        points: outline.iter().map(point).collect(),
+        color: Some(colour(PATCH_COLOUR)),
         ..Default::default()
     });
     to

@@ -46,11 +46,31 @@ impl Default for Friction {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PatchSpec {
-    /// Corners on the floor, m, in order around the region.
-    #[schemars(length(min = 3))]
+    /// Corners in order around the region, world x and y, m: it is seen from above, so on a tilted floor it covers what
+    /// lies straight below or above. A third number, the height, may be given and is not used.
+    #[serde(deserialize_with = "corners")]
+    #[schemars(with = "Vec<json::Corner>", length(min = 3))]
     pub polygon: Vec<[f64; 2]>,
     /// Friction there.
     pub friction: Friction,
+}
+
+struct Corner([f64; 2]);
+
+impl<'de> Deserialize<'de> for Corner {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        match Vec::<f64>::deserialize(d)?[..] {
+            [x, y] | [x, y, _] => Ok(Corner([x, y])),
+            ref other => Err(D::Error::custom(format!(
+                "must be `[x, y]` or `[x, y, z]`, not an array of length {}",
+                other.len()
+            ))),
+        }
+    }
+}
+
+fn corners<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<[f64; 2]>, D::Error> {
+    Ok(Vec::<Corner>::deserialize(d)?.into_iter().map(|c| c.0).collect())
 }
 
 #[derive(Deserialize)]

@@ -1,0 +1,127 @@
+//! Hard cases of `contact.md` section 9 that have no row of their own: light links on heavy chains, unactuated joints,
+//! whole feet that land at once.
+
+use super::body::G;
+use super::support::{rk4, watch};
+use std::fs;
+use stiction::sim::Metrics;
+use tempfile::TempDir;
+
+/// 100 kg on a shank of 1 kg on a foot of 10 g.
+const HEAVY: &str = r#"<robot name="heavy">
+ <link name="body"><inertial><mass value="100"/><inertia ixx="2" ixy="0" ixz="0" iyy="2" iyz="0" izz="2"/></inertial></link>
+ <link name="shank"><inertial><origin xyz="0 0 -0.1"/><mass value="1"/>
+   <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.002"/></inertial></link>
+ <link name="foot"><inertial><origin xyz="0 0 -0.01"/><mass value="0.01"/>
+   <inertia ixx="1e-5" ixy="0" ixz="0" iyy="1e-5" iyz="0" izz="1e-5"/></inertial></link>
+ <joint name="knee" type="revolute"><parent link="body"/><child link="shank"/><origin xyz="0 0 -0.2"/><axis xyz="0 1 0"/>
+   <limit lower="-2" upper="2" effort="1e4" velocity="100"/></joint>
+ <joint name="ankle" type="revolute"><parent link="shank"/><child link="foot"/><origin xyz="0 0 -0.2"/><axis xyz="0 1 0"/>
+   <limit lower="-2" upper="2" effort="1e4" velocity="100"/></joint>
+</robot>"#;
+
+/// A sled of 1 kg with a pendulum of 0.5 kg, 0.3 m long, on a hinge that nothing drives.
+const SLED: &str = r#"<robot name="sled">
+ <link name="foot"><inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial></link>
+ <link name="bob"><inertial><origin xyz="0 0 -0.3"/><mass value="0.5"/>
+   <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/></inertial></link>
+ <joint name="hinge" type="continuous"><parent link="foot"/><child link="bob"/><origin xyz="0 0 0.05"/><axis xyz="0 1 0"/></joint>
+</robot>"#;
+
+const SOLE: &str = "[{ name = \"foot\", link = \"foot\", polygon = [
+    [0.1, 0.05, -0.02], [-0.1, 0.05, -0.02], [-0.1, -0.05, -0.02], [0.1, -0.05, -0.02]] }]";
+
+fn go(urdf: &str, robot: &str, rest: &str) -> Metrics {
+    let folder = TempDir::new().expect("a folder for the robot");
+    let path = folder.path().join("robot.urdf");
+    fs::write(&path, urdf).expect("the folder is writable");
+    let (m, _) = watch(&format!(
+        "{rest}
+        integrator = {{ relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }}
+        contact = {{ velocity_tolerance = 0.01 }}
+        [robot]
+        model = {path:?}
+        soles = {SOLE}
+        {robot}\n"
+    ));
+    assert_eq!((m.inconsistent, m.jams), (0, 0));
+    m
+}
+
+#[test]
+fn a_foot_of_ten_grams_carries_a_hundred_kilograms() {
+    let stiff = "posture = { knee = 0.2, ankle = -0.2 }
+        joint = { knee = { mode = \"position\", kp = 20000, kd = 800 }, ankle = { mode = \"position\", kp = 2000, kd = 100 } }";
+    let m = go(HEAVY, stiff, "duration = 1.0\nfloor = { friction = 0.6 }");
+    // Static soles stay where they are; energies of 400 J at relative tolerance 1e-9.
+    assert!(
+        m.max_static_creep_m < 1e-9 && m.max_projection_m < 1e-9,
+        "{} {}",
+        m.max_static_creep_m,
+        m.max_projection_m
+    );
+    assert!(m.energy_error_j.abs() < 1e-6, "{}", m.energy_error_j);
+    assert_eq!((m.state_changes, m.impacts), (0, 0));
+    // It has sagged, so the drives did work.
+    assert!(m.final_base_position[2] < 0.4157 && m.final_base_position[2] > 0.40, "{:?}", m.final_base_position);
+}
+
+#[test]
+fn with_a_loose_ankle_it_topples_and_energy_is_accounted_for() {
+    let loose = "posture = { knee = 0.2, ankle = -0.2 }
+        joint = { knee = { mode = \"position\", kp = 20000, kd = 800 }, ankle = { mode = \"passive\" } }";
+    let m = go(HEAVY, loose, "duration = 0.5\nfloor = { friction = 0.6 }");
+    assert!(m.energy_error_j.abs() < 1e-6, "{}", m.energy_error_j);
+    assert!(m.final_base_rpy[1].abs() > 0.05, "it goes over: {:?}", m.final_base_rpy);
+}
+
+#[test]
+fn a_pendulum_swings_on_a_sled_as_its_equations_say() {
+    // theta from the vertical, x of the sled; the hinge turns about +y, so theta = -q.
+    let (m, total, l, inertia) = (0.5, 1.5, 0.3, 0.001 + 0.5 * 0.09);
+    let duration = 1.0;
+    let start = [0.5, 0.0];
+    // Held by friction: a pendulum on a fixed hinge.
+    let held = rk4(start, duration, 20_000, |_, [a, w]: &[f64; 2]| [*w, -m * G * l * a.sin() / inertia]);
+    // On ice the centre of mass stays: (M + m) x'' + m l (a'' cos a - a'^2 sin a) = 0.
+    let free = rk4(start, duration, 20_000, |_, [a, w]: &[f64; 2]| {
+        let (s, c) = a.sin_cos();
+        let coupling = m * l * c / total;
+        [*w, (-m * G * l * s - coupling * m * l * w * w * s) / (inertia - coupling * m * l * c)]
+    });
+    let posture = "posture = { hinge = -0.5 }\njoint = { hinge = { mode = \"passive\" } }";
+    for (mu, truth) in [("3.0", held), ("0", free)] {
+        let end = go(SLED, posture, &format!("duration = {duration}\nfloor = {{ friction = {mu} }}"));
+        let x = if mu == "0" { m * l * (start[0].sin() - truth[0].sin()) / total } else { 0.0 };
+        // Both integrate at 1e-9 or better over four swings.
+        assert!((end.final_base_position[0] - x).abs() < 1e-8, "{mu} {} {x}", end.final_base_position[0]);
+        assert!(end.energy_error_j.abs() < 1e-8 && end.max_lift_m < 1e-9, "{mu} {}", end.energy_error_j);
+    }
+    // Between the two it sticks and slides by turns.
+    let end = go(SLED, posture, &format!("duration = {duration}\nfloor = {{ friction = 0.1 }}"));
+    assert!(end.first_slip_s.or(end.first_stick_s).is_some() && end.energy_error_j.abs() < 1e-8, "{end:?}");
+}
+
+#[test]
+fn both_feet_of_a_humanoid_land_at_once() {
+    for (velocity, impacts) in [("[0, 0, 0]", 1), ("[0.2, 0.1, 0]", 1)] {
+        let (m, told) = watch(&format!(
+            "duration = 0.4
+            robot = {{ model = \"robots/hoap2/hoap2.toml\", base = {{ position = [0, 0, 0.3], linear_velocity = {velocity} }} }}
+            contact = {{ velocity_tolerance = 0.02 }}\n"
+        ));
+        let first: Vec<_> = told.events.iter().filter(|e| e.kind == "touchdown").take(2).collect();
+        assert!(
+            first.len() == 2 && first[0].time == first[1].time && first[0].subject != first[1].subject,
+            "{first:?}"
+        );
+        assert!(m.impacts >= impacts && m.inconsistent == 0 && m.jams == 0, "{m:?}");
+        // The integrator's tolerance of 1e-6 on energies of some joules.
+        assert!(
+            m.energy_error_j.abs() < 1e-6 && m.max_penetration_m < 1e-6,
+            "{} {}",
+            m.energy_error_j,
+            m.max_penetration_m
+        );
+    }
+}

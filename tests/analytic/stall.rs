@@ -1,0 +1,112 @@
+//! Runs whose events would never end are ended, with words; ordinary chains of impacts end by the tolerances.
+
+use super::body::G;
+use super::support::{run, simulation, watch};
+use nalgebra::Vector3;
+use std::sync::atomic::AtomicBool;
+use stiction::force::{Applied, Force, Scene};
+use stiction::robot::LinkId;
+use stiction::sim::{Blind, Outcome, Simulation, build};
+
+/// Twenty nanometres up, without loss: it bounces every 0.13 ms for ever.
+const BOUNCING: &str = "
+    duration = 2.0
+    robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.05000002] } }
+    [contact]
+    restitution = 1.0
+    distance_tolerance = 1e-9
+    velocity_tolerance = 1e-9
+    acceleration_tolerance = 1e-9\n";
+
+#[test]
+fn bouncing_for_ever_without_loss_stalls() {
+    let mut sim = simulation(BOUNCING);
+    let (outcome, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    assert_eq!(outcome, Outcome::Stalled, "{message}");
+    assert!(message.contains("more than 5000 contact events within one second"), "{message}");
+    // A bounce takes 2 sqrt(2 h / g), and each is two events: touch-down and lift-off.
+    let bounces = sim.metrics().duration_s / (2.0 * (2.0 * 2e-8 / G).sqrt());
+    assert!((bounces / 2500.0 - 1.0).abs() < 0.01, "{bounces}");
+}
+
+#[test]
+fn from_higher_up_the_same_block_bounces_on() {
+    let m = run(&BOUNCING.replace("0.05000002", "0.15"));
+    let period = 2.0 * (2.0 * 0.1 / G).sqrt();
+    assert_eq!(m.impacts, (2.0 / period + 0.5).floor() as u64);
+    assert!(m.energy_error_j.abs() < 1e-9);
+}
+
+/// Pushes forward while the body does not move forward, and backward while it does: no motion satisfies it.
+struct Contrary(f64);
+
+impl Force for Contrary {
+    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
+        let sign = if scene.state.v[0] > 0.0 { -1.0 } else { 1.0 };
+        let at = scene.state.position - Vector3::new(0.0, 0.0, 0.05);
+        applied.wrench(scene, LinkId(0), &at, &Vector3::new(sign * self.0, 0.0, 0.0), &Vector3::zeros());
+    }
+}
+
+#[test]
+fn a_force_that_turns_round_with_the_motion_it_causes_stalls() {
+    let text = "duration = 1.0\nrobot = { model = \"robots/block/block.toml\" }\nfloor = { friction = 0.2 }\n";
+    let file = stiction::scenario::parse(&super::support::root().join("t.toml"), text).unwrap();
+    let runs = file.expand(&[]).unwrap();
+    let robot = stiction::robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap();
+    // Below the friction's reach nothing moves and nothing stalls.
+    for (force, stalls) in [(1.5, false), (4.0, true)] {
+        let mut setup = build::setup(&runs[0], &robot).unwrap();
+        setup.forces.push(Box::new(Contrary(force)));
+        let mut sim = Simulation::new(setup).unwrap();
+        let (outcome, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+        println!("{force} {outcome:?} {message} {:?}", sim.metrics());
+        assert_eq!(outcome == Outcome::Stalled, stalls, "{message}");
+        if stalls {
+            assert!(message.contains("events") && sim.metrics().duration_s < 1.0, "{message}");
+        }
+    }
+}
+
+#[test]
+fn bouncing_with_loss_ends_by_the_velocity_tolerance() {
+    for (e, tolerance) in [(0.9, 1e-3), (0.5, 1e-3), (0.9, 0.1), (0.97, 1e-2)] {
+        let (m, told) = watch(&format!(
+            "duration = 30.0
+            robot = {{ model = \"robots/block/block.toml\", base = {{ position = [0, 0, 0.25] }} }}
+            contact = {{ restitution = {e}, velocity_tolerance = {tolerance} }}
+            integrator = {{ relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }}\n"
+        ));
+        let fall = (2.0f64 * 0.2 / G).sqrt();
+        // Approach speeds are v e^n; one that is hardly above the tolerance may be settled without a bounce.
+        let impacts = ((tolerance / (G * fall)).ln() / f64::ln(e)).ceil();
+        assert!((m.impacts as f64 - impacts).abs() <= 1.0, "{e} {tolerance} {} {impacts}", m.impacts);
+        // All bounces would take (1 + e) / (1 - e) times the fall; those below the tolerance are left out.
+        let all = fall * (1.0 + e) / (1.0 - e);
+        let left_out = all - told.events.last().expect("it bounces").time;
+        assert!(left_out >= 0.0 && left_out < 2.0 * tolerance / (e * G * (1.0 - e)), "{e} {tolerance} {left_out}");
+        let end = told.snapshots.last().expect("the end is told");
+        assert_eq!(end.soles[0].state, "face-static");
+        assert!((m.final_base_position[2] - 0.05).abs() < 1e-8 && m.energy_error_j.abs() < 1e-9);
+        assert_eq!(m.inconsistent, 0);
+    }
+}
+
+#[test]
+fn rocking_ends_by_the_velocity_tolerance() {
+    for (tilt, tolerance) in [(0.2, 1e-2), (0.1, 1e-3), (0.3, 1e-4)] {
+        let (m, told) = watch(&format!(
+            "duration = 5.0
+            robot = {{ model = \"robots/block/block.toml\", base = {{ rpy = [{tilt}, 0, 0] }}, soles = [
+                {{ name = \"bottom\", link = \"block\", polygon = [[-0.1, -0.02, -0.05], [0.1, -0.02, -0.05], [0.1, 0.02, -0.05], [-0.1, 0.02, -0.05]] }} ] }}
+            floor = {{ friction = 5.0 }}
+            contact = {{ velocity_tolerance = {tolerance}, acceleration_tolerance = {tolerance} }}\n"
+        ));
+        println!("{tilt} {tolerance} {m:?}");
+        let end = told.snapshots.last().expect("the end is told");
+        assert_eq!((end.soles[0].state.as_str(), m.inconsistent), ("face-static", 0));
+        assert!(m.impacts > 4 && m.events < 500, "{} {}", m.impacts, m.events);
+        // Vertices are clamped within 1e-9 m of the floor, on a sole 0.04 m wide.
+        assert!(m.final_base_rpy[0].abs() < 2.5e-8 && m.energy_error_j.abs() < 1e-6);
+    }
+}
