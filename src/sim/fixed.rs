@@ -112,13 +112,14 @@ impl Simulation {
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
         let question = Question { rules: &rules, event: false, allowed: &allowed };
+        self.freeze(observer, &question, &forced);
         let plant = &mut self.plant;
         let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
+        self.freeze_answer(observer, &selection)?;
         self.count(&selection);
         if !selection.consistent {
-            self.metrics.inconsistent += 1;
             let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
-            self.event(observer, "inconsistent", "", &message)?;
+            self.inconsistent(observer, &message)?;
         }
         self.adopt(selection.states, observer)
     }

@@ -6,6 +6,7 @@ pub mod build;
 mod decide;
 pub mod error;
 mod fixed;
+mod freeze;
 pub mod layout;
 pub mod observe;
 pub mod plant;

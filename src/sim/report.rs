@@ -1,6 +1,7 @@
 //! What a run tells the outside: snapshots, events, metrics and an outcome. Plain data, written by [`crate::sim`], read
 //! by [`crate::record`]; nothing here steps or writes.
 
+use crate::contact::frozen::Frozen;
 use nalgebra::{Isometry3, Vector3};
 
 /// The state of a run at one logged instant. World axes, SI units.
@@ -168,6 +169,26 @@ pub trait Observer {
     fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String>;
     /// Called at once for every event, in time order.
     fn event(&mut self, event: &SimEvent) -> Result<(), String>;
+    /// Which contact problems it wants to be told of; the same answer throughout a run.
+    fn problems(&self) -> Problems {
+        Problems::None
+    }
+    /// Called for every selection of the kind asked for, before the event that goes with it.
+    fn problem(&mut self, _: &Frozen) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+/// Selections of a contact state that an observer wants to see.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Problems {
+    /// None.
+    #[default]
+    None,
+    /// Those counted in [`Metrics::inconsistent`].
+    Inconsistent,
+    /// Every one.
+    All,
 }
 
 /// An observer that looks away.

@@ -7,6 +7,7 @@ use super::plant::Plant;
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
 use crate::contact::candidate::Solution;
+use crate::contact::frozen::Frozen;
 use crate::contact::method;
 use crate::contact::problem::{Problem, Tolerances};
 use crate::contact::state::MAX_SOLES;
@@ -43,6 +44,8 @@ pub struct Simulation {
     /// Where the vertices of each clamped sole were when it was clamped, relative to the floor point, floor axes.
     pub(super) anchors: Vec<Vec<Vector3<f64>>>,
     pub(super) projection: Solution,
+    /// The selection at hand, for an observer that wants to hear of it.
+    pub(super) frozen: Option<Box<Frozen>>,
     pub(super) displacement: Vec<f64>,
     pub(super) snapshot: Snapshot,
     /// Has the first choice of states been made?
@@ -110,6 +113,7 @@ impl Simulation {
             suspect: [0; MAX_SOLES],
             anchors: model.soles.iter().map(|s| vec![Vector3::zeros(); s.vertices.len()]).collect(),
             projection,
+            frozen: None,
             displacement: vec![0.0; model.nv()],
             snapshot,
             started: false,
