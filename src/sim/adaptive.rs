@@ -60,8 +60,6 @@ impl Adaptive {
     pub fn step(&mut self, sim: &mut Simulation, until: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
         let t0 = sim.plant.state.time;
         let layout = sim.plant.layout;
-        layout.pack(&sim.plant.state, &mut self.y);
-        self.y[layout.work()] = sim.work;
         let remaining = until - t0;
         let mut h = self.h.min(self.max_step).min(remaining);
         // Do not leave a sliver before the stop.
@@ -69,10 +67,15 @@ impl Adaptive {
             h = remaining;
         }
         sim.plant.within = t0 + 0.5 * h;
-        self.rk.begin(&mut sim.plant, t0, &self.y);
-        sim.plant.follow_directions();
-        self.watch.begin(sim);
-        self.watch.values(sim, &mut self.start);
+        self.begin(sim, t0);
+        if std::mem::take(&mut sim.jumped) && sim.locates() && self.start.iter().any(|g| *g < 0.0) {
+            // A force or a command that jumps may end a state in no time: that is an event at the start of the step.
+            sim.metrics.events += 1;
+            self.watch.suspects(&self.start, &mut sim.suspect);
+            sim.decide(observer)?;
+            self.begin(sim, t0);
+        }
+        sim.audit();
         let doubtful = self.watch.overlook(&mut self.start);
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
@@ -102,7 +105,7 @@ impl Adaptive {
         let t1 = if h == remaining { until } else { t0 + h };
         self.snapshots(sim, t0, t1, h, observer)?;
         layout.unpack(t1, &self.rk.end, &mut sim.plant.state);
-        sim.work = self.rk.end[layout.work()];
+        sim.flows = layout.flows(&self.rk.end);
         sim.check_finite()?;
         sim.project();
         event |= doubtful || !sim.locates() || self.watch.tolerated_too_much(sim);
@@ -113,6 +116,15 @@ impl Adaptive {
         }
         sim.measure();
         Ok(())
+    }
+
+    /// Prepares a step from the plant's present state: derivative, reference directions, event functions.
+    fn begin(&mut self, sim: &mut Simulation, t0: f64) {
+        sim.plant.layout.pack(&sim.plant.state, &sim.flows, &mut self.y);
+        self.rk.begin(&mut sim.plant, t0, &self.y);
+        sim.plant.follow_directions();
+        self.watch.begin(sim);
+        self.watch.values(sim, &mut self.start);
     }
 
     /// Shortens the step just tried to its first event; returns its new size. The plant is left at the event.
@@ -177,6 +189,7 @@ impl Adaptive {
             self.rk.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
             sim.plant.layout.unpack(t, &self.dense, &mut sim.plant.state);
             sim.plant.evaluate();
+            sim.flows = sim.plant.layout.flows(&self.dense);
             sim.tell(observer)?;
             moved = true;
         }

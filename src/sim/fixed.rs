@@ -13,6 +13,7 @@ use super::error::Stop;
 use super::project::fit_plane;
 use super::report::Observer;
 use super::simulation::Simulation;
+use crate::contact::candidate::share_static;
 use crate::contact::method::Question;
 use crate::contact::problem::Level;
 use crate::contact::state::SoleState;
@@ -45,6 +46,7 @@ impl Fixed {
         if let Some(failure) = sim.plant.failure {
             return Err(sim.diverged(&failure.to_string()));
         }
+        sim.audit();
         self.pose(sim, dt);
         sim.choose_impulse(observer)?;
         // v+ = v + dt M^-1 (tau - h) + M^-1 J^T p
@@ -52,7 +54,10 @@ impl Fixed {
         sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
         reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
         plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
-        sim.work += plant.step_work(&sim.displacement, dt);
+        share_static(&plant.problem, &plant.states, &mut plant.solution);
+        let (flows, jumps) = plant.step_flows(&sim.displacement, dt);
+        sim.flows.add(&flows);
+        sim.work += jumps;
         plant.solution.scale(1.0 / dt);
         plant.state.v.iter().zip(&mut sim.displacement).for_each(|(v, d)| *d = v * dt);
         plant.state.displace(&sim.displacement);

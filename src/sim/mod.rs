@@ -8,6 +8,8 @@ pub mod error;
 mod fixed;
 mod freeze;
 pub mod layout;
+mod ledger;
+mod measure;
 pub mod observe;
 pub mod plant;
 mod project;
@@ -17,6 +19,7 @@ pub mod simulation;
 mod watch;
 
 pub use error::Stop;
+pub use ledger::Balance;
 pub use report::*;
 pub use setup::Setup;
 pub use simulation::Simulation;

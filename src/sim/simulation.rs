@@ -3,6 +3,8 @@
 use super::adaptive::Adaptive;
 use super::error::Stop;
 use super::fixed::Fixed;
+use super::ledger::Flows;
+use super::measure::Tally;
 use super::plant::Plant;
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
@@ -37,8 +39,11 @@ pub struct Simulation {
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
     pub(super) metrics: Metrics,
-    /// Work of everything but gravity since the start, J.
+    /// Work of velocity jumps since the start, J: impacts, jams, and what a new contact state ends.
     pub(super) work: f64,
+    /// Energies that flowed since the start.
+    pub(super) flows: Flows,
+    pub(super) tally: Tally,
     /// Soles that the last event put at the limit of their load.
     pub(super) suspect: [u8; MAX_SOLES],
     /// Where the vertices of each clamped sole were when it was clamped, relative to the floor point, floor axes.
@@ -48,6 +53,8 @@ pub struct Simulation {
     pub(super) frozen: Option<Box<Frozen>>,
     pub(super) displacement: Vec<f64>,
     pub(super) snapshot: Snapshot,
+    /// Has a force or a command jumped at the present time?
+    pub(super) jumped: bool,
     /// Has the first choice of states been made?
     pub(super) started: bool,
     corners: Vec<f64>,
@@ -56,7 +63,7 @@ pub struct Simulation {
     log_rate: f64,
     logged: u64,
     fallen_below: Option<f64>,
-    start_energy: f64,
+    pub(super) start_energy: f64,
     window: (f64, u64),
     in_place: (f64, u64),
 }
@@ -110,12 +117,15 @@ impl Simulation {
             tasks: setup.tasks,
             metrics: Metrics::default(),
             work: 0.0,
+            flows: Flows::default(),
+            tally: Tally::default(),
             suspect: [0; MAX_SOLES],
             anchors: model.soles.iter().map(|s| vec![Vector3::zeros(); s.vertices.len()]).collect(),
             projection,
             frozen: None,
             displacement: vec![0.0; model.nv()],
             snapshot,
+            jumped: false,
             started: false,
             corners,
             stepper: Some(stepper),
@@ -170,7 +180,9 @@ impl Simulation {
         let tick = self.tasks.next_tick();
         if tick.is_some_and(|tick| tick <= t) {
             self.run_tasks(observer)?;
+            self.jumped = true;
         }
+        self.jumped |= self.corners.contains(&t);
         let corner = self.corners.iter().copied().find(|c| *c > t);
         let stops = [self.tasks.next_tick(), corner];
         let until = stops.into_iter().flatten().fold(self.duration, f64::min);
@@ -255,6 +267,7 @@ impl Simulation {
     pub(super) fn tell(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         self.logged += 1;
         super::observe::fill(&mut self.plant, &mut self.snapshot);
+        self.snapshot.energy = self.balance();
         observer.snapshot(&self.snapshot).map_err(|m| Stop::new(Outcome::Error, m))
     }
 
@@ -316,6 +329,7 @@ impl Simulation {
             m.final_base_velocity = [state.v[0], state.v[1], state.v[2]];
         }
         self.plant.evaluate_free();
-        self.metrics.energy_error_j = self.plant.energy() - self.start_energy - self.work;
+        self.audit();
+        self.conclude();
     }
 }

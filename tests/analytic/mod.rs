@@ -3,6 +3,7 @@
 mod block;
 mod body;
 mod breakaway;
+mod energy;
 mod flight;
 mod incline;
 mod landing;
