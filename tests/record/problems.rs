@@ -140,3 +140,30 @@ fn files_are_numbered_capped_and_replaced_by_the_next_run() {
     writer.write(&all[0]).unwrap();
     assert_eq!((std::fs::read_dir(&path).unwrap().count(), writer.summary()), (1, None));
 }
+
+/// A block at rest is pulled off: the choice finds the directions of slip, and they are not in the file.
+#[test]
+fn a_problem_is_written_as_it_was_before_the_choice() {
+    let pulled = "
+        duration = 0.4
+        robot = { model = \"robots/block/block.toml\" }
+        floor = { friction = 0.3 }
+        [[force]]
+        type = \"push\"
+        link = \"block\"
+        point = [0, 0, -0.04]
+        force = [6.0, 3.0, 0.0]
+        duration = 0.3
+        profile = \"ramp\"
+    ";
+    let (all, ..) = problems(pulled, Problems::All);
+    assert!(all[0].soles[0].vertices.iter().all(|v| v.last_normal == 0.0), "nothing was known before the first");
+    let onset = all.iter().find(|p| p.answer.states[0] == "face-dynamic").expect("it slips");
+    assert_eq!(onset.soles[0].previous, "face-static");
+    assert!(onset.soles[0].suspect_friction && !onset.soles[0].suspect_normal);
+    for (v, t) in onset.soles[0].vertices.iter().zip(&onset.answer.tangent[0]) {
+        assert!(!v.moving && v.direction == [0.0; 2], "{v:?}");
+        assert!(t[0] < 0.0 && t[1] < 0.0, "rubbed against the slip that sets in: {t:?}");
+        assert!(v.last_normal > 0.0, "what held it until then");
+    }
+}
