@@ -135,8 +135,11 @@ fn the_balance_of_a_pushed_robot_closes_to_the_integration_error() {
 #[test]
 fn with_fixed_steps_the_balance_is_of_first_order() {
     let settings = |dt: f64| format!("integrator = {{ method = \"semi-implicit\", step = {dt} }}");
-    let fixed = |dt: f64| run(&pushed(0.002, [8.0, 2.0], 0.8, &settings(dt)));
-    let (coarse, fine) = (fixed(1e-3), fixed(1e-4));
+    let fixed = |dt: f64| watch(&pushed(0.002, [8.0, 2.0], 0.8, &settings(dt)));
+    let ((coarse, told), (fine, _)) = (fixed(1e-3), fixed(1e-4));
+    // The log tells each instant once, the end as well.
+    assert!(told.snapshots.windows(2).all(|w| w[0].time < w[1].time));
+    assert_eq!(told.snapshots.last().map(|s| (s.time, s.energy.error())), Some((0.8, coarse.energy_error_j)));
     println!("{coarse:?}\n{fine:?}");
     assert!(coarse.external_work_j > 1e-3 && coarse.impact_loss_j > 1e-2, "{coarse:?}");
     assert!(coarse.max_energy_error_j < 0.1 * coarse.impact_loss_j, "{coarse:?}");
