@@ -5,9 +5,10 @@ use std::num::NonZero;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use stiction::batch::{Batch, Options, Progress, Report, Severity, simulate};
 use stiction::record::table;
+use stiction::sim::Problems;
 
 use super::Exit;
 use super::prepare::Scenarios;
@@ -36,6 +37,18 @@ pub struct Run {
     /// Wall-clock limit of each run
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<Duration>,
+    /// Write contact problems as JSON: those without a valid state, or all; at most 100 of each run
+    #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "inconsistent")]
+    dump_problems: Option<Which>,
+}
+
+/// Contact problems to write.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum Which {
+    /// Selections in which no state was valid
+    Inconsistent,
+    /// Every selection
+    All,
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -57,6 +70,11 @@ impl Run {
             log: !self.no_log,
             timeout: self.timeout,
             fail_fast: self.fail_fast,
+            problems: match self.dump_problems {
+                None => Problems::None,
+                Some(Which::Inconsistent) => Problems::Inconsistent,
+                Some(Which::All) => Problems::All,
+            },
         };
         let side_by_side = options.jobs.min(runs);
         let batch = Batch::new(plan, options).map_err(|error| {
@@ -83,6 +101,11 @@ fn summary(report: &Report) -> String {
     if report.not_started > 0 {
         // A String takes every write.
         let _ = writeln!(out, "{} not started", plural(report.not_started, "run"));
+    }
+    for run in &report.finished {
+        for note in &run.notes {
+            let _ = writeln!(out, "{} {}: {note}", run.row.scenario, run.row.key);
+        }
     }
     let Some(files) = &report.summary else { return out };
     out += "\nwritten:\n";

@@ -110,6 +110,26 @@ pub(super) const COLUMNS: &[Column] = columns! {
     "first_stick_s" Real |r| r.metrics.first_stick_s;
     "first_fall_s" Real |r| r.metrics.first_fall_s;
     "max_projection_m" Real |r| Some(r.metrics.max_projection_m);
+    "rms_penetration_m" Real |r| Some(r.metrics.rms_penetration_m);
+    "max_tension_N" Real |r| Some(r.metrics.max_tension_n);
+    "rms_tension_N" Real |r| Some(r.metrics.rms_tension_n);
+    "max_signorini_Nm" Real |r| Some(r.metrics.max_signorini_nm);
+    "rms_signorini_Nm" Real |r| Some(r.metrics.rms_signorini_nm);
+    "rms_cone_excess_N" Real |r| Some(r.metrics.rms_cone_excess_n);
+    "max_dissipation_gap_W" Real |r| Some(r.metrics.max_dissipation_gap_w);
+    "rms_dissipation_gap_W" Real |r| Some(r.metrics.rms_dissipation_gap_w);
+    "max_creep_speed_m_per_s" Real |r| Some(r.metrics.max_creep_speed_m_per_s);
+    "rms_creep_speed_m_per_s" Real |r| Some(r.metrics.rms_creep_speed_m_per_s);
+    "max_resultant_gap_N" Real |r| Some(r.metrics.max_resultant_gap_n);
+    "force_flickers" Count |r| r.metrics.force_flickers;
+    "max_energy_error_J" Real |r| Some(r.metrics.max_energy_error_j);
+    "rms_energy_error_J" Real |r| Some(r.metrics.rms_energy_error_j);
+    "energy_change_J" Real |r| Some(r.metrics.energy_change_j);
+    "actuator_work_J" Real |r| Some(r.metrics.actuator_work_j);
+    "external_work_J" Real |r| Some(r.metrics.external_work_j);
+    "joint_loss_J" Real |r| Some(r.metrics.joint_loss_j);
+    "friction_loss_J" Real |r| Some(r.metrics.friction_loss_j);
+    "impact_loss_J" Real |r| Some(r.metrics.impact_loss_j);
 };
 
 /// Candidates tested per selection; empty when there was no selection.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `log.mcap` | [`LogWriter`], an [`Observer`](crate::sim::Observer) of one run |
 //! | `run.json` | [`RunRecord`] |
+//! | `problems/*.json` | [`ProblemWriter`], when asked for |
 //! | `runs.jsonl` | [`RunsLog`], one line as each run ends |
 //! | `summary.csv`, `summary.parquet` | [`write_summary`] |
 //!
@@ -16,6 +17,7 @@ mod error;
 mod log;
 mod number;
 mod parameter;
+mod problems;
 mod run;
 mod runs_log;
 mod summary;
@@ -26,6 +28,7 @@ pub use error::RecordError;
 pub use log::messages;
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
 pub use parameter::ParamValue;
+pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
 pub use run::{InputHash, Machine, RUN_SCHEMA, RunRecord, Timing, hash_input};
 pub use runs_log::RunsLog;
 pub use summary::{SummaryFiles, summary_frame, write_summary};

@@ -211,4 +211,43 @@ struct MetricsRecord {
     first_slip_s: Option<f64>,
     first_stick_s: Option<f64>,
     first_fall_s: Option<f64>,
+    #[serde(with = "number::real")]
+    rms_penetration_m: f64,
+    #[serde(with = "number::real", rename = "max_tension_N")]
+    max_tension_n: f64,
+    #[serde(with = "number::real", rename = "rms_tension_N")]
+    rms_tension_n: f64,
+    #[serde(with = "number::real", rename = "max_signorini_Nm")]
+    max_signorini_nm: f64,
+    #[serde(with = "number::real", rename = "rms_signorini_Nm")]
+    rms_signorini_nm: f64,
+    #[serde(with = "number::real", rename = "rms_cone_excess_N")]
+    rms_cone_excess_n: f64,
+    #[serde(with = "number::real", rename = "max_dissipation_gap_W")]
+    max_dissipation_gap_w: f64,
+    #[serde(with = "number::real", rename = "rms_dissipation_gap_W")]
+    rms_dissipation_gap_w: f64,
+    #[serde(with = "number::real")]
+    max_creep_speed_m_per_s: f64,
+    #[serde(with = "number::real")]
+    rms_creep_speed_m_per_s: f64,
+    #[serde(with = "number::real", rename = "max_resultant_gap_N")]
+    max_resultant_gap_n: f64,
+    force_flickers: u64,
+    #[serde(with = "number::real", rename = "max_energy_error_J")]
+    max_energy_error_j: f64,
+    #[serde(with = "number::real", rename = "rms_energy_error_J")]
+    rms_energy_error_j: f64,
+    #[serde(with = "number::real", rename = "energy_change_J")]
+    energy_change_j: f64,
+    #[serde(with = "number::real", rename = "actuator_work_J")]
+    actuator_work_j: f64,
+    #[serde(with = "number::real", rename = "external_work_J")]
+    external_work_j: f64,
+    #[serde(with = "number::real", rename = "joint_loss_J")]
+    joint_loss_j: f64,
+    #[serde(with = "number::real", rename = "friction_loss_J")]
+    friction_loss_j: f64,
+    #[serde(with = "number::real", rename = "impact_loss_J")]
+    impact_loss_j: f64,
 }

@@ -38,7 +38,7 @@ impl Simulation {
             }
         }
         for round in 1..=SETTLE {
-            let selection = self.choose();
+            let selection = self.choose(observer)?;
             self.count(&selection);
             self.adopt(selection.states, observer)?;
             // What little normal motion (below v_t) and slip (below the rest speed) the new state does not allow ends
@@ -55,9 +55,8 @@ impl Simulation {
             if round < SETTLE && self.jam(observer)? {
                 continue;
             }
-            self.metrics.inconsistent += 1;
             let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
-            self.event(observer, "inconsistent", "", &message)?;
+            self.inconsistent(observer, &message)?;
             break;
         }
         self.suspect = [0; MAX_SOLES];
@@ -84,13 +83,16 @@ impl Simulation {
     }
 
     /// The acceleration-level choice at the present state.
-    fn choose(&mut self) -> Selection {
+    fn choose(&mut self, observer: &mut dyn Observer) -> Result<Selection, Stop> {
         let rules = self.rules();
         let forced = self.forced(self.plant.state.time);
-        let plant = &mut self.plant;
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
         let question = Question { rules: &rules, event: true, allowed: &allowed };
-        plant.method.select(&mut plant.problem, &question, &mut plant.solution)
+        self.freeze(observer, &question, &forced);
+        let plant = &mut self.plant;
+        let selection = plant.method.select(&mut plant.problem, &question, &mut plant.solution);
+        self.freeze_answer(observer, &selection)?;
+        Ok(selection)
     }
 
     /// Imposed states at time `t`.
@@ -137,7 +139,11 @@ impl Simulation {
         }
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
         let question = Question { rules: &rules, event: true, allowed: &allowed };
-        let selection = plant.method.impulse(p, &question, &mut plant.solution);
+        self.freeze(observer, &question, &forced);
+        let plant = &mut self.plant;
+        let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
+        self.freeze_answer(observer, &selection)?;
+        let plant = &mut self.plant;
         let impulses = std::mem::take(&mut plant.solution.wrench);
         let loss = -plant.kick(&impulses);
         plant.solution.wrench = impulses;
@@ -145,8 +151,7 @@ impl Simulation {
         self.metrics.impacts += 1;
         self.count(&selection);
         if !selection.consistent && !self.all_imposed(&selection.verdict) {
-            self.metrics.inconsistent += 1;
-            self.event(observer, "inconsistent", "", "no contact state is valid at an impact")?;
+            self.inconsistent(observer, "no contact state is valid at an impact")?;
         }
         let message = format!("approach {fastest:.6} m/s, energy lost {loss:.6e} J");
         self.event(observer, "impact", "", &message)?;

@@ -3,6 +3,7 @@
 mod block;
 mod body;
 mod breakaway;
+mod energy;
 mod feet;
 mod flight;
 mod forced;

@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::{Place, Table};
-use stiction::record::RunRecord;
+use stiction::record::{ProblemRecord, RunRecord};
 
 #[test]
 fn a_batch_leaves_its_files_and_names_them() {
@@ -112,4 +112,38 @@ fn keys_depend_on_contents_and_not_on_places() {
     distinct.sort();
     distinct.dedup();
     assert_eq!(distinct.len(), keys.len(), "{keys:?}");
+}
+
+#[test]
+fn contact_problems_are_written_when_asked_for() {
+    let place = Place::new();
+    let forced = "[contact]\nforced = [{ sole = \"bottom\", state = \"free\", from = 0.0, to = 0.001 }]\n";
+    place.block("s.toml", forced);
+    let folder = |results: &str| {
+        let key = place.summary(results).column("key")[0].to_owned();
+        place.path(results).join("s").join(key).join("problems")
+    };
+    let set = ["s.toml", "--set", "duration=0.2", "--no-log", "-o"];
+    let run = |results: &str, more: &[&str]| place.runner(&[&set[..], &[results], more].concat()).exits(0);
+
+    run("plain", &[]);
+    assert!(!folder("plain").exists());
+
+    let done = run("some", &["--dump-problems"]);
+    let inconsistent = place.summary("some").numbers("inconsistent")[0] as usize;
+    assert!(inconsistent > 0);
+    assert_eq!(fs::read_dir(folder("some")).unwrap().count(), inconsistent);
+    assert!(done.stdout.contains("/problems\n"), "{}", done.stdout);
+    let problem = ProblemRecord::read(&folder("some").join("0001.json")).unwrap();
+    assert_eq!(problem.scenario, "s");
+    assert_eq!(problem.selection.soles[0].name, "bottom");
+
+    // 200 steps with a selection each.
+    let fixed = ["--dump-problems=all", "--set", "integrator.method=semi-implicit", "--set", "integrator.step=1e-3"];
+    let done = run("all", &fixed);
+    assert_eq!(fs::read_dir(folder("all")).unwrap().count(), 100);
+    assert!(done.stdout.contains(": the first 100 of 201 selections are written, 101 more are not"), "{}", done.stdout);
+
+    let refused = place.runner(&["s.toml", "--dump-problems=some"]).exits(2);
+    assert!(refused.stderr.contains("[possible values: inconsistent, all]"), "{}", refused.stderr);
 }
