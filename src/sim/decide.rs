@@ -140,6 +140,7 @@ impl Simulation {
         plant.solution.wrench = impulses;
         self.work -= loss;
         self.metrics.impacts += 1;
+        self.mark_impact(loss);
         self.count(&selection);
         if !selection.consistent {
             self.metrics.inconsistent += 1;

@@ -7,6 +7,7 @@ mod decide;
 pub mod error;
 mod fixed;
 pub mod layout;
+mod marks;
 pub mod observe;
 pub mod plant;
 mod project;

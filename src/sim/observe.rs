@@ -126,6 +126,7 @@ fn hull(points: &mut Vec<Vector3<f64>>, flat: impl Fn(&Vector3<f64>) -> (f64, f6
 impl Simulation {
     /// Updates the running maxima at the end of a step.
     pub(super) fn measure(&mut self) {
+        self.mark_step();
         let plant = &mut self.plant;
         if plant.problem.soles.is_empty() {
             return;

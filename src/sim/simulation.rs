@@ -3,6 +3,7 @@
 use super::adaptive::Adaptive;
 use super::error::Stop;
 use super::fixed::Fixed;
+use super::marks::Marks;
 use super::plant::Plant;
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
@@ -53,6 +54,8 @@ pub struct Simulation {
     log_rate: f64,
     logged: u64,
     fallen_below: Option<f64>,
+    pub(super) marks: Marks,
+    pub(super) start_position: Vector3<f64>,
     start_energy: f64,
     window: (f64, u64),
     in_place: (f64, u64),
@@ -119,6 +122,8 @@ impl Simulation {
             log_rate: setup.log_rate,
             logged: 0,
             fallen_below: setup.fallen_below,
+            marks: Marks::default(),
+            start_position: plant.state.position,
             start_energy: 0.0,
             window: (0.0, 0),
             in_place: (-1.0, 0),
@@ -313,5 +318,6 @@ impl Simulation {
         }
         self.plant.evaluate_free();
         self.metrics.energy_error_j = self.plant.energy() - self.start_energy - self.work;
+        self.mark_end();
     }
 }
