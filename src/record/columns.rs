@@ -122,6 +122,7 @@ pub(super) const COLUMNS: &[Column] = columns! {
     "final_com_vy_m_s" Real |r| Some(r.metrics.final_com_velocity[1]);
     "final_com_vz_m_s" Real |r| Some(r.metrics.final_com_velocity[2]);
     "final_base_shift_m" Real |r| Some(r.metrics.final_base_shift_m);
+    "final_base_sideways_m" Real |r| r.metrics.final_base_sideways_m;
     "final_normal_force_N" Real |r| r.metrics.final_normal_force_n;
     "final_cop_offset_m" Real |r| r.metrics.final_cop_offset_m;
     "first_tip_s" Real |r| r.metrics.first_tip_s;

@@ -222,6 +222,8 @@ struct MetricsRecord {
     final_com_velocity: [f64; 3],
     #[serde(with = "number::real")]
     final_base_shift_m: f64,
+    #[serde(with = "number::some_real")]
+    final_base_sideways_m: Option<f64>,
     #[serde(with = "number::some_real", rename = "final_normal_force_N")]
     final_normal_force_n: Option<f64>,
     #[serde(with = "number::some_real")]

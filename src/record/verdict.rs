@@ -1,8 +1,8 @@
 //! Verdicts: what was expected of a run, what was measured, and how far apart they are.
 
-use super::SummaryRow;
 use super::number;
 use super::table::{align, clip};
+use super::{ParamValue, SummaryRow};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
@@ -110,14 +110,24 @@ fn cells(scenario: String, parameters: String, verdict: &Verdict) -> Vec<String>
     ]
 }
 
-/// The swept values by the last part of their names, unless two share it. Swept truths stand in a column of their own.
+/// The swept values by the last word of their names, unless two share it; of a path its end alone. Swept truths stand in a column of their own.
 fn parameters(row: &SummaryRow) -> String {
-    let last = |name: &str| name.rsplit('.').next().unwrap_or_default().to_owned();
+    // `rpy.1` of `floor.rpy.1`, `force` of `force.0.force`.
+    let last = |name: &str| {
+        let word = |i: usize| !name[i + 1..].starts_with(|d: char| d.is_ascii_digit());
+        let dot = name.char_indices().rev().find(|&(i, c)| c == '.' && word(i));
+        name[dot.map_or(0, |(i, _)| i + 1)..].to_owned()
+    };
     let named: Vec<_> = row.parameters.iter().filter(|(name, _)| !name.starts_with("expect.")).collect();
     let short = |name: &str| {
         let alone = named.iter().filter(|(other, _)| last(other) == last(name)).count() == 1;
         if alone { last(name) } else { name.to_owned() }
     };
-    let text = named.iter().map(|(name, value)| format!("{}={value}", short(name))).collect::<Vec<_>>().join(" ");
+    let brief = |value: &ParamValue| {
+        let text = value.to_string();
+        text.rsplit('/').next().map_or(text.clone(), str::to_owned)
+    };
+    let text =
+        named.iter().map(|(name, value)| format!("{}={}", short(name), brief(value))).collect::<Vec<_>>().join(" ");
     if text.chars().count() <= WIDEST { text } else { text.chars().take(WIDEST - 1).chain(['…']).collect() }
 }

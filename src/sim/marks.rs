@@ -85,7 +85,10 @@ impl Simulation {
         let com = body::center_of_mass(&plant.ws);
         m.final_com_position = com.into();
         m.final_com_velocity = body::center_of_mass_velocity(&plant.ws).into();
-        m.final_base_shift_m = (plant.state.position - self.start_position).norm();
+        let (start, velocity) = self.launch;
+        let shift = plant.state.position - start;
+        m.final_base_shift_m = shift.norm();
+        m.final_base_sideways_m = velocity.try_normalize(0.0).map(|along| (shift - along * along.dot(&shift)).norm());
         let told = &self.snapshot;
         if told.time != plant.state.time || told.soles.is_empty() {
             return;

@@ -168,6 +168,8 @@ pub struct Metrics {
     pub final_com_velocity: [f64; 3],
     /// Distance of the base's origin from where it started, m.
     pub final_base_shift_m: f64,
+    /// Distance of the base's origin at the end from the straight line of its initial velocity, m; none without one.
+    pub final_base_sideways_m: Option<f64>,
     /// Sum of the normal forces at the end, N; none when the run did not reach it, or without soles.
     pub final_normal_force_n: Option<f64>,
     /// Distance of the centre of pressure from the point of the floor below the centre of mass (along gravity) at the

@@ -55,7 +55,8 @@ pub struct Simulation {
     logged: u64,
     fallen_below: Option<f64>,
     pub(super) marks: Marks,
-    pub(super) start_position: Vector3<f64>,
+    /// Base position at the start, and its velocity.
+    pub(super) launch: (Vector3<f64>, Vector3<f64>),
     start_energy: f64,
     window: (f64, u64),
     in_place: (f64, u64),
@@ -104,6 +105,8 @@ impl Simulation {
             tolerances.distance = tolerances.distance.min(MEETING);
         }
         let snapshot = super::observe::blank(&model);
+        let v = &plant.state.v;
+        let launch = if model.nb() == 6 { Vector3::new(v[0], v[1], v[2]) } else { Vector3::zeros() };
         let mut sim = Simulation {
             tolerances,
             contact: setup.contact,
@@ -123,7 +126,7 @@ impl Simulation {
             logged: 0,
             fallen_below: setup.fallen_below,
             marks: Marks::default(),
-            start_position: plant.state.position,
+            launch: (plant.state.position, launch),
             start_energy: 0.0,
             window: (0.0, 0),
             in_place: (-1.0, 0),

@@ -1,13 +1,13 @@
 //! Contact against closed forms (`contact.md` section 13).
 
 mod block;
-mod body;
+pub mod body;
 mod breakaway;
 mod flight;
 mod incline;
 mod landing;
-mod pendulum;
-mod planar;
+pub mod pendulum;
+pub mod planar;
 mod spin;
 mod standing;
 pub mod support;

@@ -37,6 +37,7 @@ pub fn metrics() -> Metrics {
         final_com_position: [1e-3, -2.5, 0.3],
         final_com_velocity: [4e5, -0.01, 9.81],
         final_base_shift_m: 0.2,
+        final_base_sideways_m: Some(6e-3),
         final_normal_force_n: None,
         final_cop_offset_m: Some(f64::INFINITY),
         first_tip_s: Some(2.5),

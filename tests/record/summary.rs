@@ -16,7 +16,7 @@ const AFTER: &str = "duration_s, wall_s, cpu_s, real_time_factor, steps, rejecte
     final_base_z, final_base_roll, final_base_pitch, final_base_yaw, final_base_vx, final_base_vy, final_base_vz, \
     max_penetration_m, max_static_creep_m, max_lift_m, max_cone_excess, energy_error_J, error_position_rms_m, \
     error_joint_rms_rad, error_force_rms_N, contact_state_agreement, first_touchdown_s, first_liftoff_s, \
-    first_slip_s, first_stick_s, first_fall_s, max_projection_m, final_base_wx_rad_s, final_base_wy_rad_s, final_base_wz_rad_s, final_com_x_m, final_com_y_m, final_com_z_m, final_com_vx_m_s, final_com_vy_m_s, final_com_vz_m_s, final_base_shift_m, final_normal_force_N, final_cop_offset_m, first_tip_s, last_impact_s, impact_loss_J, first_impact_speed_ratio, max_flight_path_drift_m, max_flight_spin_drift_Nms";
+    first_slip_s, first_stick_s, first_fall_s, max_projection_m, final_base_wx_rad_s, final_base_wy_rad_s, final_base_wz_rad_s, final_com_x_m, final_com_y_m, final_com_z_m, final_com_vx_m_s, final_com_vy_m_s, final_com_vz_m_s, final_base_shift_m, final_base_sideways_m, final_normal_force_N, final_cop_offset_m, first_tip_s, last_impact_s, impact_loss_J, first_impact_speed_ratio, max_flight_path_drift_m, max_flight_spin_drift_Nms";
 
 fn row(parameters: &[(&str, ParamValue)]) -> SummaryRow {
     let parameters = parameters.iter().map(|(n, v)| ((*n).to_owned(), v.clone())).collect();
@@ -215,6 +215,7 @@ fn every_column_has_its_own_metric() {
         ("final_com_vy_m_s", Some(-0.01)),
         ("final_com_vz_m_s", Some(9.81)),
         ("final_base_shift_m", Some(0.2)),
+        ("final_base_sideways_m", Some(6e-3)),
         ("final_normal_force_N", None),
         ("final_cop_offset_m", Some(f64::INFINITY)),
         ("first_tip_s", Some(2.5)),

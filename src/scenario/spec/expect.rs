@@ -58,6 +58,7 @@ pub const METRICS: &[&str] = &[
     "final_com_vy_m_s",
     "final_com_vz_m_s",
     "final_base_shift_m",
+    "final_base_sideways_m",
     "final_normal_force_N",
     "final_cop_offset_m",
     "first_tip_s",
