@@ -50,7 +50,10 @@ const ROWS: &[(&str, &[(&str, Truth)])] = &[
     ),
     ("rocking block", &[("rocking", rocking::housner)]),
     ("restitution", &[("bounce-heights", impact::heights), ("bounce-to-rest", impact::rest)]),
-    ("double support, standing biped", &[("biped-stands", standing::still), ("feet-stand", standing::still)]),
+    (
+        "double support, standing biped",
+        &[("biped-stands", standing::still), ("feet-stand", standing::still), ("biped-on-slope", standing::still)],
+    ),
     ("flight", &[("flight-of-boxes", flight::boxes), ("flight-of-biped", flight::boxes)]),
     (
         "double pendulum, torque-free top",
