@@ -123,9 +123,11 @@ fn parameters(row: &SummaryRow) -> String {
         let alone = named.iter().filter(|(other, _)| last(other) == last(name)).count() == 1;
         if alone { last(name) } else { name.to_owned() }
     };
+    // A robot by the name of its file.
     let brief = |value: &ParamValue| {
         let text = value.to_string();
-        text.rsplit('/').next().map_or(text.clone(), str::to_owned)
+        let is_file = [".toml", ".urdf"].iter().any(|end| text.ends_with(end));
+        text.rsplit('/').next().filter(|_| is_file).map_or(text.clone(), str::to_owned)
     };
     let text =
         named.iter().map(|(name, value)| format!("{}={}", short(name), brief(value))).collect::<Vec<_>>().join(" ");

@@ -263,6 +263,19 @@ fn scenarios_that_sweep_other_parameters_have_tables_of_their_own() {
 }
 
 #[test]
+fn verdicts_name_their_run_briefly() {
+    let shown = |parameters: &[(&str, ParamValue)]| {
+        let text = verdicts(&[row(parameters)], Shown::All);
+        let line = text.lines().nth(1).unwrap().strip_prefix("push").unwrap().trim().to_owned();
+        line.split("  ").next().unwrap().to_owned()
+    };
+    let robot = ("robot.model", "../../robots/block/block.toml".into());
+    assert_eq!(shown(&[robot, ("expect.0.value", 0.5.into())]), "model=block.toml");
+    assert_eq!(shown(&[("robot.velocity.knee", "30 deg/s".into())]), "knee=30 deg/s");
+    assert_eq!(shown(&[("force.0.force.2", 2.into()), ("force.1.force", 3.into())]), "force.2=2 force=3");
+}
+
+#[test]
 fn verdicts_show_measured_wanted_and_error() {
     let rows =
         [row(&[("robot.base.rpy", "[0, 0, 1]".into()), ("floor.rpy", 2.into()), ("floor.friction", 0.5.into())])];
