@@ -46,6 +46,7 @@ pub(super) fn run(job: &Job, options: &Options, cancellation: &Cancellation, bod
     let mut record = record(job, end, timing);
     let (row, accepted) = judge(record.summary_row(), &job.run.scenario.expect);
     (record.outcome, record.message) = (row.outcome, row.message.clone());
+    record.verdicts.clone_from(&row.verdicts);
     let path = folder.join("run.json");
     let left = [wanted.log, wanted.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
     match record.write(&path) {
@@ -74,6 +75,7 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
         integrator: scenario.integrator.method.name().to_owned(),
         seed: scenario.seed,
         parameters: job.parameters(),
+        verdicts: Vec::new(),
         metrics: end.metrics.unwrap_or_else(unmeasured),
         program: concat!("stiction ", env!("CARGO_PKG_VERSION")).to_owned(),
         inputs: inputs(job),
@@ -124,6 +126,12 @@ fn unmeasured() -> Metrics {
         joint_loss_j: f64::NAN,
         friction_loss_j: f64::NAN,
         impact_loss_j: f64::NAN,
+        final_base_angular_velocity: UNKNOWN,
+        final_com_position: UNKNOWN,
+        final_com_velocity: UNKNOWN,
+        final_base_shift_m: f64::NAN,
+        max_flight_path_drift_m: f64::NAN,
+        max_flight_spin_drift_nms: f64::NAN,
         ..Metrics::default()
     }
 }

@@ -1,6 +1,6 @@
 //! The columns of the summary: names, order and where each value comes from. These names are the user's contract.
 
-use super::ParamValue;
+use super::{ParamValue, Verdict};
 use crate::sim::{Metrics, Outcome};
 
 /// One run in the summary.
@@ -22,6 +22,8 @@ pub struct SummaryRow {
     pub seed: u64,
     /// Swept parameters under their dotted names, in file order.
     pub parameters: Vec<(String, ParamValue)>,
+    /// What was expected of it, and what came of it; no column.
+    pub verdicts: Vec<Verdict>,
     /// What was measured.
     pub metrics: Metrics,
     /// Wall-clock time, s.
@@ -130,6 +132,24 @@ pub(super) const COLUMNS: &[Column] = columns! {
     "joint_loss_J" Real |r| Some(r.metrics.joint_loss_j);
     "friction_loss_J" Real |r| Some(r.metrics.friction_loss_j);
     "impact_loss_J" Real |r| Some(r.metrics.impact_loss_j);
+    "final_base_wx_rad_s" Real |r| Some(r.metrics.final_base_angular_velocity[0]);
+    "final_base_wy_rad_s" Real |r| Some(r.metrics.final_base_angular_velocity[1]);
+    "final_base_wz_rad_s" Real |r| Some(r.metrics.final_base_angular_velocity[2]);
+    "final_com_x_m" Real |r| Some(r.metrics.final_com_position[0]);
+    "final_com_y_m" Real |r| Some(r.metrics.final_com_position[1]);
+    "final_com_z_m" Real |r| Some(r.metrics.final_com_position[2]);
+    "final_com_vx_m_s" Real |r| Some(r.metrics.final_com_velocity[0]);
+    "final_com_vy_m_s" Real |r| Some(r.metrics.final_com_velocity[1]);
+    "final_com_vz_m_s" Real |r| Some(r.metrics.final_com_velocity[2]);
+    "final_base_shift_m" Real |r| Some(r.metrics.final_base_shift_m);
+    "final_base_sideways_m" Real |r| r.metrics.final_base_sideways_m;
+    "final_normal_force_N" Real |r| r.metrics.final_normal_force_n;
+    "final_cop_offset_m" Real |r| r.metrics.final_cop_offset_m;
+    "first_tip_s" Real |r| r.metrics.first_tip_s;
+    "last_impact_s" Real |r| r.metrics.last_impact_s;
+    "first_impact_speed_ratio" Real |r| r.metrics.first_impact_speed_ratio;
+    "max_flight_path_drift_m" Real |r| Some(r.metrics.max_flight_path_drift_m);
+    "max_flight_spin_drift_Nms" Real |r| Some(r.metrics.max_flight_spin_drift_nms);
 };
 
 /// Candidates tested per selection; empty when there was no selection.

@@ -1,6 +1,6 @@
 //! `run.json`: what one run was, how it ended and what it measured.
 
-use super::{ParamValue, RecordError, SummaryRow, atomic, number};
+use super::{ParamValue, RecordError, SummaryRow, Verdict, atomic, number};
 use crate::sim::{Metrics, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -32,6 +32,8 @@ pub struct RunRecord {
     pub seed: u64,
     /// Swept parameters under their dotted names, in file order.
     pub parameters: Vec<(String, ParamValue)>,
+    /// What was expected of it, and what came of it, in file order.
+    pub verdicts: Vec<Verdict>,
     /// What was measured.
     #[serde(with = "MetricsRecord")]
     pub metrics: Metrics,
@@ -137,6 +139,7 @@ impl RunRecord {
             integrator: self.integrator.clone(),
             seed: self.seed,
             parameters: self.parameters.clone(),
+            verdicts: self.verdicts.clone(),
             metrics: self.metrics.clone(),
             wall_s: self.timing.wall_s,
             cpu_s: self.timing.cpu_s,
@@ -250,4 +253,26 @@ struct MetricsRecord {
     friction_loss_j: f64,
     #[serde(with = "number::real", rename = "impact_loss_J")]
     impact_loss_j: f64,
+    #[serde(with = "number::triple")]
+    final_base_angular_velocity: [f64; 3],
+    #[serde(with = "number::triple")]
+    final_com_position: [f64; 3],
+    #[serde(with = "number::triple")]
+    final_com_velocity: [f64; 3],
+    #[serde(with = "number::real")]
+    final_base_shift_m: f64,
+    #[serde(with = "number::some_real")]
+    final_base_sideways_m: Option<f64>,
+    #[serde(with = "number::some_real", rename = "final_normal_force_N")]
+    final_normal_force_n: Option<f64>,
+    #[serde(with = "number::some_real")]
+    final_cop_offset_m: Option<f64>,
+    first_tip_s: Option<f64>,
+    last_impact_s: Option<f64>,
+    #[serde(with = "number::some_real")]
+    first_impact_speed_ratio: Option<f64>,
+    #[serde(with = "number::real")]
+    max_flight_path_drift_m: f64,
+    #[serde(with = "number::real", rename = "max_flight_spin_drift_Nms")]
+    max_flight_spin_drift_nms: f64,
 }

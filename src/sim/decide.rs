@@ -149,6 +149,7 @@ impl Simulation {
         plant.solution.wrench = impulses;
         self.work -= loss;
         self.metrics.impacts += 1;
+        self.mark_impact(loss);
         self.count(&selection);
         if !selection.consistent && !self.all_imposed(&selection.verdict) {
             self.inconsistent(observer, "no contact state is valid at an impact")?;

@@ -70,6 +70,7 @@ pub struct Tally {
 impl Simulation {
     /// Takes the residuals at the end of a step.
     pub(super) fn measure(&mut self) {
+        self.mark_step();
         let plant = &mut self.plant;
         let t = plant.state.time;
         let dt = t - std::mem::replace(&mut self.tally.taken, t);

@@ -10,6 +10,7 @@ mod freeze;
 mod imposed;
 pub mod layout;
 mod ledger;
+mod marks;
 mod measure;
 pub mod observe;
 pub mod patch;

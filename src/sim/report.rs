@@ -207,6 +207,32 @@ pub struct Metrics {
     pub friction_loss_j: f64,
     /// Energy taken by impacts and other velocity jumps, J.
     pub impact_loss_j: f64,
+    /// Base angular velocity at the end, world axes, rad/s.
+    pub final_base_angular_velocity: [f64; 3],
+    /// Centre of mass at the end, m.
+    pub final_com_position: [f64; 3],
+    /// Its velocity, m/s.
+    pub final_com_velocity: [f64; 3],
+    /// Distance of the base's origin from where it started, m.
+    pub final_base_shift_m: f64,
+    /// Distance of the base's origin at the end from the straight line of its initial velocity, m; none without one.
+    pub final_base_sideways_m: Option<f64>,
+    /// Sum of the normal forces at the end, N; none when the run did not reach it, or without soles.
+    pub final_normal_force_n: Option<f64>,
+    /// Distance of the centre of pressure from the point of the floor below the centre of mass (along gravity) at the
+    /// end, m; none in flight.
+    pub final_cop_offset_m: Option<f64>,
+    /// First change of any sole from a pattern to a smaller one: from its face to an edge or vertex, from an edge to a
+    /// vertex, s.
+    pub first_tip_s: Option<f64>,
+    /// Last impact, s.
+    pub last_impact_s: Option<f64>,
+    /// Square root of the kinetic energy after the first impact over that before.
+    pub first_impact_speed_ratio: Option<f64>,
+    /// Greatest distance of the centre of mass from the parabola it entered a flight on, m.
+    pub max_flight_path_drift_m: f64,
+    /// Greatest change of the angular momentum about the centre of mass during a flight, kg m^2/s.
+    pub max_flight_spin_drift_nms: f64,
 }
 
 /// Receives what a run tells while it runs. `Err` ends the run with outcome `error` and that message.

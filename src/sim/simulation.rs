@@ -4,6 +4,7 @@ use super::adaptive::Adaptive;
 use super::error::Stop;
 use super::fixed::Fixed;
 use super::ledger::Flows;
+use super::marks::Marks;
 use super::measure::Tally;
 use super::plant::Plant;
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
@@ -73,6 +74,9 @@ pub struct Simulation {
     told: Option<f64>,
     fallen_below: Option<f64>,
     pub(super) start_energy: f64,
+    pub(super) marks: Marks,
+    /// Base position at the start, and its velocity.
+    pub(super) launch: (Vector3<f64>, Vector3<f64>),
     window: (f64, u64),
     in_place: (f64, u64),
 }
@@ -120,6 +124,8 @@ impl Simulation {
             tolerances.distance = tolerances.distance.min(TOUCHING);
         }
         let snapshot = super::observe::blank(&model);
+        let v = &plant.state.v;
+        let launch = if model.nb() == 6 { Vector3::new(v[0], v[1], v[2]) } else { Vector3::zeros() };
         let mut sim = Simulation {
             tolerances,
             contact: setup.contact,
@@ -142,6 +148,8 @@ impl Simulation {
             logged: 0,
             told: None,
             fallen_below: setup.fallen_below,
+            marks: Marks::default(),
+            launch: (plant.state.position, launch),
             start_energy: 0.0,
             window: (0.0, 0),
             in_place: (-1.0, 0),
@@ -356,5 +364,6 @@ impl Simulation {
         self.plant.evaluate_free();
         self.audit();
         self.conclude();
+        self.mark_end();
     }
 }

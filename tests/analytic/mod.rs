@@ -1,7 +1,7 @@
 //! Contact against closed forms (`contact.md` section 13).
 
 mod block;
-mod body;
+pub mod body;
 mod breakaway;
 mod energy;
 mod feet;
@@ -12,8 +12,8 @@ mod incline;
 mod jump;
 mod landing;
 mod patches;
-mod pendulum;
-mod planar;
+pub mod pendulum;
+pub mod planar;
 mod spin;
 mod stall;
 mod standing;

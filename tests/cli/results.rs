@@ -117,8 +117,8 @@ fn keys_depend_on_contents_and_not_on_places() {
 #[test]
 fn contact_problems_are_written_when_asked_for() {
     let place = Place::new();
-    let forced = "[contact]\nforced = [{ sole = \"bottom\", state = \"free\", from = 0.0, to = 0.001 }]\n";
-    place.block("s.toml", forced);
+    // Three corners start below the floor and one above it: no state clamps just those.
+    place.block("s.toml", "[robot.base]\nposition = [0, 0, 0.049]\nrpy = [0.01, 0.02, 0]\n");
     let folder = |results: &str| {
         let key = place.summary(results).column("key")[0].to_owned();
         place.path(results).join("s").join(key).join("problems")
@@ -146,4 +146,35 @@ fn contact_problems_are_written_when_asked_for() {
 
     let refused = place.runner(&["s.toml", "--dump-problems=some"]).exits(2);
     assert!(refused.stderr.contains("[possible values: inconsistent, all]"), "{}", refused.stderr);
+}
+
+#[test]
+fn verdicts_are_printed_and_recorded() {
+    let place = Place::new();
+    place.block(
+        "rest.toml",
+        "[[expect]]\nmetric = \"final_base_z\"\nvalue = 0.05\nrelative_tolerance = 1e-9\n[[expect]]\nmetric = \"jams\"\nmax = 0\n[sweep]\nzip = [{ duration = [0.1, 0.2], \"expect.0.value\" = [0.05, 0.07] }]\n",
+    );
+    let shown = |which: &[&str]| -> Vec<String> {
+        let arguments: Vec<&str> = ["rest.toml"].iter().chain(which).copied().collect();
+        let done = place.runner(&arguments).exits(1);
+        let lines = done.stdout.lines().skip_while(|l| !l.contains("measured")).skip(1);
+        lines.take_while(|l| !l.contains("expectations held")).map(str::to_owned).collect()
+    };
+    // 0.05 is right, 0.07 is not; the limits hold.
+    let values = shown(&[]);
+    assert_eq!(values.len(), 2, "{values:?}");
+    assert!(values[0].contains("duration=0.1") && values[0].ends_with("yes"), "{values:?}");
+    assert!(values[1].contains("0.07  -2.00e-2   2.86e-1") && values[1].ends_with("NO"), "{values:?}");
+    assert_eq!(shown(&["--verdicts", "failed"]).len(), 1);
+    assert_eq!(shown(&["--verdicts", "all"]).len(), 4);
+    let (summary, log) = (place.summary("results"), fs::read_to_string(place.path("results/runs.jsonl")).unwrap());
+    let lines: Vec<serde_json::Value> = log.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    for (key, held) in summary.column("key").into_iter().zip([true, false]) {
+        let record = RunRecord::read(&place.path("results/rest").join(key).join("run.json")).unwrap();
+        assert_eq!(record.verdicts.iter().map(|v| v.held).collect::<Vec<_>>(), [held, true]);
+        let line = lines.iter().find(|l| l["key"] == key).unwrap();
+        assert_eq!(line["verdicts"][0]["held"], held);
+        assert_eq!(line["verdicts"][0]["truth"], record.verdicts[0].truth.unwrap());
+    }
 }

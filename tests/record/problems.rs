@@ -93,23 +93,21 @@ fn a_thing_changed_in_the_file_changes_the_answer() {
     assert_eq!(sliding.replay().unwrap_err().to_string(), "`b` has 5 numbers, 6 are wanted");
 }
 
-/// A block on the floor whose sole is said to be free is driven into the floor: no state is valid.
+/// Three corners of a block start below the floor and one above it: no state clamps just those.
 #[test]
 fn only_inconsistent_selections_are_told_when_asked_for() {
-    let forced = "
+    let sunk = "
         duration = 0.1
-        robot = { model = \"robots/block/block.toml\" }
-        contact = { forced = [{ sole = \"bottom\", state = \"free\", from = 0.0, to = 0.001 }] }
+        robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.049], rpy = [0.01, 0.02, 0] } }
     ";
-    let (told, selections, inconsistent) = problems(forced, Problems::Inconsistent);
+    let (told, selections, inconsistent) = problems(sunk, Problems::Inconsistent);
     assert!(inconsistent >= 1 && selections > inconsistent, "{selections} {inconsistent}");
     assert_eq!(told.len() as u64, inconsistent);
     for frozen in &told {
-        assert!(!frozen.answer.consistent && frozen.answer.violations.kinematic > 0.0, "{:?}", frozen.answer);
-        assert_eq!(frozen.soles[0].forced.as_deref(), Some("free"));
+        assert!(!frozen.answer.consistent && frozen.answer.violations.geometric > 0.0, "{:?}", frozen.answer);
         assert_eq!(json(&frozen.replay().unwrap()), json(&frozen.answer));
     }
-    assert_eq!(problems(forced, Problems::None).0, []);
+    assert_eq!(problems(sunk, Problems::None).0, []);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `run.json` and `runs.jsonl`, written and read back.
 
 use std::path::Path;
-use stiction::record::{Machine, ParamValue, RUN_SCHEMA, RecordError, RunRecord, RunsLog, Timing, hash_input};
+use stiction::record::{Machine, ParamValue, RUN_SCHEMA, RecordError, RunRecord, RunsLog, Timing, Verdict, hash_input};
 use stiction::sim::{Metrics, Outcome};
 
 /// Metrics whose digits would show any rounding on the way.
@@ -53,7 +53,42 @@ pub fn metrics() -> Metrics {
         joint_loss_j: 0.2,
         friction_loss_j: 4.905,
         impact_loss_j: 0.6,
+        final_base_angular_velocity: [0.7, -1e-9, 6.25],
+        final_com_position: [1e-3, -2.5, 0.3],
+        final_com_velocity: [4e5, -0.01, 9.81],
+        final_base_shift_m: 0.2,
+        final_base_sideways_m: Some(6e-3),
+        final_normal_force_n: None,
+        final_cop_offset_m: Some(f64::INFINITY),
+        first_tip_s: Some(2.5),
+        last_impact_s: None,
+        first_impact_speed_ratio: Some(0.75),
+        max_flight_path_drift_m: 3e-12,
+        max_flight_spin_drift_nms: 4e-13,
     }
+}
+
+/// One near its value, one beyond its limit, one that was never measured.
+pub fn verdicts() -> Vec<Verdict> {
+    let near = Verdict {
+        metric: "final_base_x".into(),
+        measured: Some(1.0 / 3.0),
+        truth: Some(0.3),
+        allowed: Some(0.1),
+        error: Some(1.0 / 3.0 - 0.3),
+        held: true,
+        ..Verdict::default()
+    };
+    let beyond = Verdict {
+        metric: "final_cop_offset_m".into(),
+        measured: Some(f64::INFINITY),
+        max: Some(1e-9),
+        error: Some(f64::INFINITY),
+        message: "final_cop_offset_m is inf, above 0.000000001".into(),
+        ..Verdict::default()
+    };
+    let never = Verdict { metric: "first_stick_s".into(), min: Some(0.5), ..Verdict::default() };
+    vec![near, beyond, never]
 }
 
 pub fn record() -> RunRecord {
@@ -72,6 +107,7 @@ pub fn record() -> RunRecord {
             ("repeat".into(), 3.into()),
             ("log.on".into(), true.into()),
         ],
+        verdicts: verdicts(),
         metrics: metrics(),
         program: "stiction 0.1.0".into(),
         inputs: vec![hash_input("block.urdf", b"abc")],
