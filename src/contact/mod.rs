@@ -9,6 +9,7 @@ pub mod candidate;
 pub mod capacity;
 pub mod exact;
 pub mod frozen;
+pub mod group;
 pub mod implicit;
 pub mod judge;
 pub mod linear;

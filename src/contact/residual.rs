@@ -15,6 +15,7 @@
 
 use super::candidate::Solution;
 use super::capacity;
+use super::group;
 use super::problem::{Problem, SoleProblem, Vertex};
 use super::state::{Mode, Pattern, SoleState, States};
 use nalgebra::{Vector2, Vector3};
@@ -69,7 +70,12 @@ pub fn evaluate(p: &Problem, states: &States, solution: &Solution) -> Residual {
         for (i, v) in sole.vertices.iter().enumerate() {
             r.vertex(v, normal[i], &tangent[i], role(states[s], i, sole.vertices.len()));
         }
-        if states[s].is_static() {
+        if group::is_shared(p, states, s)
+            && let Some(joint) = group::joint(p, states, s, solution)
+        {
+            // Soles of one body hold together or not at all.
+            r.cone_excess = r.cone_excess.max(-joint.margin);
+        } else if states[s].is_static() {
             r.cone_excess = r.cone_excess.max(-static_margin(sole, states[s].pattern, normal, tangent, wrench));
         }
         r.resultant_gap = r.resultant_gap.max(resultant_gap(sole, normal, tangent, wrench));

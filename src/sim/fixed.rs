@@ -96,7 +96,11 @@ impl Fixed {
                 // Near: what this step could bring to the floor, with room for what other impulses do.
                 v.near = v.height + dt * free.min(0.0) <= tol.distance.min(dt * fastest) || v.height <= 0.0;
                 v.moving = false;
-                // The gap is in the target now.
+                // The gap is in the target now, and what meets the floor does so on the floor: with all points of a sole at
+                // one height its tilting has no tangential part.
+                if v.near && closes {
+                    v.r.z -= v.height;
+                }
                 v.height = if v.near && closes { v.height.min(0.0) } else { v.height };
             }
         }

@@ -226,6 +226,7 @@ impl Plant {
         p.level = Level::Acceleration;
         for (s, sole) in p.soles.iter_mut().enumerate() {
             sole.target = Vector3::zeros();
+            sole.place = self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point));
             let m = &self.reduced.velocity[6 * s..6 * s + 6];
             let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
             let height = self.floor.height(&self.reduced.reference[s]);

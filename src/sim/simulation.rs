@@ -97,6 +97,7 @@ impl Simulation {
             let centre = geometry.vertices.iter().sum::<Vector3<f64>>() / geometry.vertices.len() as f64;
             let reach = geometry.vertices.iter().map(|v| (v - centre).norm()).fold(0.0, f64::max);
             sole.radius = if reach > 0.0 { reach } else { 1.0 };
+            sole.body = geometry.link.0;
             for v in &mut sole.vertices {
                 (v.mu_s, v.mu_k) = (setup.floor.mu_s, setup.floor.mu_k);
             }

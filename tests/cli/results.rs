@@ -132,7 +132,7 @@ fn contact_problems_are_written_when_asked_for() {
     let done = run("some", &["--dump-problems"]);
     let inconsistent = place.summary("some").numbers("inconsistent")[0] as usize;
     assert!(inconsistent > 0);
-    assert_eq!(fs::read_dir(folder("some")).unwrap().count(), inconsistent);
+    assert_eq!(fs::read_dir(folder("some")).unwrap().count(), inconsistent.min(100));
     assert!(done.stdout.contains("/problems\n"), "{}", done.stdout);
     let problem = ProblemRecord::read(&folder("some").join("0001.json")).unwrap();
     assert_eq!(problem.scenario, "s");

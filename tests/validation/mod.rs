@@ -66,7 +66,7 @@ const ROWS: &[(&str, &[(&str, Truth)])] = &[
 ];
 
 /// Scenarios of the folder that others prove.
-const ELSEWHERE: &[&str] = &["painleve", "patch"];
+const ELSEWHERE: &[&str] = &["painleve", "patch", "forced"];
 
 /// Quantities that are zero wherever they are expected by value.
 const ZERO: &[&str] = &[

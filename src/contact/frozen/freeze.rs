@@ -34,6 +34,7 @@ impl Frozen {
         let sole = |(s, sole): (usize, &SoleProblem)| FrozenSole {
             name: String::new(),
             reference_m: [0.0; 3],
+            body: Some(sole.body),
             radius_m: sole.radius,
             target: sole.target.into(),
             previous: state_name(rules.previous[s]),

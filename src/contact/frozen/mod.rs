@@ -86,6 +86,9 @@ pub struct FrozenSole {
     pub name: String,
     /// Reference point of motion, wrench and vertices, relative to the floor's origin.
     pub reference_m: [f64; 3],
+    /// Soles with the same number are fixed to the same body; each has its own when it is left out.
+    #[serde(default)]
+    pub body: Option<usize>,
     /// [`SoleProblem::radius`](super::problem::SoleProblem::radius).
     pub radius_m: f64,
     /// [`SoleProblem::target`](super::problem::SoleProblem::target).

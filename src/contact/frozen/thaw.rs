@@ -28,9 +28,11 @@ impl Frozen {
             let message = format!("sole `{}` has {} vertices, 1 to 64 are supported", s.name, s.vertices.len());
             return Err(FrozenError::Size(message));
         }
-        let sole = |s: &FrozenSole| SoleProblem {
+        let sole = |(i, s): (usize, &FrozenSole)| SoleProblem {
             vertices: s.vertices.iter().map(FrozenVertex::thaw).collect(),
             radius: s.radius_m,
+            body: s.body.unwrap_or(i),
+            place: s.reference_m.into(),
             target: s.target.into(),
         };
         Ok(Problem {
@@ -40,7 +42,7 @@ impl Frozen {
             },
             w: self.w.clone(),
             b: self.b.clone(),
-            soles: self.soles.iter().map(sole).collect(),
+            soles: self.soles.iter().enumerate().map(sole).collect(),
             scale: self.scale,
         })
     }
