@@ -54,6 +54,8 @@ pub struct Verdict {
     /// Tie-breakers among equals: unclamped vertices that neither carry nor leave, normal rows, number of dynamic soles,
     /// rows, soles that changed state.
     pub rank: [usize; 5],
+    /// What the floor does to the motion, `w . W w`: the last tie-breaker, independent of how soles and vertices are listed.
+    pub action: f64,
     /// By sole.
     pub faults: [Faults; MAX_SOLES],
 }
@@ -71,10 +73,16 @@ impl Verdict {
         self.levels
             .iter()
             .zip(&other.levels)
-            .map(|(a, b)| a.total_cmp(b))
+            .map(|(a, b)| clearly(*a, *b))
             .find(|o| o.is_ne())
             .unwrap_or_else(|| self.rank.cmp(&other.rank))
+            .then_with(|| clearly(self.action, other.action))
     }
+}
+
+/// Order of two numbers that differ by more than the order of summation can.
+fn clearly(a: f64, b: f64) -> Ordering {
+    if (a - b).abs() <= 1e-9 * (a.abs() + b.abs()) { Ordering::Equal } else { a.total_cmp(&b) }
 }
 
 /// What the judge needs to know besides the candidate.
@@ -104,7 +112,7 @@ pub const CLEAR: f64 = 1e-9;
 /// Judges a solved candidate. `slides` tells for each sole whether the implicit sliding directions were found.
 pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, rules: &Rules) -> Verdict {
     let tol = &rules.tolerances;
-    let mut verdict = Verdict { levels: [0.0; 3], rank: [0; 5], faults: [Faults::default(); MAX_SOLES] };
+    let mut verdict = Verdict { levels: [0.0; 3], rank: [0; 5], action: 0.0, faults: [Faults::default(); MAX_SOLES] };
     let speed = p.soles.iter().flat_map(|s| &s.vertices).map(|v| v.velocity.norm()).fold(1.0, f64::max);
     for (s, sole) in p.soles.iter().enumerate() {
         let state = states[s];
@@ -161,6 +169,7 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
         verdict.rank[2] += usize::from(state.is_dynamic());
         verdict.rank[3] += state.rows();
     }
+    verdict.action = solution.wrench.iter().zip(solution.motion.iter().zip(&p.b)).map(|(w, (m, b))| w * (m - b)).sum();
     verdict.rank[4] = (0..p.soles.len()).filter(|&s| states[s] != rules.previous[s]).count();
     verdict
 }

@@ -138,8 +138,8 @@ impl Linear {
         }
         let z = |f: usize| &self.null[f * rank..(f + 1) * rank];
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        for f in 0..free {
-            y[f] = dot(z(f), x);
+        for (f, y) in y.iter_mut().enumerate() {
+            *y = dot(z(f), x);
             (0..free).for_each(|g| self.gram[f * free + g] = f64::from(u8::from(f == g)) + dot(z(f), z(g)));
         }
         cholesky_solve(&mut self.gram[..free * free], y);
