@@ -95,6 +95,9 @@ pub struct Rules {
     /// Soles whose previous state an event has just put at the limit of its load: bit 0 normal, bit 1 friction. Their
     /// margin must then be clearly positive for that state to be kept.
     pub suspect: [u8; MAX_SOLES],
+    /// May an unclamped vertex that leaves the floor at up to v_t go, though it will come back? Such hops are stopped to
+    /// keep bouncing finite; where no valid state stops them they are real.
+    pub hops: bool,
 }
 
 /// Height up to which a vertex touches the floor, m: rounding of positions of a few metres, far below any tolerance.
@@ -123,7 +126,7 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             let motion = p.vertex_motion(&solution.motion, s, i).z;
             let clamped = state.clamps(i, k);
             let (geometric, kinematic) = match p.level {
-                Level::Acceleration => at_rest_level(v, clamped, motion, tol),
+                Level::Acceleration => at_rest_level(v, clamped, motion, tol, rules.hops),
                 // What counts is where the vertex goes after the impulse.
                 Level::Velocity if clamped => (if v.near { 0.0 } else { 1.0 + v.height.max(0.0) / tol.distance }, 0.0),
                 Level::Velocity => {
@@ -175,7 +178,7 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
 }
 
 /// Geometric and kinematic violation of one vertex at the acceleration level.
-fn at_rest_level(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances) -> (f64, f64) {
+fn at_rest_level(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances, hops: bool) -> (f64, f64) {
     let (height, speed) = (v.height / tol.distance, v.velocity.z / tol.velocity);
     if clamped {
         (if height > 1.0 { height } else { 0.0 }, if speed > 1.0 { speed } else { 0.0 })
@@ -184,12 +187,14 @@ fn at_rest_level(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances) -> (f
     } else {
         let kinematic = if speed < -1.0 {
             -speed
-        } else if speed <= 1.0 && motion < -tol.acceleration {
+        } else if speed <= 1.0 && motion < -tol.acceleration && !(hops && v.velocity.z > tol.rest) {
             -motion / tol.acceleration
         } else {
             0.0
         };
-        (if height < -1.0 && speed <= 0.0 { -height } else { 0.0 }, kinematic)
+        // One that an event has found at the edge of the band may go on there.
+        let deep = v.height < -(tol.distance + TOUCHING);
+        (if deep && speed <= 0.0 { -height } else { 0.0 }, kinematic)
     }
 }
 

@@ -9,7 +9,7 @@
 use super::candidate::{Kernel, Solution, share_static};
 use super::implicit::{self, Finder, Onset, Slips};
 use super::judge::{Faults, Rules, SUSPECT_FRICTION, Verdict, judge, margin, onset};
-use super::problem::Problem;
+use super::problem::{Level, Problem};
 use super::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
@@ -117,7 +117,7 @@ impl Selector {
                 onset(p, &rules.previous, s, out, limit);
             }
         }
-        let mut tested = 0;
+        let (mut tested, mut hops) = (0, rules.hops);
         self.push(p, start, rules, &mut tested, out);
         self.explore(p, settled, false, rules, allowed, &mut tested, out);
         let mut best = self.best();
@@ -128,12 +128,30 @@ impl Selector {
             self.complete(p, &best.states, rules, allowed, &mut tested, out);
             self.explore(p, false, true, rules, allowed, &mut tested, out);
             best = self.best();
+            if !best.verdict.valid() && p.level == Level::Acceleration {
+                let lenient = Rules { hops: true, ..*rules };
+                self.queue.clear();
+                self.patterns.clear();
+                self.push(p, start, &lenient, &mut tested, out);
+                self.explore(p, false, false, &lenient, allowed, &mut tested, out);
+                let kept = self.best();
+                if !kept.verdict.valid() {
+                    self.queue.iter_mut().for_each(|e| e.expanded = true);
+                    self.complete(p, &kept.states, &lenient, allowed, &mut tested, out);
+                    self.explore(p, false, true, &lenient, allowed, &mut tested, out);
+                }
+                best = self.best();
+                hops = best.verdict.valid();
+            }
             if !best.verdict.valid() {
+                self.queue.clear();
+                self.push(p, start, rules, &mut tested, out);
                 self.enumerate(p, rules, allowed, &mut tested, out);
                 best = self.best();
             }
             self.thorough = true;
         }
+        let rules = &Rules { hops, ..*rules };
         // Leave the chosen candidate's solution and directions in place.
         self.guess = Some(best.slips);
         let verdict = self.test(p, &best.states, rules, out);

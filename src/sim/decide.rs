@@ -14,7 +14,7 @@ use nalgebra::{Vector2, Vector3};
 /// Rounds of choosing and settling at one instant.
 const SETTLE: usize = 4;
 /// Depth, in distance tolerances, down to which a vertex may still be said to arrive at the floor.
-const REACH: f64 = 10.0;
+const REACH: f64 = 100.0;
 /// Impacts that may follow each other at one instant.
 const CASCADE: usize = 32;
 
@@ -79,7 +79,7 @@ impl Simulation {
     }
 
     pub(super) fn rules(&self) -> Rules {
-        Rules { tolerances: self.tolerances, previous: self.plant.states, suspect: self.suspect }
+        Rules { tolerances: self.tolerances, previous: self.plant.states, suspect: self.suspect, hops: false }
     }
 
     /// The acceleration-level choice at the present state.

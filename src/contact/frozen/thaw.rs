@@ -62,6 +62,7 @@ impl Frozen {
             },
             previous: States::default(),
             suspect: [0; MAX_SOLES],
+            hops: false,
         };
         for (s, sole) in self.soles.iter().enumerate().take(MAX_SOLES) {
             rules.previous[s] = sole.state(&sole.previous)?;
