@@ -10,36 +10,20 @@
 //! candidate's conditions still held.
 //!
 //! Where one vertex alone has an open direction that is an angle, and all angles are looked over.
-//!
-//! Which vertices stick and which slip can be found along with the directions, for given clamped patterns, by giving the
-//! law a little viscosity, `u_i = t_i / sqrt(|t_i|^2 + e^2)`, and following the solution as e goes to zero
-//! ([`Finder::settle`]): the vertices that slip keep a motion, those that stick follow e to zero.
+//! Which vertices stick and which slip is found by [`super::settle`].
 
 use super::candidate::{Kernel, Solution, wrench_at};
 use super::linear::Linear;
 use super::problem::Problem;
-use super::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use super::state::{MAX_SOLES, Mode, States};
 use nalgebra::{Vector2, Vector3};
 
 /// Tangential motions of all soles: that of the mean of the clamped vertices, and the yaw motion times the radius.
 pub type Slips = [Vector3<f64>; MAX_SOLES];
 
-/// Strides of the viscosity: the usual, and the shortest that is tried.
-const PACE: f64 = 0.2;
-const SHORTEST: f64 = 0.9;
-
-/// Viscosity from which on the path may end early.
-const ENOUGH: f64 = 1e-8;
-
-/// Rounding of a candidate solve, relative to the frictionless motion.
-const ROUNDING: f64 = 3e-14;
-
 /// Slip, relative to the frictionless motion, up to which a load at its limit is taken not to accelerate yet: what is left
 /// after its event has been located.
 const LIMIT: f64 = 1e-8;
-
-/// Viscosity at which the path to none ends, relative to the frictionless motion.
-const LEAST: f64 = 1e-12;
 
 /// Slip of a vertex, relative to that of its sole, below which it stands still.
 const STILL: f64 = 1e-14;
@@ -208,106 +192,10 @@ impl Finder {
         }
         false
     }
-
-    /// Follows the slips of the clamped patterns of `states` as viscosity goes to zero. None when the path is lost.
-    pub fn settle(
-        &mut self,
-        kernel: &mut Kernel,
-        p: &mut Problem,
-        states: &States,
-        out: &mut Solution,
-    ) -> Option<Settled> {
-        let mut all = *states;
-        let mut which = [0usize; MAX_SOLES];
-        let mut count = 0;
-        for s in (0..p.soles.len()).filter(|&s| states[s].pattern != Pattern::Free) {
-            all[s] = SoleState::sliding(states[s].pattern);
-            if is_implicit(p, &all, s) {
-                which[count] = s;
-                count += 1;
-            }
-        }
-        let which = &which[..count];
-        let zero = [Vector3::zeros(); MAX_SOLES];
-        if count == 0 {
-            return Some(Settled { all, slips: zero, placed: zero, places: MEANS, viscosity: 0.0 });
-        }
-        point(p, &all, which, &MEANS, &zero, 0.0);
-        kernel.solve(p, &all, out);
-        let mut slips = read(p, &all, which, &MEANS, &out.motion, true);
-        let drive = norm(which, &slips);
-        let mut search =
-            Search { finder: self, kernel, p, states: &all, which, places: MEANS, drive, viscosity: drive };
-        let mut reached: Option<Settled> = None;
-        let mut factor: f64 = PACE;
-        while search.viscosity > LEAST * drive {
-            let start = (slips, search.places);
-            search.replace(&mut slips);
-            if let Some(found) = search.approach(slips, out) {
-                slips = found;
-                let means = read(search.p, &all, which, &MEANS, &out.motion, true);
-                reached = Some(Settled {
-                    all,
-                    slips: means,
-                    placed: slips,
-                    places: search.places,
-                    viscosity: search.viscosity,
-                });
-                factor = (factor * factor).max(PACE);
-            } else {
-                // Once more from the last point with a shorter stride; rounding ends the path where vertices stick fast.
-                (slips, search.places) = start;
-                let last = reached.as_ref()?.viscosity;
-                if last <= ENOUGH * drive || factor > SHORTEST {
-                    break;
-                }
-                factor = factor.sqrt();
-                search.viscosity = last;
-            }
-            search.viscosity *= factor;
-        }
-        reached.filter(|r| r.viscosity <= ENOUGH * drive)
-    }
-}
-
-/// Slips at hardly any viscosity.
-pub struct Settled {
-    /// The patterns, all as sliding.
-    all: States,
-    /// How the soles slip, at the means of their vertices.
-    pub slips: Slips,
-    /// The same at `places`.
-    placed: Slips,
-    places: Places,
-    viscosity: f64,
-}
-
-impl Settled {
-    /// The modes, when vertices that move up to so many times the viscosity are said to stick.
-    pub fn modes(&self, p: &Problem, threshold: f64) -> States {
-        let mut modes = self.all;
-        for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| self.all[*s].pattern != Pattern::Free) {
-            let k = sole.vertices.len();
-            let centre = place(p, &self.all, s, self.places[s]).0;
-            let rests = |i: &usize| {
-                let speed = tangential(&self.placed[s], &sole.vertices[*i].r, &centre, sole.radius).norm();
-                !sole.vertices[*i].moving && speed <= threshold * self.viscosity
-            };
-            let clamped = || (0..k).filter(|&i| self.all[s].clamps(i, k));
-            if clamped().all(|i| rests(&i)) {
-                modes[s].mode = Mode::Static;
-            } else if let Some(j) = clamped().find(rests)
-                && self.all[s].normal_rows() > 1
-            {
-                modes[s].mode = Mode::Pivoting(j as u8);
-            }
-        }
-        modes
-    }
 }
 
 /// Clamped vertices of sole `s` whose sliding direction is open.
-fn open_vertices<'a>(p: &'a Problem, states: &'a States, s: usize) -> impl Iterator<Item = usize> + 'a {
+pub(super) fn open_vertices<'a>(p: &'a Problem, states: &'a States, s: usize) -> impl Iterator<Item = usize> + 'a {
     let sole = &p.soles[s];
     let k = sole.vertices.len();
     (0..k).filter(move |&i| {
@@ -316,24 +204,24 @@ fn open_vertices<'a>(p: &'a Problem, states: &'a States, s: usize) -> impl Itera
 }
 
 /// One candidate whose directions are sought.
-struct Search<'a> {
-    finder: &'a mut Finder,
-    kernel: &'a mut Kernel,
-    p: &'a mut Problem,
-    states: &'a States,
+pub(super) struct Search<'a> {
+    pub(super) finder: &'a mut Finder,
+    pub(super) kernel: &'a mut Kernel,
+    pub(super) p: &'a mut Problem,
+    pub(super) states: &'a States,
     /// Soles with open directions.
-    which: &'a [usize],
+    pub(super) which: &'a [usize],
     /// Where their slips are taken.
-    places: Places,
+    pub(super) places: Places,
     /// Size of the slips without friction.
-    drive: f64,
+    pub(super) drive: f64,
     /// e of the module comment.
-    viscosity: f64,
+    pub(super) viscosity: f64,
 }
 
 impl Search<'_> {
     /// The candidate solve with directions from `slips`: G of the module comment.
-    fn evaluate(&mut self, slips: &Slips, out: &mut Solution) -> Slips {
+    pub(super) fn evaluate(&mut self, slips: &Slips, out: &mut Solution) -> Slips {
         point(self.p, self.states, self.which, &self.places, slips, self.viscosity);
         self.kernel.solve(self.p, self.states, out);
         read(self.p, self.states, self.which, &self.places, &out.motion, true)
@@ -400,42 +288,9 @@ impl Search<'_> {
         false
     }
 
-    /// Takes the slip of each sole at its slowest open vertex, if that is slow.
-    fn replace(&mut self, slips: &mut Slips) {
-        for &s in self.which {
-            let centre = place(self.p, self.states, s, self.places[s]).0;
-            let sole = &self.p.soles[s];
-            let motion = |i: usize| tangential(&slips[s], &sole.vertices[i].r, &centre, sole.radius);
-            let slowest =
-                open_vertices(self.p, self.states, s).min_by(|&i, &j| motion(i).norm().total_cmp(&motion(j).norm()));
-            let Some(i) = slowest else { continue };
-            let t = motion(i);
-            if self.places[s] != Some(i as u8) && t.norm() < 0.1 * slips[s].norm() {
-                slips[s] = Vector3::new(t.x, t.y, slips[s].z);
-                self.places[s] = Some(i as u8);
-            }
-        }
-    }
-
-    /// Newton steps at the present viscosity, to a tenth of it.
-    fn approach(&mut self, mut slips: Slips, out: &mut Solution) -> Option<Slips> {
-        let mut image = self.evaluate(&slips, out);
-        for _ in 0..40 {
-            let residual = subtract(self.which, &slips, &image);
-            if norm(self.which, &residual) <= (0.1 * self.viscosity).max(ROUNDING * self.drive) {
-                return Some(slips);
-            }
-            let step = self.newton_step(&slips, &residual, out);
-            if !self.descend((&mut slips, &mut image), &step, 1.0, out) {
-                return None;
-            }
-        }
-        None
-    }
-
     /// Goes along `-step` as far as the residual falls below `share` of its size (any fall will do for a share of 1,
     /// with shorter and shorter steps); false when it does not. On return the kernel has solved at the slips.
-    fn descend(
+    pub(super) fn descend(
         &mut self,
         (slips, image): (&mut Slips, &mut Slips),
         step: &Slips,
@@ -476,7 +331,7 @@ impl Search<'_> {
     }
 
     /// Newton step on `s - G(s)`, all implicit soles at once, where the kernel has just been evaluated.
-    fn newton_step(&mut self, slips: &Slips, residual: &Slips, out: &Solution) -> Slips {
+    pub(super) fn newton_step(&mut self, slips: &Slips, residual: &Slips, out: &Solution) -> Slips {
         let n = 3 * self.which.len();
         let a = &mut self.finder.jacobian[..n * n];
         for (c, &s) in self.which.iter().enumerate() {
@@ -523,11 +378,11 @@ impl Search<'_> {
     }
 }
 
-fn norm(which: &[usize], s: &Slips) -> f64 {
+pub(super) fn norm(which: &[usize], s: &Slips) -> f64 {
     which.iter().map(|&i| s[i].norm_squared()).sum::<f64>().sqrt()
 }
 
-fn subtract(which: &[usize], a: &Slips, b: &Slips) -> Slips {
+pub(super) fn subtract(which: &[usize], a: &Slips, b: &Slips) -> Slips {
     let mut d = [Vector3::zeros(); MAX_SOLES];
     which.iter().for_each(|&s| d[s] = a[s] - b[s]);
     d
@@ -539,7 +394,7 @@ fn subtract(which: &[usize], a: &Slips, b: &Slips) -> Slips {
 pub type Places = [Option<u8>; MAX_SOLES];
 
 /// The mean for all soles.
-const MEANS: Places = [None; MAX_SOLES];
+pub(super) const MEANS: Places = [None; MAX_SOLES];
 
 /// The places for a candidate: a vertex that alone has an open direction, or the mean.
 fn places(p: &Problem, states: &States, which: &[usize]) -> Places {
@@ -565,7 +420,7 @@ fn moved(p: &Problem, states: &States, which: &[usize], places: &Places, slips: 
 }
 
 /// Position of a place relative to the reference point, and its centripetal term.
-fn place(p: &Problem, states: &States, s: usize, place: Option<u8>) -> (Vector3<f64>, Vector3<f64>) {
+pub(super) fn place(p: &Problem, states: &States, s: usize, place: Option<u8>) -> (Vector3<f64>, Vector3<f64>) {
     let sole = &p.soles[s];
     if let Some(i) = place {
         let v = &sole.vertices[i as usize];
@@ -582,7 +437,7 @@ fn place(p: &Problem, states: &States, s: usize, place: Option<u8>) -> (Vector3<
 }
 
 /// Tangential motion of a vertex at `r` under the slip of its sole, taken at `centre`.
-fn tangential(slip: &Vector3<f64>, r: &Vector3<f64>, centre: &Vector3<f64>, radius: f64) -> Vector2<f64> {
+pub(super) fn tangential(slip: &Vector3<f64>, r: &Vector3<f64>, centre: &Vector3<f64>, radius: f64) -> Vector2<f64> {
     let d = r - centre;
     slip.xy() + Vector2::new(-d.y, d.x) * (slip.z / radius)
 }
@@ -599,7 +454,14 @@ pub fn slips(p: &Problem, states: &States, motion: &[f64]) -> Slips {
 }
 
 /// Slips of sole motions (6F); of changes of motion when `whole` is false, which have no centripetal part.
-fn read(p: &Problem, states: &States, which: &[usize], places: &Places, motion: &[f64], whole: bool) -> Slips {
+pub(super) fn read(
+    p: &Problem,
+    states: &States,
+    which: &[usize],
+    places: &Places,
+    motion: &[f64],
+    whole: bool,
+) -> Slips {
     let mut slips = [Vector3::zeros(); MAX_SOLES];
     for &s in which {
         let sole = &p.soles[s];
@@ -615,7 +477,7 @@ fn read(p: &Problem, states: &States, which: &[usize], places: &Places, motion: 
 }
 
 /// Sets the implicit directions from the slips; a vertex that stands still gets none.
-fn point(p: &mut Problem, states: &States, which: &[usize], places: &Places, slips: &Slips, viscosity: f64) {
+pub(super) fn point(p: &mut Problem, states: &States, which: &[usize], places: &Places, slips: &Slips, viscosity: f64) {
     for &s in which {
         let centre = place(p, states, s, places[s]).0;
         let sole = &mut p.soles[s];

@@ -19,4 +19,5 @@ pub mod pressure;
 pub mod problem;
 pub mod residual;
 pub mod select;
+pub mod settle;
 pub mod state;

@@ -154,7 +154,7 @@ pub(super) const COLUMNS: &[Column] = columns! {
 
 /// Candidates tested per selection; empty when there was no selection.
 fn states_tested_mean(m: &Metrics) -> Option<f64> {
-    (m.selections > 0).then(|| m.states_tested as f64 / m.selections as f64)
+    m.states_tested_mean()
 }
 
 /// Names of the columns that [`metric`] knows, in the summary's order.

@@ -187,6 +187,8 @@ struct MetricsRecord {
     state_changes: u64,
     selections: u64,
     states_tested: u64,
+    #[serde(default)]
+    confirmed: u64,
     states_tested_max: u64,
     impacts: u64,
     jams: u64,

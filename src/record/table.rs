@@ -68,11 +68,7 @@ fn cells(row: &SummaryRow, names: &[&str]) -> Vec<String> {
     cells.push(format!("{:.3}", m.duration_s));
     cells.push(format!("{:.3}", row.wall_s));
     cells.push(format!("{:.1}", row.real_time_factor));
-    cells.push(if m.selections == 0 {
-        "-".to_owned()
-    } else {
-        format!("{:.2}", m.states_tested as f64 / m.selections as f64)
-    });
+    cells.push(m.states_tested_mean().map_or("-".to_owned(), |mean| format!("{mean:.2}")));
     cells.push(format!("{:.4}", m.final_base_position[2]));
     cells
 }

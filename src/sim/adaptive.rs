@@ -120,7 +120,8 @@ impl Adaptive {
             self.watch.values(sim, &mut self.right);
         }
         let mut event = self.right.iter().any(|g| *g < 0.0);
-        if event && sim.locates() {
+        let located = event && sim.locates();
+        if located {
             h = self.locate(sim, t0, h);
         }
         sim.metrics.steps += 1;
@@ -128,6 +129,10 @@ impl Adaptive {
         self.snapshots(sim, t0, t1, h, observer)?;
         layout.unpack(t1, &self.rk.end, &mut sim.plant.state);
         sim.flows = layout.flows(&self.rk.end);
+        if located {
+            // The search may have ended with the plant anywhere in the step.
+            sim.plant.evaluate();
+        }
         sim.check_finite()?;
         sim.project();
         event |= doubtful || !sim.locates() || self.watch.tolerated_too_much(sim);
@@ -135,6 +140,9 @@ impl Adaptive {
             sim.metrics.events += u64::from(sim.locates());
             self.watch.suspects(&self.right, &mut sim.suspect);
             sim.decide(observer)?;
+        } else {
+            // Nothing happened: the states held are the one candidate, and the events watched have confirmed it.
+            sim.metrics.confirmed += 1;
         }
         self.fresh = event;
         sim.measure();

@@ -26,7 +26,9 @@ impl Simulation {
         self.find_friction(observer)?;
         self.plant.point_directions();
         if self.plant.method.locates_events() {
-            self.count_event()?;
+            if self.locates() {
+                self.count_event()?;
+            }
             let mut rounds = 0;
             while self.hits() {
                 self.impact(observer)?;

@@ -131,6 +131,8 @@ pub struct Metrics {
     pub selections: u64,
     /// Candidate states tested, over all selections.
     pub states_tested: u64,
+    /// Steps whose watched events confirmed the states held: one candidate each.
+    pub confirmed: u64,
     /// Most candidates tested in one selection.
     pub states_tested_max: u64,
     /// Impacts.
@@ -233,6 +235,15 @@ pub struct Metrics {
     pub max_flight_path_drift_m: f64,
     /// Greatest change of the angular momentum about the centre of mass during a flight, kg m^2/s.
     pub max_flight_spin_drift_nms: f64,
+}
+
+impl Metrics {
+    /// Candidates tested per selection, a step without an event counting as one selection that kept its states; none
+    /// without any.
+    pub fn states_tested_mean(&self) -> Option<f64> {
+        let selections = self.selections + self.confirmed;
+        (self.selections > 0).then(|| (self.states_tested + self.confirmed) as f64 / selections as f64)
+    }
 }
 
 /// Receives what a run tells while it runs. `Err` ends the run with outcome `error` and that message.

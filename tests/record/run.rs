@@ -15,6 +15,7 @@ pub fn metrics() -> Metrics {
         state_changes: 5,
         selections: 3,
         states_tested: 10,
+        confirmed: 0,
         states_tested_max: 7,
         impacts: 8,
         jams: 9,
