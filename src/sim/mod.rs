@@ -7,6 +7,7 @@ mod decide;
 pub mod error;
 mod fixed;
 mod imposed;
+mod jam;
 pub mod layout;
 pub mod observe;
 pub mod patch;

@@ -10,6 +10,7 @@ mod hard;
 mod incline;
 mod jump;
 mod landing;
+mod painleve;
 mod patches;
 mod pendulum;
 mod planar;
