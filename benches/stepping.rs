@@ -76,6 +76,6 @@ fn selection_from_a_changed_state(bencher: Bencher) {
     let (mut selector, mut out) = (Selector::new(&p), Solution::new(&p));
     let mut start = States::default();
     start[0] = SoleState::fixed(Pattern::Face);
-    let rules = Rules { tolerances: Tolerances::default(), previous: start, suspect: [0; MAX_SOLES] };
+    let rules = Rules { tolerances: Tolerances::default(), previous: start, suspect: [0; MAX_SOLES], hops: false };
     super::each(bencher, || selector.select(&mut p, &start, false, &rules, &|_, _| true, &mut out).tested);
 }

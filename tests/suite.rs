@@ -9,3 +9,4 @@ mod oracles;
 mod record;
 mod robot;
 mod scenario;
+mod validation;

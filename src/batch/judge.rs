@@ -1,6 +1,6 @@
 //! The verdict on a finished run.
 
-use crate::record::{SummaryRow, metric};
+use crate::record::{SummaryRow, Verdict, metric};
 use crate::scenario::Expect;
 use crate::sim::Outcome;
 
@@ -17,14 +17,32 @@ pub(super) fn judge(mut row: SummaryRow, expectations: &[Expect]) -> (SummaryRow
     if !judged {
         return (row, false);
     }
-    let broken = expectations.iter().filter_map(|e| e.judge(word, |name| metric(&row, name)).err());
+    row.verdicts = expectations.iter().map(|e| verdict(e, &row)).collect();
+    let broken = row.verdicts.iter().filter(|v| !v.held).map(|v| v.message.clone());
     let words: Vec<String> = Some(row.message.clone()).filter(|m| !m.is_empty()).into_iter().chain(broken).collect();
-    let held = words.len() == usize::from(!row.message.is_empty());
+    let held = row.verdicts.iter().all(|v| v.held);
     if !held {
         row.outcome = Outcome::Failed;
         row.message = words.join("; ");
     }
     (row, held)
+}
+
+/// One expectation held against the run.
+fn verdict(expect: &Expect, row: &SummaryRow) -> Verdict {
+    let judged = expect.judge(row.outcome.name(), |name| metric(row, name));
+    let measured = expect.metric.as_deref().and_then(|name| metric(row, name));
+    Verdict {
+        metric: expect.metric.clone().unwrap_or_else(|| "outcome".into()),
+        measured,
+        truth: expect.value,
+        allowed: expect.allowed(),
+        min: expect.min,
+        max: expect.max,
+        error: measured.map(|x| expect.error(x)),
+        held: judged.is_ok(),
+        message: judged.err().unwrap_or_default(),
+    }
 }
 
 #[cfg(test)]
@@ -43,6 +61,7 @@ mod tests {
             integrator: "dopri5".into(),
             seed: 1,
             parameters: Vec::new(),
+            verdicts: Vec::new(),
             metrics: Metrics { impacts: 3, ..Metrics::default() },
             wall_s: 1.0,
             cpu_s: 1.0,
@@ -90,5 +109,25 @@ mod tests {
         let (judged, _) = judge(row(Outcome::Fallen, "base low"), &[at_most(2.0), at_most(1.0)]);
         assert_eq!(judged.message, "base low; impacts is 3, above 2; impacts is 3, above 1");
         assert_eq!(judge(row(Outcome::Fallen, "base low"), &[]).0.message, "base low");
+    }
+
+    #[test]
+    fn verdicts_hold_what_was_measured_against_what_was_wanted() {
+        let near = Expect {
+            metric: Some("impacts".into()),
+            value: Some(4.0),
+            tolerance: Some(0.5),
+            relative_tolerance: Some(0.25),
+            ..Expect::default()
+        };
+        let (judged, held) = judge(row(Outcome::Passed, ""), &[near, at_most(1.0), ends(ExpectedOutcome::Passed)]);
+        assert!(!held);
+        let [value, limit, outcome] = judged.verdicts.as_slice() else { panic!("{:?}", judged.verdicts) };
+        assert_eq!((value.measured, value.truth, value.allowed), (Some(3.0), Some(4.0), Some(1.5)));
+        assert_eq!((value.error, value.held, value.message.as_str()), (Some(-1.0), true, ""));
+        assert_eq!((limit.measured, limit.truth, limit.max, limit.error), (Some(3.0), None, Some(1.0), Some(2.0)));
+        assert_eq!((limit.held, limit.message.as_str()), (false, "impacts is 3, above 1"));
+        assert_eq!((outcome.metric.as_str(), outcome.measured, outcome.held), ("outcome", None, true));
+        assert!(judge(row(Outcome::Diverged, ""), &[at_most(1.0)]).0.verdicts.is_empty(), "not judged");
     }
 }

@@ -28,7 +28,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
 use crate::record::{RecordError, RunsLog, SummaryFiles, SummaryRow, write_summary};
-use crate::sim::Outcome;
+use crate::sim::{Outcome, Problems};
 
 pub use cancel::{Cancellation, Reason};
 pub use finding::{Finding, Findings, Severity};
@@ -52,6 +52,8 @@ pub struct Options {
     pub timeout: Option<Duration>,
     /// Start no more runs after the first that failed or did not finish?
     pub fail_fast: bool,
+    /// Contact problems to write below each run's folder.
+    pub problems: Problems,
 }
 
 /// What can go wrong with a batch as a whole; a run's own troubles are its outcome.
@@ -76,8 +78,10 @@ pub enum BatchError {
 /// A finished run.
 #[derive(Clone, Debug)]
 pub struct Finished {
-    /// The files it left: `run.json` and, if there is one, `log.mcap`.
+    /// The files it left: `run.json`, and `log.mcap` and the folder `problems` if they are there.
     pub files: Vec<PathBuf>,
+    /// What else there is to tell a person.
+    pub notes: Vec<String>,
     /// Its row of the summary.
     pub row: SummaryRow,
     /// It ended as it should: `passed`, `fallen` with every expectation held, or in the way that an expectation names.
@@ -189,5 +193,14 @@ impl Batch {
     }
 }
 
-/// What happens in a run: the job, where its log goes (none: no log), and the flag that ends it.
-pub type Body<'a> = dyn Fn(&Job, Option<&std::path::Path>, &std::sync::atomic::AtomicBool) -> End + Sync + 'a;
+/// What a run shall leave besides its record.
+#[derive(Clone, Debug, Default)]
+pub struct Wanted {
+    /// Where its log goes; none: no log.
+    pub log: Option<PathBuf>,
+    /// The folder of its contact problems; none: they are not wanted.
+    pub problems: Option<(PathBuf, Problems)>,
+}
+
+/// What happens in a run: the job, what it shall leave, and the flag that ends it.
+pub type Body<'a> = dyn Fn(&Job, &Wanted, &std::sync::atomic::AtomicBool) -> End + Sync + 'a;

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::clock::Clock;
 use super::judge::judge;
-use super::{Body, Cancellation, Finished, Job, Options, Reason, guard};
+use super::{Body, Cancellation, Finished, Job, Options, Reason, Wanted, guard};
 use crate::record::{InputHash, RUN_SCHEMA, RunRecord, Timing, hash_input};
-use crate::sim::{Metrics, Outcome};
+use crate::sim::{Metrics, Outcome, Problems};
 
 /// How the body of a run ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,36 +17,43 @@ pub struct End {
     pub message: String,
     /// What was measured; none when nothing was.
     pub metrics: Option<Metrics>,
+    /// What else there is to tell a person.
+    pub notes: Vec<String>,
 }
 
 impl End {
     /// The end of a run that something went wrong with.
     pub fn error(message: impl Into<String>) -> Self {
-        Self { outcome: Outcome::Error, message: message.into(), metrics: None }
+        Self { outcome: Outcome::Error, message: message.into(), metrics: None, notes: Vec::new() }
     }
 }
 
 /// Runs a job: simulates, judges, writes `run.json` last. Whatever goes wrong is the run's outcome.
 pub(super) fn run(job: &Job, options: &Options, cancellation: &Cancellation, body: &Body<'_>) -> Finished {
     let folder = job.folder(&options.output);
-    let log = (options.log && job.run.scenario.log.rate > 0.0).then(|| folder.join("log.mcap"));
+    let wanted = Wanted {
+        log: (options.log && job.run.scenario.log.rate > 0.0).then(|| folder.join("log.mcap")),
+        problems: (options.problems != Problems::None).then(|| (folder.join("problems"), options.problems)),
+    };
     let clock = Clock::start();
-    let mut end = guard::catch(|| body(job, log.as_deref(), cancellation.flag())).unwrap_or_else(End::error);
+    let mut end = guard::catch(|| body(job, &wanted, cancellation.flag())).unwrap_or_else(End::error);
     let timing = clock.read();
     if end.outcome == Outcome::Cancelled && cancellation.reason() == Some(Reason::TimedOut) {
         end.outcome = Outcome::TimedOut;
         end.message = timed_out(options);
     }
+    let notes = std::mem::take(&mut end.notes);
     let mut record = record(job, end, timing);
     let (row, accepted) = judge(record.summary_row(), &job.run.scenario.expect);
     (record.outcome, record.message) = (row.outcome, row.message.clone());
+    record.verdicts.clone_from(&row.verdicts);
     let path = folder.join("run.json");
-    let log = log.filter(|log| log.exists());
+    let left = [wanted.log, wanted.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
     match record.write(&path) {
-        Ok(()) => Finished { files: [path].into_iter().chain(log).collect(), row, accepted },
+        Ok(()) => Finished { files: [path].into_iter().chain(left).collect(), notes, row, accepted },
         Err(error) => {
             (record.outcome, record.message) = (Outcome::Error, error.to_string());
-            Finished { files: log.into_iter().collect(), row: record.summary_row(), accepted: false }
+            Finished { files: left.collect(), notes, row: record.summary_row(), accepted: false }
         }
     }
 }
@@ -68,6 +75,7 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
         integrator: scenario.integrator.method.name().to_owned(),
         seed: scenario.seed,
         parameters: job.parameters(),
+        verdicts: Vec::new(),
         metrics: end.metrics.unwrap_or_else(unmeasured),
         program: concat!("stiction ", env!("CARGO_PKG_VERSION")).to_owned(),
         inputs: inputs(job),
@@ -99,6 +107,31 @@ fn unmeasured() -> Metrics {
         max_lift_m: f64::NAN,
         max_cone_excess: f64::NAN,
         energy_error_j: f64::NAN,
+        rms_penetration_m: f64::NAN,
+        max_tension_n: f64::NAN,
+        rms_tension_n: f64::NAN,
+        max_signorini_nm: f64::NAN,
+        rms_signorini_nm: f64::NAN,
+        rms_cone_excess_n: f64::NAN,
+        max_dissipation_gap_w: f64::NAN,
+        rms_dissipation_gap_w: f64::NAN,
+        max_creep_speed_m_per_s: f64::NAN,
+        rms_creep_speed_m_per_s: f64::NAN,
+        max_resultant_gap_n: f64::NAN,
+        max_energy_error_j: f64::NAN,
+        rms_energy_error_j: f64::NAN,
+        energy_change_j: f64::NAN,
+        actuator_work_j: f64::NAN,
+        external_work_j: f64::NAN,
+        joint_loss_j: f64::NAN,
+        friction_loss_j: f64::NAN,
+        impact_loss_j: f64::NAN,
+        final_base_angular_velocity: UNKNOWN,
+        final_com_position: UNKNOWN,
+        final_com_velocity: UNKNOWN,
+        final_base_shift_m: f64::NAN,
+        max_flight_path_drift_m: f64::NAN,
+        max_flight_spin_drift_nms: f64::NAN,
         ..Metrics::default()
     }
 }

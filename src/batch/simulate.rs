@@ -1,53 +1,87 @@
-//! The body of a run: builds it, simulates it, writes its log.
+//! The body of a run: builds it, simulates it, writes its log and its contact problems.
 
 use std::borrow::Cow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 
-use super::{End, Job};
-use crate::record::{Document, LogHeader, LogWriter, RecordError, Topics};
+use super::{End, Job, Wanted};
+use crate::contact::frozen::Frozen;
+use crate::record::{Document, LogHeader, LogWriter, ProblemWriter, RecordError, Topics};
 use crate::robot::{Model, Robot};
 use crate::scenario::LogTopic;
 use crate::sim::build::setup;
 use crate::sim::setup::Floor;
-use crate::sim::{Blind, Outcome, Setup, Simulation};
+use crate::sim::{Observer, Outcome, Problems, Setup, SimEvent, Simulation, Snapshot};
 
-/// Simulates a job; the log goes to `log`, if there is to be one. Ends at the next step once `cancel` is set.
-pub fn simulate(job: &Job, log: Option<&Path>, cancel: &AtomicBool) -> End {
+/// Simulates a job. Ends at the next step once `cancel` is set.
+pub fn simulate(job: &Job, wanted: &Wanted, cancel: &AtomicBool) -> End {
     let setup = match setup(&job.run, &job.robot) {
         Ok(setup) => setup,
         Err(errors) => return End::error(errors.to_string()),
     };
-    match log {
-        None => advance(Setup { log_rate: 0.0, ..setup }, &mut Blind, cancel),
-        Some(path) => match open_log(path, job, &setup) {
-            Ok(writer) => logged(setup, writer, cancel),
-            Err(error) => End::error(error.to_string()),
-        },
+    match Recorder::open(job, wanted, &setup) {
+        Ok(recorder) => recorded(setup, recorder, cancel),
+        Err(error) => End::error(error.to_string()),
     }
 }
 
-fn logged(setup: Setup, mut writer: LogWriter, cancel: &AtomicBool) -> End {
-    let end = advance(setup, &mut writer, cancel);
-    if end.outcome == Outcome::Cancelled {
-        // Dropping it leaves a log that says of itself that it is not complete.
-        return end;
+/// Hears what a run tells, and writes what is wanted of it.
+struct Recorder {
+    log: Option<LogWriter>,
+    problems: Option<ProblemWriter>,
+}
+
+impl Recorder {
+    fn open(job: &Job, wanted: &Wanted, setup: &Setup) -> Result<Self, RecordError> {
+        let problems = |(folder, which): &(PathBuf, Problems)| {
+            ProblemWriter::create(folder.clone(), &job.run.name, &job.key, *which)
+        };
+        Ok(Recorder {
+            log: wanted.log.as_deref().map(|path| open_log(path, job, setup)).transpose()?,
+            problems: wanted.problems.as_ref().map(problems).transpose()?,
+        })
     }
-    match writer.finish() {
+}
+
+impl Observer for Recorder {
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
+        self.log.as_mut().map_or(Ok(()), |log| log.snapshot(snapshot))
+    }
+
+    fn event(&mut self, event: &SimEvent) -> Result<(), String> {
+        self.log.as_mut().map_or(Ok(()), |log| log.event(event))
+    }
+
+    fn problems(&self) -> Problems {
+        self.problems.as_ref().map_or(Problems::None, ProblemWriter::which)
+    }
+
+    fn problem(&mut self, frozen: &Frozen) -> Result<(), String> {
+        self.problems.as_mut().map_or(Ok(()), |p| p.write(frozen).map_err(|e| e.to_string()))
+    }
+}
+
+fn recorded(setup: Setup, mut recorder: Recorder, cancel: &AtomicBool) -> End {
+    let log_rate = if recorder.log.is_some() { setup.log_rate } else { 0.0 };
+    let mut end = advance(Setup { log_rate, ..setup }, &mut recorder, cancel);
+    end.notes.extend(recorder.problems.and_then(|p| p.summary()));
+    // When cancelled, dropping it leaves a log that says of itself that it is not complete.
+    let log = recorder.log.filter(|_| end.outcome != Outcome::Cancelled);
+    match log.map_or(Ok(()), LogWriter::finish) {
         Ok(()) => end,
         Err(error) => End { outcome: Outcome::Error, message: error.to_string(), ..end },
     }
 }
 
-fn advance(setup: Setup, observer: &mut dyn crate::sim::Observer, cancel: &AtomicBool) -> End {
+fn advance(setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> End {
     let mut simulation = match Simulation::new(setup) {
         Ok(simulation) => simulation,
-        Err(stop) => return End { outcome: stop.outcome, message: stop.message, metrics: None },
+        Err(stop) => return End { outcome: stop.outcome, ..End::error(stop.message) },
     };
     let (outcome, message) = simulation.run(observer, cancel);
-    End { outcome, message, metrics: Some(simulation.metrics().clone()) }
+    End { outcome, message, metrics: Some(simulation.metrics().clone()), notes: Vec::new() }
 }
 
 fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordError> {

@@ -5,9 +5,10 @@ use std::num::NonZero;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use stiction::batch::{Batch, Options, Progress, Report, Severity, simulate};
-use stiction::record::table;
+use stiction::record::{Shown, table, verdicts};
+use stiction::sim::Problems;
 
 use super::Exit;
 use super::prepare::Scenarios;
@@ -15,6 +16,20 @@ use super::terminal::{complain, plural, print};
 
 /// Runs whose files are named one by one below the table.
 const MOST_NAMED: usize = 20;
+
+/// Verdicts shown line by line when nothing is said about them; of more only those that did not hold.
+const MOST_VERDICTS: usize = 2000;
+
+/// Which verdicts are shown.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Verdicts {
+    /// Those that did not hold
+    Failed,
+    /// These, and all that name a value
+    Values,
+    /// All
+    All,
+}
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
@@ -36,6 +51,21 @@ pub struct Run {
     /// Wall-clock limit of each run
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<Duration>,
+    /// Write contact problems as JSON: those without a valid state, or all; at most 100 of each run
+    #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "inconsistent")]
+    dump_problems: Option<Which>,
+    /// Expectations to show, with measured value, wanted value and error [default: values, failed when there are too many]
+    #[arg(long, value_name = "WHICH")]
+    verdicts: Option<Verdicts>,
+}
+
+/// Contact problems to write.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum Which {
+    /// Selections in which no state was valid
+    Inconsistent,
+    /// Every selection
+    All,
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -57,6 +87,11 @@ impl Run {
             log: !self.no_log,
             timeout: self.timeout,
             fail_fast: self.fail_fast,
+            problems: match self.dump_problems {
+                None => Problems::None,
+                Some(Which::Inconsistent) => Problems::Inconsistent,
+                Some(Which::All) => Problems::All,
+            },
         };
         let side_by_side = options.jobs.min(runs);
         let batch = Batch::new(plan, options).map_err(|error| {
@@ -72,17 +107,27 @@ impl Run {
             complain(&format!("error: {error}"));
             Exit::Unfinished
         })?;
-        print(&summary(&report))?;
+        print(&summary(&report, self.verdicts))?;
         Ok(exit(&report))
     }
 }
 
-/// The table and the paths written.
-fn summary(report: &Report) -> String {
-    let mut out = table(&report.rows());
+/// The table, the verdicts and the paths written.
+fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
+    let rows = report.rows();
+    let mut out = table(&rows);
+    let judged = verdicts(&rows, shown(wanted, Shown::Values.count(&rows)));
+    if !judged.is_empty() {
+        out += &format!("\n{judged}");
+    }
     if report.not_started > 0 {
         // A String takes every write.
         let _ = writeln!(out, "{} not started", plural(report.not_started, "run"));
+    }
+    for run in &report.finished {
+        for note in &run.notes {
+            let _ = writeln!(out, "{} {}: {note}", run.row.scenario, run.row.key);
+        }
     }
     let Some(files) = &report.summary else { return out };
     out += "\nwritten:\n";
@@ -96,6 +141,17 @@ fn summary(report: &Report) -> String {
         let _ = writeln!(out, "  and the same for {}", plural(more, "more run"));
     }
     out
+}
+
+/// What was asked for; else all that name a value, unless there are too many of them.
+fn shown(wanted: Option<Verdicts>, values: usize) -> Shown {
+    match wanted {
+        Some(Verdicts::Failed) => Shown::Failed,
+        Some(Verdicts::Values) => Shown::Values,
+        Some(Verdicts::All) => Shown::All,
+        None if values > MOST_VERDICTS => Shown::Failed,
+        None => Shown::Values,
+    }
 }
 
 fn exit(report: &Report) -> Exit {

@@ -134,6 +134,37 @@ impl Kernel {
                 break;
             }
         }
+        for s in 0..p.soles.len() {
+            if !out.inside[s] {
+                self.try_arcs(p, states, s, out);
+            }
+        }
+    }
+
+    /// The set of loaded vertices of a sliding face feeds back on itself through friction, and the iteration may miss the
+    /// set that reproduces itself. Linear pressure is positive on one side of a line, so the sets are runs of neighbours:
+    /// they are tried, the longest first. Without success the last solution is restored.
+    fn try_arcs(&mut self, p: &Problem, states: &States, s: usize, out: &mut Solution) {
+        let k = p.soles[s].vertices.len();
+        let kept = (self.loaded, out.inside);
+        for length in (3..k).rev() {
+            for first in 0..k {
+                self.loaded = kept.0;
+                self.loaded[s] = (0..length).fold(0, |set, i| set | 1 << ((first + i) % k));
+                out.inside[s] = true;
+                self.solve_linear(p, states, out);
+                if !self.reload(p, states, out, true)
+                    && (0..p.soles.len()).all(|t| out.inside[t] >= kept.1[t])
+                    && out.inside[s]
+                {
+                    return;
+                }
+            }
+        }
+        self.loaded = kept.0;
+        out.inside = kept.1;
+        self.solve_linear(p, states, out);
+        self.reload(p, states, out, true);
     }
 
     fn solve_linear(&mut self, p: &Problem, states: &States, out: &mut Solution) {

@@ -168,25 +168,22 @@ impl Finder {
         let zero = [Vector3::zeros(); MAX_SOLES];
         point(p, states, which, &MEANS, &zero, 0.0);
         kernel.solve(p, states, out);
-        let drive = read(p, states, which, &MEANS, &out.motion, true);
-        let mut search = Search {
-            finder: self,
-            kernel,
-            p,
-            states,
-            which,
-            places: MEANS,
-            drive: norm(which, &drive),
-            viscosity: 0.0,
-        };
+        let places = places(p, states, which);
+        let drive = read(p, states, which, &places, &out.motion, true);
+        let mut search =
+            Search { finder: self, kernel, p, states, which, places, drive: norm(which, &drive), viscosity: 0.0 };
         if search.drive == 0.0 {
             return false;
         }
         let rounds = if thorough { 30 } else { 8 };
-        for guess in hints.iter().chain([&drive]) {
-            if norm(which, guess) > 0.0 && search.iterate(*guess, rounds, out) {
+        for hint in hints {
+            let guess = moved(search.p, states, which, &places, hint);
+            if norm(which, &guess) > 0.0 && search.iterate(guess, rounds, out) {
                 return true;
             }
+        }
+        if search.iterate(drive, rounds, out) {
+            return true;
         }
         if let [s] = *which {
             if let Mode::Pivoting(j) = states[s].mode {
@@ -196,6 +193,7 @@ impl Finder {
                 for turn in [1.0, -1.0] {
                     let mut guess = zero;
                     guess[s] = Vector3::new(r.y * turn, -r.x * turn, turn * radius);
+                    let guess = moved(search.p, states, which, &places, &guess);
                     if search.iterate(guess, rounds, out) {
                         return true;
                     }
@@ -569,6 +567,29 @@ pub type Places = [Option<u8>; MAX_SOLES];
 
 /// The mean for all soles.
 const MEANS: Places = [None; MAX_SOLES];
+
+/// The places for a candidate: a vertex that alone has an open direction, or the mean.
+fn places(p: &Problem, states: &States, which: &[usize]) -> Places {
+    let mut places = MEANS;
+    for &s in which {
+        let mut open = open_vertices(p, states, s);
+        if let (Some(i), None) = (open.next(), open.next()) {
+            places[s] = Some(i as u8);
+        }
+    }
+    places
+}
+
+/// Slips taken at the means, as they are at `places`.
+fn moved(p: &Problem, states: &States, which: &[usize], places: &Places, slips: &Slips) -> Slips {
+    let mut moved = *slips;
+    for &s in which.iter().filter(|&&s| slips[s] != Vector3::zeros()) {
+        let (from, to) = (place(p, states, s, None), place(p, states, s, places[s]));
+        let t = tangential(&slips[s], &to.0, &from.0, p.soles[s].radius) + (to.1 - from.1).xy();
+        moved[s] = Vector3::new(t.x, t.y, slips[s].z);
+    }
+    moved
+}
 
 /// Position of a place relative to the reference point, and its centripetal term.
 fn place(p: &Problem, states: &States, s: usize, place: Option<u8>) -> (Vector3<f64>, Vector3<f64>) {

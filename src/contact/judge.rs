@@ -8,6 +8,7 @@
 
 use super::candidate::{Solution, edge_load};
 use super::capacity::{self, Slip};
+use super::group;
 use super::implicit::Onset;
 use super::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
 use super::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
@@ -19,6 +20,8 @@ use std::cmp::Ordering;
 pub struct Faults {
     /// Unclamped vertices that enter the floor, one bit each.
     pub penetrating: u64,
+    /// Unclamped vertices that touch and do not leave, one bit each.
+    pub resting: u64,
     /// The floor would have to pull, or a clamped vertex is above the floor or leaving it.
     pub pulling: bool,
     /// The friction law does not allow it.
@@ -48,8 +51,11 @@ impl Default for Margin {
 pub struct Verdict {
     /// Violations: geometric, kinematic, friction.
     pub levels: [f64; 3],
-    /// Tie-breakers among equals: normal rows, number of dynamic soles, rows, soles that changed state.
-    pub rank: [usize; 4],
+    /// Tie-breakers among equals: unclamped vertices that neither carry nor leave, normal rows, number of dynamic soles,
+    /// rows, soles that changed state.
+    pub rank: [usize; 5],
+    /// What the floor does to the motion, `w . W w`: the last tie-breaker, independent of how soles and vertices are listed.
+    pub action: f64,
     /// By sole.
     pub faults: [Faults; MAX_SOLES],
 }
@@ -60,16 +66,23 @@ impl Verdict {
         self.levels == [0.0; 3]
     }
 
-    /// Better candidates are less. Fewer clamped normals come before sticking before sliding: counting rows alone would
+    /// Better candidates are less. A touching vertex that stays on the floor anyway had better be clamped: on a body with
+    /// more feet than it needs, the fewest that carry it would be an accident of their order. Fewer clamped normals come before sticking before sliding: counting rows alone would
     /// prefer slip onset (3 rows) to a face that sticks within its capacity (6 rows).
     pub fn compare(&self, other: &Verdict) -> Ordering {
         self.levels
             .iter()
             .zip(&other.levels)
-            .map(|(a, b)| a.total_cmp(b))
+            .map(|(a, b)| clearly(*a, *b))
             .find(|o| o.is_ne())
             .unwrap_or_else(|| self.rank.cmp(&other.rank))
+            .then_with(|| clearly(self.action, other.action))
     }
+}
+
+/// Order of two numbers that differ by more than the order of summation can.
+fn clearly(a: f64, b: f64) -> Ordering {
+    if (a - b).abs() <= 1e-9 * (a.abs() + b.abs()) { Ordering::Equal } else { a.total_cmp(&b) }
 }
 
 /// What the judge needs to know besides the candidate.
@@ -82,6 +95,9 @@ pub struct Rules {
     /// Soles whose previous state an event has just put at the limit of its load: bit 0 normal, bit 1 friction. Their
     /// margin must then be clearly positive for that state to be kept.
     pub suspect: [u8; MAX_SOLES],
+    /// May an unclamped vertex that leaves the floor at up to v_t go, though it will come back? Such hops are stopped to
+    /// keep bouncing finite; where no valid state stops them they are real.
+    pub hops: bool,
 }
 
 /// Height up to which a vertex touches the floor, m: rounding of positions of a few metres, far below any tolerance.
@@ -94,22 +110,23 @@ pub const SUSPECT_FRICTION: u8 = 2;
 /// Rounding allowed in margins, relative to the load scale: solves with condition numbers up to about 1e4.
 const ROUNDING: f64 = 1e-12;
 /// Margin that clears a suspicion, relative to the load scale.
-const CLEAR: f64 = 1e-9;
+pub const CLEAR: f64 = 1e-9;
 
 /// Judges a solved candidate. `slides` tells for each sole whether the implicit sliding directions were found.
 pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, rules: &Rules) -> Verdict {
     let tol = &rules.tolerances;
-    let mut verdict = Verdict { levels: [0.0; 3], rank: [0; 4], faults: [Faults::default(); MAX_SOLES] };
+    let mut verdict = Verdict { levels: [0.0; 3], rank: [0; 5], action: 0.0, faults: [Faults::default(); MAX_SOLES] };
     let speed = p.soles.iter().flat_map(|s| &s.vertices).map(|v| v.velocity.norm()).fold(1.0, f64::max);
     for (s, sole) in p.soles.iter().enumerate() {
         let state = states[s];
         let faults = &mut verdict.faults[s];
+        let drive = p.b[6 * s..6 * s + 3].iter().map(|b| b.abs()).fold(0.0, f64::max);
         let k = sole.vertices.len();
         for (i, v) in sole.vertices.iter().enumerate() {
             let motion = p.vertex_motion(&solution.motion, s, i).z;
             let clamped = state.clamps(i, k);
             let (geometric, kinematic) = match p.level {
-                Level::Acceleration => at_rest_level(v, clamped, motion, tol),
+                Level::Acceleration => at_rest_level(v, clamped, motion, tol, rules.hops),
                 // What counts is where the vertex goes after the impulse.
                 Level::Velocity if clamped => (if v.near { 0.0 } else { 1.0 + v.height.max(0.0) / tol.distance }, 0.0),
                 Level::Velocity => {
@@ -119,16 +136,23 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
                     (0.0, if v.near && short > 1e-10 { short } else { 0.0 })
                 }
             };
+            let rests = p.level == Level::Acceleration
+                && v.height.abs() <= TOUCHING
+                && v.velocity.z.abs() <= tol.rest
+                && motion.abs() <= CLEAR * drive;
+            faults.resting |= u64::from(!clamped && rests) << i;
             faults.pulling |= clamped && geometric + kinematic > 0.0;
             faults.penetrating |= u64::from(!clamped && geometric + kinematic > 0.0) << i;
             verdict.levels[0] += geometric;
             verdict.levels[1] += kinematic;
         }
+        verdict.rank[0] += faults.resting.count_ones() as usize;
         if state == SoleState::FREE {
             continue;
         }
-        let m = margin(p, s, state, solution);
-        let suspect = if state == rules.previous[s] { rules.suspect[s] } else { 0 };
+        let m = margin(p, states, s, solution);
+        // In another state its friction is another; what it lost of its normal load, a smaller pattern may lack as well.
+        let suspect = rules.suspect[s] & if state == rules.previous[s] { u8::MAX } else { SUSPECT_NORMAL };
         let floor = |bit: u8| if suspect & bit != 0 { CLEAR } else { -ROUNDING };
         // A face whose pressure rule gave up holds negative forces, wherever its centre of pressure is.
         if !(m.normal >= floor(SUSPECT_NORMAL)) || !solution.inside[s] {
@@ -144,16 +168,17 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             verdict.levels[2] += 1.0 + (-m.friction).clamp(0.0, 1e6) + f64::from(!legal);
             faults.friction = true;
         }
-        verdict.rank[0] += state.normal_rows();
-        verdict.rank[1] += usize::from(state.is_dynamic());
-        verdict.rank[2] += state.rows();
+        verdict.rank[1] += state.normal_rows();
+        verdict.rank[2] += usize::from(state.is_dynamic());
+        verdict.rank[3] += state.rows();
     }
-    verdict.rank[3] = (0..p.soles.len()).filter(|&s| states[s] != rules.previous[s]).count();
+    verdict.action = solution.wrench.iter().zip(solution.motion.iter().zip(&p.b)).map(|(w, (m, b))| w * (m - b)).sum();
+    verdict.rank[4] = (0..p.soles.len()).filter(|&s| states[s] != rules.previous[s]).count();
     verdict
 }
 
 /// Geometric and kinematic violation of one vertex at the acceleration level.
-fn at_rest_level(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances) -> (f64, f64) {
+fn at_rest_level(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances, hops: bool) -> (f64, f64) {
     let (height, speed) = (v.height / tol.distance, v.velocity.z / tol.velocity);
     if clamped {
         (if height > 1.0 { height } else { 0.0 }, if speed > 1.0 { speed } else { 0.0 })
@@ -162,17 +187,21 @@ fn at_rest_level(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances) -> (f
     } else {
         let kinematic = if speed < -1.0 {
             -speed
-        } else if speed <= 1.0 && motion < -tol.acceleration {
+        } else if speed <= 1.0 && motion < -tol.acceleration && !(hops && v.velocity.z > tol.rest) {
             -motion / tol.acceleration
         } else {
             0.0
         };
-        (if height < -1.0 && speed <= 0.0 { -height } else { 0.0 }, kinematic)
+        // One that an event has found at the edge of the band may go on there.
+        let deep = v.height < -(tol.distance + TOUCHING);
+        (if deep && speed <= 0.0 { -height } else { 0.0 }, kinematic)
     }
 }
 
-/// Margins of one sole in its state; see [`Margin`]. Needs the per-vertex forces of the solution.
-pub fn margin(p: &Problem, s: usize, state: SoleState, solution: &Solution) -> Margin {
+/// Margins of one sole in its state; see [`Margin`]. Needs the per-vertex forces of the solution. Static soles of one body
+/// have the friction margin of their group.
+pub fn margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Margin {
+    let state = states[s];
     let sole = &p.soles[s];
     let k = sole.vertices.len();
     let (n, t) = (&solution.normal[s], &solution.tangent[s]);
@@ -194,6 +223,13 @@ pub fn margin(p: &Problem, s: usize, state: SoleState, solution: &Solution) -> M
     if !solution.inside[s] {
         // No non-negative pressure carries this load, wherever its centre is.
         m.normal = m.normal.min(-ROUNDING);
+    }
+    if group::is_shared(p, states, s)
+        && let Some(joint) = group::joint(p, states, s, solution)
+    {
+        m.friction = joint.margin / p.scale;
+        m.slip = joint.slip(p, s);
+        return m;
     }
     let capacity = |i: usize| sole.vertices[i].mu_s * n[i].max(0.0);
     m.friction = match (state.mode, state.pattern) {
@@ -231,16 +267,18 @@ pub fn margin(p: &Problem, s: usize, state: SoleState, solution: &Solution) -> M
 
 /// The directions in which the vertices of a sole give way whose friction load in `state` is at its limit. Vertices that
 /// go on holding, as the centre of a turn, are left out.
-pub fn onset(p: &Problem, s: usize, state: SoleState, solution: &Solution, out: &mut Onset) {
+pub fn onset(p: &Problem, states: &States, s: usize, solution: &Solution, out: &mut Onset) {
+    let state = states[s];
     let sole = &p.soles[s];
     let k = sole.vertices.len();
     let (n, t) = (&solution.normal[s], &solution.tangent[s]);
     out.vertices = 0;
+    let shared = group::is_shared(p, states, s);
     match (state.mode, state.pattern) {
         (Mode::Sliding, _) | (_, Pattern::Free) => {}
         (Mode::Pivoting(j), _) => out.against(j as usize, &t[j as usize]),
-        (Mode::Static, Pattern::Vertex(i)) => out.against(i as usize, &t[i as usize]),
-        (Mode::Static, Pattern::Edge(i)) => {
+        (Mode::Static, Pattern::Vertex(i)) if !shared => out.against(i as usize, &t[i as usize]),
+        (Mode::Static, Pattern::Edge(i)) if !shared => {
             let (i, j) = (i as usize, (i as usize + 1) % k);
             let (_, side, along, unit) = edge_load(sole, i, j, &solution.wrench[6 * s..6 * s + 6]);
             let across = Vector2::new(-unit.y, unit.x);
@@ -257,9 +295,9 @@ pub fn onset(p: &Problem, s: usize, state: SoleState, solution: &Solution, out: 
                 }
             }
         }
-        (Mode::Static, Pattern::Face) => {
-            let slip = margin(p, s, state, solution).slip;
-            for (i, v) in sole.vertices.iter().enumerate() {
+        (Mode::Static, _) => {
+            let slip = margin(p, states, s, solution).slip;
+            for (i, v) in sole.vertices.iter().enumerate().filter(|(i, _)| state.clamps(*i, k)) {
                 let motion = slip.xy() + Vector2::new(-v.r.y, v.r.x) * (slip.z / sole.radius);
                 // What does not move in the twist of least margin is its centre.
                 if motion.norm() > 1e-9 * slip.norm() {

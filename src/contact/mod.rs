@@ -3,11 +3,13 @@
 //! Everything here speaks of one reduced problem ([`problem`]): motions of the sole frames that answer sole wrenches
 //! through a small matrix W. [`candidate`] solves one contact state, [`implicit`] finds sliding directions that are not
 //! known beforehand, [`judge`] says what is wrong with the result, [`select`] searches the states. On these stand the methods behind [`method::Method`]: [`exact`] and
-//! [`one_step`]. [`residual`] judges any of them from outside.
+//! [`one_step`]. [`residual`] judges any of them from outside; [`frozen`] writes a selection down.
 
 pub mod candidate;
 pub mod capacity;
 pub mod exact;
+pub mod frozen;
+pub mod group;
 pub mod implicit;
 pub mod judge;
 pub mod linear;

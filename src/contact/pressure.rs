@@ -93,6 +93,8 @@ mod tests {
                 .map(|&(x, y)| Vertex { r: Vector3::new(x, y, 0.0), ..Vertex::default() })
                 .collect(),
             radius: 2f64.sqrt(),
+            body: 0,
+            place: Vector3::zeros(),
             target: Vector3::zeros(),
         }
     }

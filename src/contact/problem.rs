@@ -88,6 +88,10 @@ pub struct SoleProblem {
     pub vertices: Vec<Vertex>,
     /// Length that makes moments comparable with forces: the greatest vertex distance from the reference point, m.
     pub radius: f64,
+    /// The body it belongs to: soles of one body keep their places to each other.
+    pub body: usize,
+    /// Reference point relative to the floor's origin, floor axes, m.
+    pub place: Vector3<f64>,
     /// Motion wanted along clamped normals: of the reference point, and about x and y (restitution, gap closing).
     pub target: Vector3<f64>,
 }
@@ -125,7 +129,14 @@ impl Problem {
             b: vec![0.0; n],
             soles: vertices
                 .iter()
-                .map(|&k| SoleProblem { vertices: vec![Vertex::default(); k], radius: 1.0, target: Vector3::zeros() })
+                .enumerate()
+                .map(|(s, &k)| SoleProblem {
+                    vertices: vec![Vertex::default(); k],
+                    radius: 1.0,
+                    body: s,
+                    place: Vector3::zeros(),
+                    target: Vector3::zeros(),
+                })
                 .collect(),
             scale: 1.0,
         }

@@ -8,8 +8,8 @@
 
 use super::candidate::{Kernel, Solution, share_static};
 use super::implicit::{self, Finder, Onset, Slips};
-use super::judge::{Faults, Margin, Rules, SUSPECT_FRICTION, Verdict, judge, margin, onset};
-use super::problem::Problem;
+use super::judge::{Faults, Rules, SUSPECT_FRICTION, Verdict, judge, margin, onset};
+use super::problem::{Level, Problem};
 use super::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
@@ -88,7 +88,7 @@ impl Selector {
             self.kernel.solve(p, &stuck, out);
             share_static(p, &stuck, out);
             for s in (0..p.soles.len()).filter(|&s| stuck[s] != states[s]) {
-                hint[s] = margin(p, s, stuck[s], out).slip;
+                hint[s] = margin(p, &stuck, s, out).slip;
             }
         }
         let hints = [self.guess.unwrap_or(hint), hint];
@@ -114,10 +114,10 @@ impl Selector {
         for (s, limit) in self.onset.iter_mut().enumerate() {
             limit.vertices = 0;
             if rules.suspect[s] & SUSPECT_FRICTION != 0 {
-                onset(p, s, rules.previous[s], out, limit);
+                onset(p, &rules.previous, s, out, limit);
             }
         }
-        let mut tested = 0;
+        let (mut tested, mut hops) = (0, rules.hops);
         self.push(p, start, rules, &mut tested, out);
         self.explore(p, settled, false, rules, allowed, &mut tested, out);
         let mut best = self.best();
@@ -128,12 +128,30 @@ impl Selector {
             self.complete(p, &best.states, rules, allowed, &mut tested, out);
             self.explore(p, false, true, rules, allowed, &mut tested, out);
             best = self.best();
+            if !best.verdict.valid() && p.level == Level::Acceleration {
+                let lenient = Rules { hops: true, ..*rules };
+                self.queue.clear();
+                self.patterns.clear();
+                self.push(p, start, &lenient, &mut tested, out);
+                self.explore(p, false, false, &lenient, allowed, &mut tested, out);
+                let kept = self.best();
+                if !kept.verdict.valid() {
+                    self.queue.iter_mut().for_each(|e| e.expanded = true);
+                    self.complete(p, &kept.states, &lenient, allowed, &mut tested, out);
+                    self.explore(p, false, true, &lenient, allowed, &mut tested, out);
+                }
+                best = self.best();
+                hops = best.verdict.valid();
+            }
             if !best.verdict.valid() {
+                self.queue.clear();
+                self.push(p, start, rules, &mut tested, out);
                 self.enumerate(p, rules, allowed, &mut tested, out);
                 best = self.best();
             }
             self.thorough = true;
         }
+        let rules = &Rules { hops, ..*rules };
         // Leave the chosen candidate's solution and directions in place.
         self.guess = Some(best.slips);
         let verdict = self.test(p, &best.states, rules, out);
@@ -177,6 +195,18 @@ impl Selector {
                     if completing {
                         self.complete(p, &next, rules, allowed, tested, out);
                     } else if allowed(s, state) {
+                        self.push(p, &next, rules, tested, out);
+                    }
+                }
+                // Soles of one body begin and stop slipping together.
+                let others = (0..p.soles.len()).filter(|&t| t != s && p.soles[t].body == p.soles[s].body);
+                if faults.friction && !completing && others.clone().any(|t| entry.states[t] != SoleState::FREE) {
+                    let mut next = entry.states;
+                    let mode = if entry.states[s].is_static() { Mode::Sliding } else { Mode::Static };
+                    for t in others.chain([s]).filter(|&t| entry.states[t] != SoleState::FREE) {
+                        next[t].mode = mode;
+                    }
+                    if (0..p.soles.len()).all(|t| allowed(t, next[t])) {
                         self.push(p, &next, rules, tested, out);
                     }
                 }
@@ -256,11 +286,6 @@ impl Selector {
             }
         }
     }
-
-    /// Margins of every sole for states whose solution is in `out`.
-    pub fn margins(p: &Problem, states: &States, out: &Solution) -> [Margin; MAX_SOLES] {
-        std::array::from_fn(|s| if s < p.soles.len() { margin(p, s, states[s], out) } else { Margin::default() })
-    }
 }
 
 /// Verdicts first, then a fixed order of the states, so that the outcome is deterministic.
@@ -302,7 +327,8 @@ impl Moves {
         let rows = state.normal_rows();
         for pattern in SoleState::patterns(k) {
             let next = SoleState::fixed(pattern);
-            let clamps_fault = (0..k).any(|i| faults.penetrating >> i & 1 == 1 && next.clamps(i, k));
+            let wanted = faults.penetrating | if valid { faults.resting } else { 0 };
+            let clamps_fault = (0..k).any(|i| wanted >> i & 1 == 1 && next.clamps(i, k));
             let nested = |a: SoleState, b: SoleState| (0..k).all(|i| !a.clamps(i, k) || b.clamps(i, k));
             // Clamp what enters the floor, keeping what is clamped or moving over to it.
             let clamp = clamps_fault && (next.normal_rows() > rows || next.normal_rows() == rows);

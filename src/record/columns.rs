@@ -1,6 +1,6 @@
 //! The columns of the summary: names, order and where each value comes from. These names are the user's contract.
 
-use super::ParamValue;
+use super::{ParamValue, Verdict};
 use crate::sim::{Metrics, Outcome};
 
 /// One run in the summary.
@@ -22,6 +22,8 @@ pub struct SummaryRow {
     pub seed: u64,
     /// Swept parameters under their dotted names, in file order.
     pub parameters: Vec<(String, ParamValue)>,
+    /// What was expected of it, and what came of it; no column.
+    pub verdicts: Vec<Verdict>,
     /// What was measured.
     pub metrics: Metrics,
     /// Wall-clock time, s.
@@ -110,6 +112,44 @@ pub(super) const COLUMNS: &[Column] = columns! {
     "first_stick_s" Real |r| r.metrics.first_stick_s;
     "first_fall_s" Real |r| r.metrics.first_fall_s;
     "max_projection_m" Real |r| Some(r.metrics.max_projection_m);
+    "rms_penetration_m" Real |r| Some(r.metrics.rms_penetration_m);
+    "max_tension_N" Real |r| Some(r.metrics.max_tension_n);
+    "rms_tension_N" Real |r| Some(r.metrics.rms_tension_n);
+    "max_signorini_Nm" Real |r| Some(r.metrics.max_signorini_nm);
+    "rms_signorini_Nm" Real |r| Some(r.metrics.rms_signorini_nm);
+    "rms_cone_excess_N" Real |r| Some(r.metrics.rms_cone_excess_n);
+    "max_dissipation_gap_W" Real |r| Some(r.metrics.max_dissipation_gap_w);
+    "rms_dissipation_gap_W" Real |r| Some(r.metrics.rms_dissipation_gap_w);
+    "max_creep_speed_m_per_s" Real |r| Some(r.metrics.max_creep_speed_m_per_s);
+    "rms_creep_speed_m_per_s" Real |r| Some(r.metrics.rms_creep_speed_m_per_s);
+    "max_resultant_gap_N" Real |r| Some(r.metrics.max_resultant_gap_n);
+    "force_flickers" Count |r| r.metrics.force_flickers;
+    "max_energy_error_J" Real |r| Some(r.metrics.max_energy_error_j);
+    "rms_energy_error_J" Real |r| Some(r.metrics.rms_energy_error_j);
+    "energy_change_J" Real |r| Some(r.metrics.energy_change_j);
+    "actuator_work_J" Real |r| Some(r.metrics.actuator_work_j);
+    "external_work_J" Real |r| Some(r.metrics.external_work_j);
+    "joint_loss_J" Real |r| Some(r.metrics.joint_loss_j);
+    "friction_loss_J" Real |r| Some(r.metrics.friction_loss_j);
+    "impact_loss_J" Real |r| Some(r.metrics.impact_loss_j);
+    "final_base_wx_rad_s" Real |r| Some(r.metrics.final_base_angular_velocity[0]);
+    "final_base_wy_rad_s" Real |r| Some(r.metrics.final_base_angular_velocity[1]);
+    "final_base_wz_rad_s" Real |r| Some(r.metrics.final_base_angular_velocity[2]);
+    "final_com_x_m" Real |r| Some(r.metrics.final_com_position[0]);
+    "final_com_y_m" Real |r| Some(r.metrics.final_com_position[1]);
+    "final_com_z_m" Real |r| Some(r.metrics.final_com_position[2]);
+    "final_com_vx_m_s" Real |r| Some(r.metrics.final_com_velocity[0]);
+    "final_com_vy_m_s" Real |r| Some(r.metrics.final_com_velocity[1]);
+    "final_com_vz_m_s" Real |r| Some(r.metrics.final_com_velocity[2]);
+    "final_base_shift_m" Real |r| Some(r.metrics.final_base_shift_m);
+    "final_base_sideways_m" Real |r| r.metrics.final_base_sideways_m;
+    "final_normal_force_N" Real |r| r.metrics.final_normal_force_n;
+    "final_cop_offset_m" Real |r| r.metrics.final_cop_offset_m;
+    "first_tip_s" Real |r| r.metrics.first_tip_s;
+    "last_impact_s" Real |r| r.metrics.last_impact_s;
+    "first_impact_speed_ratio" Real |r| r.metrics.first_impact_speed_ratio;
+    "max_flight_path_drift_m" Real |r| Some(r.metrics.max_flight_path_drift_m);
+    "max_flight_spin_drift_Nms" Real |r| Some(r.metrics.max_flight_spin_drift_nms);
 };
 
 /// Candidates tested per selection; empty when there was no selection.

@@ -47,6 +47,19 @@ pub(super) mod real {
     }
 }
 
+/// `#[serde(with = "number::some_real")]` for an `Option<f64>` that may be no number; one never measured is null.
+pub(super) mod some_real {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+        value.map(Real).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+        Ok(Option::<Real>::deserialize(deserializer)?.map(|r| r.0))
+    }
+}
+
 /// `#[serde(with = "number::triple")]` for an `[f64; 3]`.
 pub(super) mod triple {
     use super::*;

@@ -1,6 +1,6 @@
 //! `run.json`: what one run was, how it ended and what it measured.
 
-use super::{ParamValue, RecordError, SummaryRow, atomic, number};
+use super::{ParamValue, RecordError, SummaryRow, Verdict, atomic, number};
 use crate::sim::{Metrics, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -32,6 +32,8 @@ pub struct RunRecord {
     pub seed: u64,
     /// Swept parameters under their dotted names, in file order.
     pub parameters: Vec<(String, ParamValue)>,
+    /// What was expected of it, and what came of it, in file order.
+    pub verdicts: Vec<Verdict>,
     /// What was measured.
     #[serde(with = "MetricsRecord")]
     pub metrics: Metrics,
@@ -137,6 +139,7 @@ impl RunRecord {
             integrator: self.integrator.clone(),
             seed: self.seed,
             parameters: self.parameters.clone(),
+            verdicts: self.verdicts.clone(),
             metrics: self.metrics.clone(),
             wall_s: self.timing.wall_s,
             cpu_s: self.timing.cpu_s,
@@ -211,4 +214,65 @@ struct MetricsRecord {
     first_slip_s: Option<f64>,
     first_stick_s: Option<f64>,
     first_fall_s: Option<f64>,
+    #[serde(with = "number::real")]
+    rms_penetration_m: f64,
+    #[serde(with = "number::real", rename = "max_tension_N")]
+    max_tension_n: f64,
+    #[serde(with = "number::real", rename = "rms_tension_N")]
+    rms_tension_n: f64,
+    #[serde(with = "number::real", rename = "max_signorini_Nm")]
+    max_signorini_nm: f64,
+    #[serde(with = "number::real", rename = "rms_signorini_Nm")]
+    rms_signorini_nm: f64,
+    #[serde(with = "number::real", rename = "rms_cone_excess_N")]
+    rms_cone_excess_n: f64,
+    #[serde(with = "number::real", rename = "max_dissipation_gap_W")]
+    max_dissipation_gap_w: f64,
+    #[serde(with = "number::real", rename = "rms_dissipation_gap_W")]
+    rms_dissipation_gap_w: f64,
+    #[serde(with = "number::real")]
+    max_creep_speed_m_per_s: f64,
+    #[serde(with = "number::real")]
+    rms_creep_speed_m_per_s: f64,
+    #[serde(with = "number::real", rename = "max_resultant_gap_N")]
+    max_resultant_gap_n: f64,
+    force_flickers: u64,
+    #[serde(with = "number::real", rename = "max_energy_error_J")]
+    max_energy_error_j: f64,
+    #[serde(with = "number::real", rename = "rms_energy_error_J")]
+    rms_energy_error_j: f64,
+    #[serde(with = "number::real", rename = "energy_change_J")]
+    energy_change_j: f64,
+    #[serde(with = "number::real", rename = "actuator_work_J")]
+    actuator_work_j: f64,
+    #[serde(with = "number::real", rename = "external_work_J")]
+    external_work_j: f64,
+    #[serde(with = "number::real", rename = "joint_loss_J")]
+    joint_loss_j: f64,
+    #[serde(with = "number::real", rename = "friction_loss_J")]
+    friction_loss_j: f64,
+    #[serde(with = "number::real", rename = "impact_loss_J")]
+    impact_loss_j: f64,
+    #[serde(with = "number::triple")]
+    final_base_angular_velocity: [f64; 3],
+    #[serde(with = "number::triple")]
+    final_com_position: [f64; 3],
+    #[serde(with = "number::triple")]
+    final_com_velocity: [f64; 3],
+    #[serde(with = "number::real")]
+    final_base_shift_m: f64,
+    #[serde(with = "number::some_real")]
+    final_base_sideways_m: Option<f64>,
+    #[serde(with = "number::some_real", rename = "final_normal_force_N")]
+    final_normal_force_n: Option<f64>,
+    #[serde(with = "number::some_real")]
+    final_cop_offset_m: Option<f64>,
+    first_tip_s: Option<f64>,
+    last_impact_s: Option<f64>,
+    #[serde(with = "number::some_real")]
+    first_impact_speed_ratio: Option<f64>,
+    #[serde(with = "number::real")]
+    max_flight_path_drift_m: f64,
+    #[serde(with = "number::real", rename = "max_flight_spin_drift_Nms")]
+    max_flight_spin_drift_nms: f64,
 }

@@ -76,6 +76,7 @@ impl Serialize for Line<'_> {
                 Number::Real(x) => map.serialize_entry(column.name, &x.map(Real))?,
             }
         }
+        map.serialize_entry("verdicts", &row.verdicts)?;
         map.end()
     }
 }

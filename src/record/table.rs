@@ -9,9 +9,28 @@ use std::fmt::Write;
 const WIDEST: usize = 32;
 
 /// One aligned line per run: what it was, how it ended, how long it took, how hard the contact was, where the base came
-/// to rest. Below it, a line for each run that did not simply pass and says why.
+/// to rest; scenarios that sweep other parameters stand under a header of their own. Below, a line for each run that did
+/// not simply pass and says why.
 pub fn table(rows: &[SummaryRow]) -> String {
-    let names = parameter_names(rows);
+    let swept = |row: &SummaryRow| row.parameters.iter().map(|(n, _)| n.clone()).collect::<Vec<_>>();
+    let mut out = String::new();
+    for block in rows.chunk_by(|a, b| a.scenario == b.scenario || swept(a) == swept(b)) {
+        if !out.is_empty() {
+            out.push('\n');
+        }
+        out += &lines(block);
+    }
+    for row in rows.iter().filter(|r| r.outcome != Outcome::Passed && !r.message.is_empty()) {
+        // A String takes every write.
+        let _ = writeln!(out, "{} {} {}: {}", row.outcome.name(), row.scenario, row.key, one_line(&row.message));
+    }
+    out
+}
+
+fn lines(rows: &[SummaryRow]) -> String {
+    let mut names = parameter_names(rows);
+    // Swept truths are told with their verdicts.
+    names.retain(|name| !name.starts_with("expect."));
     let mut header: Vec<String> = vec!["scenario".into()];
     header.extend(names.iter().map(|n| clip(n)));
     header
@@ -19,10 +38,15 @@ pub fn table(rows: &[SummaryRow]) -> String {
     let lines: Vec<Vec<String>> = std::iter::once(header).chain(rows.iter().map(|r| cells(r, &names))).collect();
     // Words to the left, numbers to the right.
     let numeric_from = names.len() + 3;
-    let mut out = String::new();
+    align(&lines, numeric_from)
+}
+
+/// Pads cells to columns two spaces apart, those from `numeric_from` on to the right.
+pub(super) fn align(lines: &[Vec<String>], numeric_from: usize) -> String {
     let widths: Vec<usize> =
         (0..lines[0].len()).map(|c| lines.iter().map(|l| l[c].chars().count()).max().unwrap_or(0)).collect();
-    for line in &lines {
+    let mut out = String::new();
+    for line in lines {
         let padded: Vec<String> = line
             .iter()
             .zip(&widths)
@@ -31,10 +55,6 @@ pub fn table(rows: &[SummaryRow]) -> String {
             .collect();
         out.push_str(padded.join("  ").trim_end());
         out.push('\n');
-    }
-    for row in rows.iter().filter(|r| r.outcome != Outcome::Passed && !r.message.is_empty()) {
-        // A String takes every write.
-        let _ = writeln!(out, "{} {} {}: {}", row.outcome.name(), row.scenario, row.key, one_line(&row.message));
     }
     out
 }
@@ -57,7 +77,7 @@ fn cells(row: &SummaryRow, names: &[&str]) -> Vec<String> {
     cells
 }
 
-fn clip(text: &str) -> String {
+pub(super) fn clip(text: &str) -> String {
     let text = one_line(text);
     if text.chars().count() <= WIDEST { text } else { text.chars().take(WIDEST - 1).chain(['…']).collect() }
 }

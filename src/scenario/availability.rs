@@ -30,7 +30,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("force.*.type", Some("script")),
     ("event", None),
     ("self_collision", None),
-    ("sweep.zip", None),
     ("sweep.list", None),
     ("sweep.random", None),
     ("compare", None),

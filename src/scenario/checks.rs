@@ -137,14 +137,15 @@ impl Check<'_> {
 
     fn expect(&mut self, path: &str, expect: &Expect) {
         let limits = expect.min.is_some() || expect.max.is_some();
+        let tolerance = expect.tolerance.or(expect.relative_tolerance);
         let complaint = match (&expect.metric, expect.outcome) {
             (Some(_), Some(_)) => Some("must have either `metric` or `outcome`, not both"),
             (None, None) => Some("lacks the key `metric` (or `outcome`)"),
-            (None, Some(_)) if expect.value.is_some() || expect.tolerance.is_some() || limits => {
+            (None, Some(_)) if expect.value.is_some() || tolerance.is_some() || limits => {
                 Some("with `outcome` takes no value and no limits")
             }
             (None, Some(_)) => None,
-            (Some(_), None) => match (expect.value, expect.tolerance) {
+            (Some(_), None) => match (expect.value, tolerance) {
                 (Some(_), None) => Some("lacks the key `tolerance` beside `value`"),
                 (None, Some(_)) => Some("lacks the key `value` beside `tolerance`"),
                 (Some(_), Some(_)) if limits => Some("must have either `value` or `min` and `max`, not both"),

@@ -91,6 +91,7 @@ impl Adaptive {
             sim.decide(observer)?;
             self.begin(sim, t0);
         }
+        sim.audit();
         let doubtful = self.watch.overlook(&mut self.start);
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
@@ -134,7 +135,7 @@ impl Adaptive {
         let t1 = if h == remaining { until } else { t0 + h };
         self.snapshots(sim, t0, t1, h, observer)?;
         layout.unpack(t1, &self.rk.end, &mut sim.plant.state);
-        sim.work = self.rk.end[layout.work()];
+        sim.flows = layout.flows(&self.rk.end);
         sim.check_finite()?;
         sim.project();
         event |= doubtful || !sim.locates() || self.watch.tolerated_too_much(sim);
@@ -150,9 +151,7 @@ impl Adaptive {
 
     /// Evaluates the start of a step and chooses what to watch in it.
     fn begin(&mut self, sim: &mut Simulation, t0: f64) {
-        let layout = sim.plant.layout;
-        layout.pack(&sim.plant.state, &mut self.y);
-        self.y[layout.work()] = sim.work;
+        sim.plant.layout.pack(&sim.plant.state, &sim.flows, &mut self.y);
         self.rk.begin(&mut sim.plant, t0, &self.y);
         sim.plant.follow_directions();
         self.watch.begin(sim);
@@ -221,6 +220,7 @@ impl Adaptive {
             self.rk.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
             sim.plant.layout.unpack(t, &self.dense, &mut sim.plant.state);
             sim.plant.evaluate();
+            sim.flows = sim.plant.layout.flows(&self.dense);
             sim.tell(observer)?;
             moved = true;
         }

@@ -14,7 +14,7 @@ use nalgebra::{Vector2, Vector3};
 /// Rounds of choosing and settling at one instant.
 const SETTLE: usize = 4;
 /// Depth, in distance tolerances, down to which a vertex may still be said to arrive at the floor.
-const REACH: f64 = 10.0;
+const REACH: f64 = 100.0;
 /// Impacts that may follow each other at one instant.
 const CASCADE: usize = 32;
 
@@ -38,7 +38,7 @@ impl Simulation {
             }
         }
         for round in 1..=SETTLE {
-            let selection = self.choose();
+            let selection = self.choose(observer)?;
             self.count(&selection);
             let lost = !selection.consistent && !self.all_imposed(&selection.verdict);
             // A jam is only an answer if a state is chosen after it.
@@ -56,9 +56,8 @@ impl Simulation {
             if !lost {
                 break;
             }
-            self.metrics.inconsistent += 1;
             let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
-            self.event(observer, "inconsistent", "", &message)?;
+            self.inconsistent(observer, &message)?;
             break;
         }
         self.suspect = [0; MAX_SOLES];
@@ -81,17 +80,20 @@ impl Simulation {
     }
 
     pub(super) fn rules(&self) -> Rules {
-        Rules { tolerances: self.tolerances, previous: self.plant.states, suspect: self.suspect }
+        Rules { tolerances: self.tolerances, previous: self.plant.states, suspect: self.suspect, hops: false }
     }
 
     /// The acceleration-level choice at the present state.
-    fn choose(&mut self) -> Selection {
+    fn choose(&mut self, observer: &mut dyn Observer) -> Result<Selection, Stop> {
         let rules = self.rules();
         let forced = self.forced(self.plant.state.time);
-        let plant = &mut self.plant;
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
         let question = Question { rules: &rules, event: true, allowed: &allowed };
-        plant.method.select(&mut plant.problem, &question, &mut plant.solution)
+        self.freeze(observer, &question, &forced);
+        let plant = &mut self.plant;
+        let selection = plant.method.select(&mut plant.problem, &question, &mut plant.solution);
+        self.freeze_answer(observer, &selection)?;
+        Ok(selection)
     }
 
     /// Imposed states at time `t`.
@@ -138,16 +140,20 @@ impl Simulation {
         }
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
         let question = Question { rules: &rules, event: true, allowed: &allowed };
-        let selection = plant.method.impulse(p, &question, &mut plant.solution);
+        self.freeze(observer, &question, &forced);
+        let plant = &mut self.plant;
+        let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
+        self.freeze_answer(observer, &selection)?;
+        let plant = &mut self.plant;
         let impulses = std::mem::take(&mut plant.solution.wrench);
         let loss = -plant.kick(&impulses);
         plant.solution.wrench = impulses;
         self.work -= loss;
         self.metrics.impacts += 1;
+        self.mark_impact(loss);
         self.count(&selection);
         if !selection.consistent && !self.all_imposed(&selection.verdict) {
-            self.metrics.inconsistent += 1;
-            self.event(observer, "inconsistent", "", "no contact state is valid at an impact")?;
+            self.inconsistent(observer, "no contact state is valid at an impact")?;
         }
         let message = format!("approach {fastest:.6} m/s, energy lost {loss:.6e} J");
         self.event(observer, "impact", "", &message)?;

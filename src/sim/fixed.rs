@@ -13,6 +13,7 @@ use super::error::Stop;
 use super::project::fit_plane;
 use super::report::Observer;
 use super::simulation::Simulation;
+use crate::contact::candidate::share_static;
 use crate::contact::method::Question;
 use crate::contact::problem::Level;
 use crate::contact::state::SoleState;
@@ -46,6 +47,7 @@ impl Fixed {
             return Err(sim.diverged(&failure.to_string()));
         }
         sim.find_friction(observer)?;
+        sim.audit();
         self.pose(sim, dt);
         sim.choose_impulse(observer)?;
         // v+ = v + dt M^-1 (tau - h) + M^-1 J^T p
@@ -53,7 +55,10 @@ impl Fixed {
         sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
         reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
         plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
-        sim.work += plant.step_work(&sim.displacement, dt);
+        share_static(&plant.problem, &plant.states, &mut plant.solution);
+        let (flows, jumps) = plant.step_flows(&sim.displacement, dt);
+        sim.flows.add(&flows);
+        sim.work += jumps;
         plant.solution.scale(1.0 / dt);
         plant.state.v.iter().zip(&mut sim.displacement).for_each(|(v, d)| *d = v * dt);
         plant.state.displace(&sim.displacement);
@@ -91,7 +96,11 @@ impl Fixed {
                 // Near: what this step could bring to the floor, with room for what other impulses do.
                 v.near = v.height + dt * free.min(0.0) <= tol.distance.min(dt * fastest) || v.height <= 0.0;
                 v.moving = false;
-                // The gap is in the target now.
+                // The gap is in the target now, and what meets the floor does so on the floor: with all points of a sole at
+                // one height its tilting has no tangential part.
+                if v.near && closes {
+                    v.r.z -= v.height;
+                }
                 v.height = if v.near && closes { v.height.min(0.0) } else { v.height };
             }
         }
@@ -113,13 +122,14 @@ impl Simulation {
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
         let question = Question { rules: &rules, event: false, allowed: &allowed };
+        self.freeze(observer, &question, &forced);
         let plant = &mut self.plant;
         let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
+        self.freeze_answer(observer, &selection)?;
         self.count(&selection);
         if !selection.consistent && !self.all_imposed(&selection.verdict) {
-            self.metrics.inconsistent += 1;
             let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
-            self.event(observer, "inconsistent", "", &message)?;
+            self.inconsistent(observer, &message)?;
         }
         self.adopt(selection.states, observer)
     }

@@ -1,8 +1,9 @@
 //! How a state lies in the integrator's vector: position 3, quaternion 4 (i, j, k, w), joints, velocities, work.
 //!
 //! The quaternion is integrated as four numbers, `q' = 1/2 (omega, 0) q`, and normalised after every step; the last
-//! entry is the work of everything but gravity, kept out of the error control.
+//! entries are the energies that flowed ([`super::ledger`]), kept out of the error control.
 
+use super::ledger::{FLOWS, Flows};
 use crate::dynamics::State;
 use crate::robot::Model;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -23,17 +24,19 @@ impl Layout {
 
     /// Length of the vector.
     pub fn size(&self) -> usize {
-        7 + self.nj + self.nv + 1
+        7 + self.nj + self.nv + FLOWS
     }
 
     /// Number of leading entries under error control.
     pub fn controlled(&self) -> usize {
-        self.size() - 1
+        self.size() - FLOWS
     }
 
-    /// Index of the work.
-    pub fn work(&self) -> usize {
-        self.size() - 1
+    /// Reads the energies that flowed.
+    pub fn flows(&self, y: &[f64]) -> Flows {
+        let mut flows = Flows::default();
+        flows.0.copy_from_slice(&y[self.controlled()..]);
+        flows
     }
 
     /// Reads a state; the quaternion is normalised.
@@ -45,16 +48,17 @@ impl Layout {
         state.v.copy_from_slice(&y[7 + self.nj..7 + self.nj + self.nv]);
     }
 
-    /// Writes a state, leaving the work alone.
-    pub fn pack(&self, state: &State, y: &mut [f64]) {
+    /// Writes a state and the energies that flowed.
+    pub fn pack(&self, state: &State, flows: &Flows, y: &mut [f64]) {
         y[..3].copy_from_slice(state.position.as_slice());
         y[3..7].copy_from_slice(state.rotation.coords.as_slice());
         y[7..7 + self.nj].copy_from_slice(&state.joints);
         y[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(&state.v);
+        y[self.controlled()..].copy_from_slice(&flows.0);
     }
 
-    /// Writes the derivative from velocities `v`, accelerations and power.
-    pub fn derivative(&self, y: &[f64], v: &[f64], acceleration: &[f64], power: f64, dy: &mut [f64]) {
+    /// Writes the derivative from velocities `v`, accelerations and powers.
+    pub fn derivative(&self, y: &[f64], v: &[f64], acceleration: &[f64], powers: &Flows, dy: &mut [f64]) {
         dy[..7].fill(0.0);
         if self.nb == 6 {
             dy[..3].copy_from_slice(&v[..3]);
@@ -64,6 +68,6 @@ impl Layout {
         }
         dy[7..7 + self.nj].copy_from_slice(&v[self.nb..]);
         dy[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(acceleration);
-        dy[self.work()] = power;
+        dy[self.controlled()..].copy_from_slice(&powers.0);
     }
 }

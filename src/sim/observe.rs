@@ -1,8 +1,7 @@
-//! What a run tells and measures: snapshots and the running maxima of the summary.
+//! What a run tells: snapshots.
 
 use super::plant::Plant;
 use super::report::{Snapshot, SoleSnapshot};
-use super::simulation::Simulation;
 use crate::contact::candidate::share_static;
 use crate::contact::residual;
 use crate::dynamics::body;
@@ -40,6 +39,7 @@ pub fn blank(model: &Model) -> Snapshot {
 /// Fills a snapshot from the plant's last evaluation.
 pub fn fill(plant: &mut Plant, out: &mut Snapshot) {
     share_static(&plant.problem, &plant.states, &mut plant.solution);
+    out.residual = residual::evaluate(&plant.problem, &plant.states, &plant.solution);
     let (state, model) = (&plant.state, &plant.model);
     let nb = model.nb();
     out.time = state.time;
@@ -121,22 +121,6 @@ fn hull(points: &mut Vec<Vector3<f64>>, flat: impl Fn(&Vector3<f64>) -> (f64, f6
         points.pop();
     }
     points.drain(..n);
-}
-
-impl Simulation {
-    /// Updates the running maxima at the end of a step.
-    pub(super) fn measure(&mut self) {
-        let plant = &mut self.plant;
-        if plant.problem.soles.is_empty() {
-            return;
-        }
-        share_static(&plant.problem, &plant.states, &mut plant.solution);
-        let r = residual::evaluate(&plant.problem, &plant.states, &plant.solution);
-        let m = &mut self.metrics;
-        m.max_penetration_m = m.max_penetration_m.max(r.penetration);
-        m.max_lift_m = m.max_lift_m.max(r.lift);
-        m.max_cone_excess = m.max_cone_excess.max(r.cone_excess);
-    }
 }
 
 #[cfg(test)]

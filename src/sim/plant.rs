@@ -15,7 +15,7 @@ use crate::contact::candidate::Solution;
 use crate::contact::method::Method;
 use crate::contact::problem::{Level, Problem};
 use crate::contact::state::States;
-use crate::dynamics::{DynamicsError, State, Workspace, body, crba, factor, kinematics, reduced, rnea};
+use crate::dynamics::{DynamicsError, State, Workspace, crba, factor, kinematics, reduced, rnea};
 use crate::force::{Applied, Force, Scene};
 use crate::integrate::System;
 use crate::robot::{DriveMode, Model, SoleId};
@@ -67,14 +67,20 @@ pub struct Plant {
     pub within: f64,
     /// Generalised force without contact and bias, nv.
     pub tau: Vec<f64>,
-    /// Actuator efforts per joint, for the log.
+    /// Actuator efforts per joint.
     pub efforts: Vec<f64>,
+    /// The same as `tau` holds them: in an implicit step referred to the velocity before it.
+    pub(super) servo: Vec<f64>,
+    /// Efforts of damping, friction and stops per joint.
+    pub(super) passive: Vec<f64>,
+    /// Generalised external force, nv.
+    pub(super) external: Vec<f64>,
     /// External force arrows.
     pub arrows: Vec<(Vector3<f64>, Vector3<f64>)>,
     /// Generalised acceleration, nv.
     pub acceleration: Vec<f64>,
     /// What the implicit step adds to the diagonal of M; zero for evaluations in continuous time.
-    shift: Vec<f64>,
+    pub(super) shift: Vec<f64>,
     scratch: Vec<f64>,
     /// Evaluations so far.
     pub evaluations: u64,
@@ -118,6 +124,9 @@ impl Plant {
             within: 0.0,
             tau: vec![0.0; nv],
             efforts: vec![0.0; nj],
+            servo: vec![0.0; nj],
+            passive: vec![0.0; nj],
+            external: vec![0.0; nv],
             arrows: Vec::with_capacity(16),
             acceleration: vec![0.0; nv],
             shift: vec![0.0; nv],
@@ -158,7 +167,6 @@ impl Plant {
     /// referred to the position that the present velocity leads to, as the implicit step requires.
     fn efforts(&mut self, dt: Option<f64>) {
         let nb = self.model.nb();
-        self.tau.fill(0.0);
         for (j, joint) in self.model.joints.iter().enumerate() {
             let (q, qd) = (self.state.joints[j], self.state.v[nb + j]);
             let (effort, clipped) = actuator::servo(joint, j, q, qd, &self.command);
@@ -167,15 +175,12 @@ impl Plant {
                 _ => 0.0,
             };
             self.efforts[j] = effort;
-            self.tau[nb + j] = effort + ahead;
+            self.servo[j] = effort + ahead;
         }
-        actuator::passive(
-            &self.model,
-            self.stops.as_deref(),
-            &self.state.joints,
-            &self.state.v[nb..],
-            &mut self.tau[nb..],
-        );
+        self.passive.fill(0.0);
+        let (stops, state) = (self.stops.as_deref(), &self.state);
+        actuator::passive(&self.model, stops, &state.joints, &state.v[nb..], &mut self.passive);
+        self.external.fill(0.0);
         self.arrows.clear();
         let scene = Scene {
             model: &self.model,
@@ -184,9 +189,13 @@ impl Plant {
             time: self.state.time,
             within: self.within,
         };
-        let mut applied = Applied::new(&mut self.tau, &mut self.arrows);
+        let mut applied = Applied::new(&mut self.external, &mut self.arrows);
         for force in &mut self.forces {
             force.evaluate(&scene, &mut applied);
+        }
+        self.tau.copy_from_slice(&self.external);
+        for (tau, (servo, passive)) in self.tau[nb..].iter_mut().zip(self.servo.iter().zip(&self.passive)) {
+            *tau += servo + passive;
         }
     }
 
@@ -217,6 +226,7 @@ impl Plant {
         p.level = Level::Acceleration;
         for (s, sole) in p.soles.iter_mut().enumerate() {
             sole.target = Vector3::zeros();
+            sole.place = self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point));
             let m = &self.reduced.velocity[6 * s..6 * s + 6];
             let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
             let height = self.floor.height(&self.reduced.reference[s]);
@@ -299,29 +309,6 @@ impl Plant {
     pub fn sole_origin(&self, s: usize) -> Vector3<f64> {
         self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point))
     }
-
-    /// Power of everything but gravity, W.
-    pub fn power(&self) -> f64 {
-        let joints: f64 = self.tau.iter().zip(&self.state.v).map(|(t, v)| t * v).sum();
-        let contact: f64 = self.solution.wrench.iter().zip(&self.reduced.velocity).map(|(w, v)| w * v).sum();
-        joints + contact
-    }
-
-    /// Work of everything but gravity over a velocity-level step that changed the velocity by `dv`, J:
-    /// `(v + dv / 2) . (dt tau - S dv)` with the implicit terms S, and the impulses on the mean of the sole velocities.
-    /// With the mean velocity this is exactly the change of kinetic energy less that due to the bias h.
-    pub fn step_work(&self, dv: &[f64], dt: f64) -> f64 {
-        let joints: f64 =
-            (0..dv.len()).map(|i| (self.state.v[i] - 0.5 * dv[i]) * (dt * self.tau[i] - self.shift[i] * dv[i])).sum();
-        let sole = |i: usize| 0.5 * (self.reduced.velocity[i] + self.solution.motion[i]);
-        let contact: f64 = self.solution.wrench.iter().enumerate().map(|(i, w)| w * sole(i)).sum();
-        joints + contact
-    }
-
-    /// Kinetic and potential energy at the state of the last evaluation, J.
-    pub fn energy(&mut self) -> f64 {
-        self.kinetic_energy() + body::potential_energy(&self.ws, &self.gravity)
-    }
 }
 
 impl System for Plant {
@@ -329,6 +316,6 @@ impl System for Plant {
         let layout = self.layout;
         layout.unpack(t, y, &mut self.state);
         self.evaluate();
-        layout.derivative(y, &self.state.v, &self.acceleration, self.power(), dy);
+        layout.derivative(y, &self.state.v, &self.acceleration, &self.powers(), dy);
     }
 }

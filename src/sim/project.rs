@@ -61,7 +61,7 @@ impl Simulation {
             }
         }
         plant.method.respond(p, &plant.states, &mut self.projection);
-        self.work += plant.kick(&self.projection.wrench);
+        reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &self.projection.wrench, &mut plant.state.v);
     }
 
     fn project_position(&mut self) {

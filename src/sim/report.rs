@@ -1,6 +1,9 @@
 //! What a run tells the outside: snapshots, events, metrics and an outcome. Plain data, written by [`crate::sim`], read
 //! by [`crate::record`]; nothing here steps or writes.
 
+use super::ledger::Balance;
+use crate::contact::frozen::Frozen;
+use crate::contact::residual::Residual;
 use nalgebra::{Isometry3, Vector3};
 
 /// The state of a run at one logged instant. World axes, SI units.
@@ -38,6 +41,10 @@ pub struct Snapshot {
     pub soles: Vec<SoleSnapshot>,
     /// External forces now acting: point, force.
     pub external: Vec<(Vector3<f64>, Vector3<f64>)>,
+    /// What the contact laws miss.
+    pub residual: Residual,
+    /// The energy balance since the start.
+    pub energy: Balance,
 }
 
 /// One sole at one instant.
@@ -148,7 +155,7 @@ pub struct Metrics {
     pub max_lift_m: f64,
     /// Greatest excess of tangential force over mu N, N.
     pub max_cone_excess: f64,
-    /// Energy now - energy at start - work done, J.
+    /// Error of the energy balance at the end, J: see [`Balance`].
     pub energy_error_j: f64,
     /// First marks, s.
     pub first_touchdown_s: Option<f64>,
@@ -160,6 +167,72 @@ pub struct Metrics {
     pub first_stick_s: Option<f64>,
     /// First time a stop rule held.
     pub first_fall_s: Option<f64>,
+    /// Root mean squares weigh the value at the end of a step with its length.
+    pub rms_penetration_m: f64,
+    /// Greatest tension the floor exerted on a vertex, N.
+    pub max_tension_n: f64,
+    /// Its root mean square, N.
+    pub rms_tension_n: f64,
+    /// Greatest product of normal force and gap of a vertex, N m.
+    pub max_signorini_nm: f64,
+    /// Its root mean square, N m.
+    pub rms_signorini_nm: f64,
+    /// Root mean square of the greatest cone excess, N.
+    pub rms_cone_excess_n: f64,
+    /// Greatest lack of maximum dissipation of a sliding vertex, W.
+    pub max_dissipation_gap_w: f64,
+    /// Its root mean square, W.
+    pub rms_dissipation_gap_w: f64,
+    /// Greatest tangential speed of a static vertex, m/s.
+    pub max_creep_speed_m_per_s: f64,
+    /// Its root mean square, m/s.
+    pub rms_creep_speed_m_per_s: f64,
+    /// Greatest distance between a sole's vertex forces and its wrench, N.
+    pub max_resultant_gap_n: f64,
+    /// Times that a sole's force dropped to zero and returned while its gap stayed closed.
+    pub force_flickers: u64,
+    /// Greatest error of the energy balance, J.
+    pub max_energy_error_j: f64,
+    /// Its root mean square, J.
+    pub rms_energy_error_j: f64,
+    /// Kinetic and potential energy at the end less at the start, J.
+    pub energy_change_j: f64,
+    /// Work of the actuators, J.
+    pub actuator_work_j: f64,
+    /// Work of external forces, J.
+    pub external_work_j: f64,
+    /// Energy taken by damping, friction and stops of the joints, J.
+    pub joint_loss_j: f64,
+    /// Energy taken by friction at the soles, J.
+    pub friction_loss_j: f64,
+    /// Energy taken by impacts and other velocity jumps, J.
+    pub impact_loss_j: f64,
+    /// Base angular velocity at the end, world axes, rad/s.
+    pub final_base_angular_velocity: [f64; 3],
+    /// Centre of mass at the end, m.
+    pub final_com_position: [f64; 3],
+    /// Its velocity, m/s.
+    pub final_com_velocity: [f64; 3],
+    /// Distance of the base's origin from where it started, m.
+    pub final_base_shift_m: f64,
+    /// Distance of the base's origin at the end from the straight line of its initial velocity, m; none without one.
+    pub final_base_sideways_m: Option<f64>,
+    /// Sum of the normal forces at the end, N; none when the run did not reach it, or without soles.
+    pub final_normal_force_n: Option<f64>,
+    /// Distance of the centre of pressure from the point of the floor below the centre of mass (along gravity) at the
+    /// end, m; none in flight.
+    pub final_cop_offset_m: Option<f64>,
+    /// First change of any sole from a pattern to a smaller one: from its face to an edge or vertex, from an edge to a
+    /// vertex, s.
+    pub first_tip_s: Option<f64>,
+    /// Last impact, s.
+    pub last_impact_s: Option<f64>,
+    /// Square root of the kinetic energy after the first impact over that before.
+    pub first_impact_speed_ratio: Option<f64>,
+    /// Greatest distance of the centre of mass from the parabola it entered a flight on, m.
+    pub max_flight_path_drift_m: f64,
+    /// Greatest change of the angular momentum about the centre of mass during a flight, kg m^2/s.
+    pub max_flight_spin_drift_nms: f64,
 }
 
 /// Receives what a run tells while it runs. `Err` ends the run with outcome `error` and that message.
@@ -168,6 +241,26 @@ pub trait Observer {
     fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String>;
     /// Called at once for every event, in time order.
     fn event(&mut self, event: &SimEvent) -> Result<(), String>;
+    /// Which contact problems it wants to be told of; the same answer throughout a run.
+    fn problems(&self) -> Problems {
+        Problems::None
+    }
+    /// Called for every selection of the kind asked for, before the event that goes with it.
+    fn problem(&mut self, _: &Frozen) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+/// Selections of a contact state that an observer wants to see.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Problems {
+    /// None.
+    #[default]
+    None,
+    /// Those counted in [`Metrics::inconsistent`].
+    Inconsistent,
+    /// Every one.
+    All,
 }
 
 /// An observer that looks away.

@@ -3,10 +3,14 @@
 use super::adaptive::Adaptive;
 use super::error::Stop;
 use super::fixed::Fixed;
+use super::ledger::Flows;
+use super::marks::Marks;
+use super::measure::Tally;
 use super::plant::Plant;
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
 use crate::contact::candidate::Solution;
+use crate::contact::frozen::Frozen;
 use crate::contact::judge::TOUCHING;
 use crate::contact::method;
 use crate::contact::problem::{Problem, Tolerances};
@@ -45,13 +49,18 @@ pub struct Simulation {
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
     pub(super) metrics: Metrics,
-    /// Work of everything but gravity since the start, J.
+    /// Work of velocity jumps since the start, J: impacts, jams, and what a new contact state ends.
     pub(super) work: f64,
+    /// Energies that flowed since the start.
+    pub(super) flows: Flows,
+    pub(super) tally: Tally,
     /// Soles that the last event put at the limit of their load.
     pub(super) suspect: [u8; MAX_SOLES],
     /// Where the vertices of each clamped sole were when it was clamped, relative to the floor point, floor axes.
     pub(super) anchors: Vec<Vec<Vector3<f64>>>,
     pub(super) projection: Solution,
+    /// The selection at hand, for an observer that wants to hear of it.
+    pub(super) frozen: Option<Box<Frozen>>,
     pub(super) displacement: Vec<f64>,
     pub(super) snapshot: Snapshot,
     /// Has the first choice of states been made?
@@ -61,8 +70,13 @@ pub struct Simulation {
     duration: f64,
     log_rate: f64,
     logged: u64,
+    /// Time of the last snapshot told, s.
+    told: Option<f64>,
     fallen_below: Option<f64>,
-    start_energy: f64,
+    pub(super) start_energy: f64,
+    pub(super) marks: Marks,
+    /// Base position at the start, and its velocity.
+    pub(super) launch: (Vector3<f64>, Vector3<f64>),
     window: (f64, u64),
     in_place: (f64, u64),
 }
@@ -83,6 +97,7 @@ impl Simulation {
             let centre = geometry.vertices.iter().sum::<Vector3<f64>>() / geometry.vertices.len() as f64;
             let reach = geometry.vertices.iter().map(|v| (v - centre).norm()).fold(0.0, f64::max);
             sole.radius = if reach > 0.0 { reach } else { 1.0 };
+            sole.body = geometry.link.0;
             for v in &mut sole.vertices {
                 (v.mu_s, v.mu_k) = (setup.floor.mu_s, setup.floor.mu_k);
             }
@@ -110,15 +125,20 @@ impl Simulation {
             tolerances.distance = tolerances.distance.min(TOUCHING);
         }
         let snapshot = super::observe::blank(&model);
+        let v = &plant.state.v;
+        let launch = if model.nb() == 6 { Vector3::new(v[0], v[1], v[2]) } else { Vector3::zeros() };
         let mut sim = Simulation {
             tolerances,
             contact: setup.contact,
             tasks: setup.tasks,
             metrics: Metrics::default(),
             work: 0.0,
+            flows: Flows::default(),
+            tally: Tally::default(),
             suspect: [0; MAX_SOLES],
             anchors: model.soles.iter().map(|s| vec![Vector3::zeros(); s.vertices.len()]).collect(),
             projection,
+            frozen: None,
             displacement: vec![0.0; model.nv()],
             snapshot,
             started: false,
@@ -127,7 +147,10 @@ impl Simulation {
             duration: setup.duration,
             log_rate: setup.log_rate,
             logged: 0,
+            told: None,
             fallen_below: setup.fallen_below,
+            marks: Marks::default(),
+            launch: (plant.state.position, launch),
             start_energy: 0.0,
             window: (0.0, 0),
             in_place: (-1.0, 0),
@@ -269,7 +292,13 @@ impl Simulation {
     /// Tells the observer the plant's present state; needs an evaluation at it.
     pub(super) fn tell(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         self.logged += 1;
+        let now = self.plant.state.time;
+        if self.told.replace(now) == Some(now) {
+            // A fixed step that ends the run, or spans several instants of the log, is one instant.
+            return Ok(());
+        }
         super::observe::fill(&mut self.plant, &mut self.snapshot);
+        self.snapshot.energy = self.balance();
         observer.snapshot(&self.snapshot).map_err(|m| Stop::new(Outcome::Error, m))
     }
 
@@ -334,6 +363,8 @@ impl Simulation {
             m.final_base_velocity = [state.v[0], state.v[1], state.v[2]];
         }
         self.plant.evaluate_free();
-        self.metrics.energy_error_j = self.plant.energy() - self.start_energy - self.work;
+        self.audit();
+        self.conclude();
+        self.mark_end();
     }
 }

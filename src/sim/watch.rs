@@ -11,7 +11,7 @@
 
 use super::simulation::Simulation;
 use crate::contact::candidate::share_static;
-use crate::contact::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL, TOUCHING, margin};
+use crate::contact::judge::{CLEAR, SUSPECT_FRICTION, SUSPECT_NORMAL, TOUCHING, margin};
 use crate::contact::state::{MAX_SOLES, Mode, SoleState};
 use nalgebra::Vector2;
 
@@ -87,7 +87,7 @@ impl Watch {
         share_static(&plant.problem, &plant.states, &mut plant.solution);
         let p = &plant.problem;
         let mut margins = [None; MAX_SOLES];
-        let mut of = |s: usize| *margins[s].get_or_insert_with(|| margin(p, s, plant.states[s], &plant.solution));
+        let mut of = |s: usize| *margins[s].get_or_insert_with(|| margin(p, &plant.states, s, &plant.solution));
         for (item, g) in self.items.iter().zip(out.iter_mut()) {
             *g = match *item {
                 Item::Height(s, i) => p.soles[s].vertices[i].height,
@@ -120,10 +120,14 @@ impl Watch {
     /// Marks the soles whose load reached its limit, from values of which some are negative.
     pub fn suspects(&self, values: &[f64], suspect: &mut [u8; MAX_SOLES]) {
         suspect.fill(0);
-        for (item, _) in self.items.iter().zip(values).filter(|(_, g)| **g < 0.0) {
+        let fired = |kind: fn(&Item) -> bool| self.items.iter().zip(values).any(|(item, g)| kind(item) && *g < 0.0);
+        // Several soles may reach their limit together, and rounding decides which of them is seen to.
+        let normal = if fired(|i| matches!(i, Item::Normal(_))) { CLEAR } else { 0.0 };
+        let friction = if fired(|i| matches!(i, Item::Friction(_))) { CLEAR } else { 0.0 };
+        for (item, g) in self.items.iter().zip(values) {
             match *item {
-                Item::Normal(s) => suspect[s] |= SUSPECT_NORMAL,
-                Item::Friction(s) => suspect[s] |= SUSPECT_FRICTION,
+                Item::Normal(s) if *g < normal => suspect[s] |= SUSPECT_NORMAL,
+                Item::Friction(s) if *g < friction => suspect[s] |= SUSPECT_FRICTION,
                 _ => {}
             }
         }

@@ -1,8 +1,9 @@
 //! Contact against closed forms (`contact.md` section 13).
 
 mod block;
-mod body;
+pub mod body;
 mod breakaway;
+mod energy;
 mod feet;
 mod flight;
 mod forced;
@@ -12,8 +13,8 @@ mod jump;
 mod landing;
 mod painleve;
 mod patches;
-mod pendulum;
-mod planar;
+pub mod pendulum;
+pub mod planar;
 mod spin;
 mod stall;
 mod standing;

@@ -328,3 +328,27 @@ fn a_tall_box_trips_over_its_leading_edge() {
         }
     }
 }
+
+#[test]
+fn the_scenarios_expect_what_follows_from_the_equations() {
+    // painleve-jam: tan theta = 2, tip at 0.5 m/s, then a pendulum about the tip for 0.1 s.
+    let theta = 2f64.atan();
+    let w = 0.75 * 0.5 * theta.sin() / L;
+    let [end, _] = rk4([theta, w], 0.1, 4000, |_, [a, w]: &[f64; 2]| [*w, -0.75 * G / L * a.cos()]);
+    let file = |name: &str| {
+        let path = super::support::root().join(format!("scenarios/validation/painleve-{name}.toml"));
+        stiction::scenario::load(&path).unwrap_or_else(|e| panic!("{e}")).expand(&[]).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let expects = |name: &str, metric: &str, truth: f64, bar: f64| {
+        for run in file(name) {
+            let expect = run.scenario.expect.iter().find(|e| e.metric.as_deref() == Some(metric)).expect("it is asked");
+            assert!((expect.value.expect("a value") - truth).abs() < bar, "{name} {metric} {truth}");
+        }
+    };
+    expects("jam", "final_base_pitch", std::f64::consts::FRAC_PI_2 - end, 1e-12);
+    expects("jam", "final_base_x", L * (end.cos() - theta.cos()), 1e-12);
+    let limit = Start { theta: 0.5, heading: 0.0, v: 10.0, w: 0.0, mu: 2.0 };
+    let (kind, [t, ..]) = ending(&limit);
+    assert_eq!(kind, "jam");
+    expects("limit", "first_liftoff_s", t, 1e-7);
+}

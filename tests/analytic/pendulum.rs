@@ -17,7 +17,8 @@ const C: f64 = 0.25;
 /// m (0.5^2 + 0.02^2) / 12
 const I: f64 = 0.25040 / 12.0;
 
-fn derivative(s: &[f64; 4]) -> [f64; 4] {
+/// Derivative of `[a, b, a', b']`.
+pub fn derivative(s: &[f64; 4]) -> [f64; 4] {
     let [a, b, p, q] = *s;
     let (sin, cos) = (a - b).sin_cos();
     let coupling = M * L * C;

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use stiction::batch::{Batch, End, Job, Options, Plan, Progress, Report, prepare, simulate};
+use stiction::batch::{Batch, End, Job, Options, Plan, Progress, Report, Wanted, prepare, simulate};
 use stiction::record::{Document, LogHeader, LogWriter, RunRecord, Topics};
-use stiction::sim::Outcome;
+use stiction::sim::{Outcome, Problems};
 
 use super::{Place, Table};
 
@@ -19,7 +19,14 @@ fn plan(place: &Place, text: &str) -> Plan {
 }
 
 fn run(place: &Place, plan: Plan, jobs: usize, body: &stiction::batch::Body<'_>) -> Report {
-    let options = Options { output: place.path("results"), jobs, log: true, timeout: None, fail_fast: false };
+    let options = Options {
+        output: place.path("results"),
+        jobs,
+        log: true,
+        timeout: None,
+        fail_fast: false,
+        problems: Problems::None,
+    };
     Batch::new(plan, options).unwrap().run(Progress::Silent, body).unwrap()
 }
 
@@ -39,16 +46,16 @@ fn break_down(job: &Job, log: &Path) -> End {
     let _writer = LogWriter::create(log, &job.robot.model, &header).unwrap();
     let nothing: Vec<f64> = Vec::new();
     let missing = job.index + nothing.len();
-    End { outcome: Outcome::Passed, message: format!("{}", nothing[missing]), metrics: None }
+    End { outcome: Outcome::Passed, message: format!("{}", nothing[missing]), metrics: None, notes: vec![] }
 }
 
 #[test]
 fn a_panic_is_an_outcome_with_words_and_place_and_the_others_go_on() {
     let place = Place::new();
     let plan = plan(&place, "[sweep]\nrepeat = 8\n");
-    let body = |job: &Job, log: Option<&Path>, cancel: &AtomicBool| match job.index % 4 {
-        1 => break_down(job, log.unwrap()),
-        _ => simulate(job, log, cancel),
+    let body = |job: &Job, wanted: &Wanted, cancel: &AtomicBool| match job.index % 4 {
+        1 => break_down(job, wanted.log.as_ref().unwrap()),
+        _ => simulate(job, wanted, cancel),
     };
     let report = run(&place, plan, 2, &body);
     assert!(report.has_unfinished() && !report.has_failed());
@@ -78,13 +85,13 @@ fn rows_stand_in_the_order_of_the_plan_whatever_ends_first() {
     let (sender, receiver) = std::sync::mpsc::channel::<()>();
     let (sender, receiver) = (std::sync::Mutex::new(sender), std::sync::Mutex::new(receiver));
     // The first run waits for a word from the last, which starts when the others have ended.
-    let body = |job: &Job, _: Option<&Path>, _: &AtomicBool| {
+    let body = |job: &Job, _: &Wanted, _: &AtomicBool| {
         match job.index {
             0 => receiver.lock().unwrap().recv().unwrap(),
             5 => sender.lock().unwrap().send(()).unwrap(),
             _ => {}
         }
-        End { outcome: Outcome::Passed, message: String::new(), metrics: None }
+        End { outcome: Outcome::Passed, message: String::new(), metrics: None, notes: vec![] }
     };
     let report = run(&place, plan, 2, &body);
     let seeds: Vec<u64> = report.finished.iter().map(|f| f.row.seed).collect();

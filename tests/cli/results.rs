@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::{Place, Table};
-use stiction::record::RunRecord;
+use stiction::record::{ProblemRecord, RunRecord};
 
 #[test]
 fn a_batch_leaves_its_files_and_names_them() {
@@ -112,4 +112,69 @@ fn keys_depend_on_contents_and_not_on_places() {
     distinct.sort();
     distinct.dedup();
     assert_eq!(distinct.len(), keys.len(), "{keys:?}");
+}
+
+#[test]
+fn contact_problems_are_written_when_asked_for() {
+    let place = Place::new();
+    // Three corners start below the floor and one above it: no state clamps just those.
+    place.block("s.toml", "[robot.base]\nposition = [0, 0, 0.049]\nrpy = [0.01, 0.02, 0]\n");
+    let folder = |results: &str| {
+        let key = place.summary(results).column("key")[0].to_owned();
+        place.path(results).join("s").join(key).join("problems")
+    };
+    let set = ["s.toml", "--set", "duration=0.2", "--no-log", "-o"];
+    let run = |results: &str, more: &[&str]| place.runner(&[&set[..], &[results], more].concat()).exits(0);
+
+    run("plain", &[]);
+    assert!(!folder("plain").exists());
+
+    let done = run("some", &["--dump-problems"]);
+    let inconsistent = place.summary("some").numbers("inconsistent")[0] as usize;
+    assert!(inconsistent > 0);
+    assert_eq!(fs::read_dir(folder("some")).unwrap().count(), inconsistent.min(100));
+    assert!(done.stdout.contains("/problems\n"), "{}", done.stdout);
+    let problem = ProblemRecord::read(&folder("some").join("0001.json")).unwrap();
+    assert_eq!(problem.scenario, "s");
+    assert_eq!(problem.selection.soles[0].name, "bottom");
+
+    // 200 steps with a selection each.
+    let fixed = ["--dump-problems=all", "--set", "integrator.method=semi-implicit", "--set", "integrator.step=1e-3"];
+    let done = run("all", &fixed);
+    assert_eq!(fs::read_dir(folder("all")).unwrap().count(), 100);
+    assert!(done.stdout.contains(": the first 100 of 201 selections are written, 101 more are not"), "{}", done.stdout);
+
+    let refused = place.runner(&["s.toml", "--dump-problems=some"]).exits(2);
+    assert!(refused.stderr.contains("[possible values: inconsistent, all]"), "{}", refused.stderr);
+}
+
+#[test]
+fn verdicts_are_printed_and_recorded() {
+    let place = Place::new();
+    place.block(
+        "rest.toml",
+        "[[expect]]\nmetric = \"final_base_z\"\nvalue = 0.05\nrelative_tolerance = 1e-9\n[[expect]]\nmetric = \"jams\"\nmax = 0\n[sweep]\nzip = [{ duration = [0.1, 0.2], \"expect.0.value\" = [0.05, 0.07] }]\n",
+    );
+    let shown = |which: &[&str]| -> Vec<String> {
+        let arguments: Vec<&str> = ["rest.toml"].iter().chain(which).copied().collect();
+        let done = place.runner(&arguments).exits(1);
+        let lines = done.stdout.lines().skip_while(|l| !l.contains("measured")).skip(1);
+        lines.take_while(|l| !l.contains("expectations held")).map(str::to_owned).collect()
+    };
+    // 0.05 is right, 0.07 is not; the limits hold.
+    let values = shown(&[]);
+    assert_eq!(values.len(), 2, "{values:?}");
+    assert!(values[0].contains("duration=0.1") && values[0].ends_with("yes"), "{values:?}");
+    assert!(values[1].contains("0.07  -2.00e-2   2.86e-1") && values[1].ends_with("NO"), "{values:?}");
+    assert_eq!(shown(&["--verdicts", "failed"]).len(), 1);
+    assert_eq!(shown(&["--verdicts", "all"]).len(), 4);
+    let (summary, log) = (place.summary("results"), fs::read_to_string(place.path("results/runs.jsonl")).unwrap());
+    let lines: Vec<serde_json::Value> = log.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    for (key, held) in summary.column("key").into_iter().zip([true, false]) {
+        let record = RunRecord::read(&place.path("results/rest").join(key).join("run.json")).unwrap();
+        assert_eq!(record.verdicts.iter().map(|v| v.held).collect::<Vec<_>>(), [held, true]);
+        let line = lines.iter().find(|l| l["key"] == key).unwrap();
+        assert_eq!(line["verdicts"][0]["held"], held);
+        assert_eq!(line["verdicts"][0]["truth"], record.verdicts[0].truth.unwrap());
+    }
 }

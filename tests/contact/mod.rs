@@ -2,5 +2,6 @@
 
 mod capacity;
 mod impact;
+mod residual;
 mod rest;
 mod rigid;

@@ -86,7 +86,7 @@ impl Rigid {
 /// Tolerances small enough not to blur which state is right.
 pub fn rules() -> Rules {
     let tolerances = Tolerances { distance: 1e-8, velocity: 1e-8, acceleration: 1e-8, rest: 1e-10 };
-    Rules { tolerances, previous: States::default(), suspect: [0; MAX_SOLES] }
+    Rules { tolerances, previous: States::default(), suspect: [0; MAX_SOLES], hops: false }
 }
 
 /// Any three numbers in -1..1.

@@ -20,7 +20,7 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory as Protobuf
 from mcap_ros2.decoder import DecoderFactory as Ros2
 
-TICKED = ["/state", "/contact", "/tf", "/scene/contact", "/joint_states"]
+TICKED = ["/state", "/contact", "/residual", "/tf", "/scene/contact", "/joint_states"]
 ONCE = ["/scene", "/robot_description"]
 # The quaternions are products and logarithms of unit quaternions in double precision.
 UNIT = 1e-9
@@ -125,6 +125,23 @@ def check_contact(contact, check):
         check(sole.state != "", f"/contact: {sole.name}: no state")
 
 
+def check_residual(residual, contact, check):
+    r = residual
+    names = [f.name for f in r.DESCRIPTOR.fields]
+    check(finite(getattr(r, name) for name in names), "/residual: not finite")
+    for name in ("penetration", "tension", "signorini", "cone_excess", "dissipation_gap", "creep_speed", "resultant_gap"):
+        check(getattr(r, name) >= 0, f"/residual: {name} is negative")
+    gains, losses = (r.actuator_work, r.external_work), (r.joint_loss, r.friction_loss, r.impact_loss)
+    error = math.fsum([r.energy_change, *(-x for x in gains), *losses])
+    size = sum(map(abs, (r.energy_change, *gains, *losses)))
+    check(abs(error - r.energy_error) <= 1e-14 * size, "/residual: energies do not add up")
+    # The same from what /contact says: speeds of vertices that stick. Theirs is tangential, this one whole.
+    sticking = [s for s in contact.soles if s.state.endswith("static")]
+    speeds = [math.hypot(*xyz(v)) for s in sticking for v, on in zip(s.velocities, s.clamped) if on]
+    pivots = any(s.state.endswith("dynamic") for s in contact.soles)
+    check(pivots or r.creep_speed <= max(speeds, default=0) * (1 + 1e-12), "/residual: creep faster than /contact says")
+
+
 def check_state(state, joints, check):
     for name in ("q", "qd", "q_desired", "qd_desired", "effort"):
         values = getattr(state, name)
@@ -207,6 +224,9 @@ def check_log(path):
         check_state(state, joints, check)
     for _, contact in topics["/contact"]:
         check_contact(contact, check)
+    contacts = dict(topics["/contact"])
+    for time, residual in topics["/residual"]:
+        check_residual(residual, contacts[time], check)
     for _, scene in topics["/scene"] + topics["/scene/contact"]:
         check_scene(scene, check)
 
@@ -217,7 +237,7 @@ def check_log(path):
         if time in states:
             same = list(ros.position) == list(states[time].q) and list(ros.velocity) == list(states[time].qd)
             check(same and list(ros.effort) == list(states[time].effort), "/joint_states differ from /state")
-    for topic in ("/state", "/contact", "/events"):
+    for topic in ("/state", "/contact", "/residual", "/events"):
         for time, message in topics[topic]:
             check(abs(message.time * 1e9 - time) <= 0.5 + 1e-6 * time, f"{topic}: time differs from log time")
 

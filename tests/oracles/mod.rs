@@ -1,4 +1,5 @@
 //! Comparison with independent libraries. Each `make_*.py` writes the JSON beside it and is run by hand.
 
+mod contact;
 mod dynamics;
 mod dynamics_oracle;

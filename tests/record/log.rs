@@ -33,6 +33,7 @@ fn every_topic_is_there_with_its_schema_and_one_message_per_tick() {
         ("/events", "stiction.Event", "protobuf", "protobuf", EVENTS),
         ("/joint_states", "sensor_msgs/msg/JointState", "ros2msg", "cdr", ticks),
         ("/log", "foxglove.Log", "protobuf", "protobuf", EVENTS),
+        ("/residual", "stiction.Residual", "protobuf", "protobuf", ticks),
         ("/robot_description", "std_msgs/msg/String", "ros2msg", "cdr", 1),
         ("/scene", "foxglove.SceneUpdate", "protobuf", "protobuf", 1),
         ("/scene/contact", "foxglove.SceneUpdate", "protobuf", "protobuf", ticks),
@@ -51,8 +52,8 @@ fn only_the_chosen_topics_are_written() {
     };
     assert_eq!(topics(&[]), "/events /log");
     assert_eq!(topics(&["state"]), "/events /joint_states /log /robot_description /state");
-    assert_eq!(topics(&["contact"]), "/contact /events /log");
-    assert_eq!(topics(&["scene", "contact"]), "/contact /events /log /scene /scene/contact /tf");
+    assert_eq!(topics(&["contact"]), "/contact /events /log /residual");
+    assert_eq!(topics(&["scene", "contact"]), "/contact /events /log /residual /scene /scene/contact /tf");
     assert!(Topics::from_names(&["state", "colour"]).unwrap_err().to_string().contains("`colour`"));
 }
 

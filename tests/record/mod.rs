@@ -2,6 +2,7 @@
 
 mod log;
 mod log_values;
+mod problems;
 mod run;
 mod sample;
 mod summary;

@@ -1,7 +1,7 @@
 //! `run.json` and `runs.jsonl`, written and read back.
 
 use std::path::Path;
-use stiction::record::{Machine, ParamValue, RUN_SCHEMA, RecordError, RunRecord, RunsLog, Timing, hash_input};
+use stiction::record::{Machine, ParamValue, RUN_SCHEMA, RecordError, RunRecord, RunsLog, Timing, Verdict, hash_input};
 use stiction::sim::{Metrics, Outcome};
 
 /// Metrics whose digits would show any rounding on the way.
@@ -33,7 +33,62 @@ pub fn metrics() -> Metrics {
         first_slip_s: Some(0.0),
         first_stick_s: None,
         first_fall_s: Some(1.0 / 7.0),
+        rms_penetration_m: 1.1e-09,
+        max_tension_n: 2.5e-13,
+        rms_tension_n: 0.1,
+        max_signorini_nm: 3e-16,
+        rms_signorini_nm: 5e-324,
+        rms_cone_excess_n: 0.7,
+        max_dissipation_gap_w: 0.3333333333333333,
+        rms_dissipation_gap_w: 1e-17,
+        max_creep_speed_m_per_s: 2e-12,
+        rms_creep_speed_m_per_s: 1e-15,
+        max_resultant_gap_n: 4e-14,
+        force_flickers: 12,
+        max_energy_error_j: 6.6e-09,
+        rms_energy_error_j: 0.3,
+        energy_change_j: -4.9,
+        actuator_work_j: 0.12345678901234568,
+        external_work_j: 1e-300,
+        joint_loss_j: 0.2,
+        friction_loss_j: 4.905,
+        impact_loss_j: 0.6,
+        final_base_angular_velocity: [0.7, -1e-9, 6.25],
+        final_com_position: [1e-3, -2.5, 0.3],
+        final_com_velocity: [4e5, -0.01, 9.81],
+        final_base_shift_m: 0.2,
+        final_base_sideways_m: Some(6e-3),
+        final_normal_force_n: None,
+        final_cop_offset_m: Some(f64::INFINITY),
+        first_tip_s: Some(2.5),
+        last_impact_s: None,
+        first_impact_speed_ratio: Some(0.75),
+        max_flight_path_drift_m: 3e-12,
+        max_flight_spin_drift_nms: 4e-13,
     }
+}
+
+/// One near its value, one beyond its limit, one that was never measured.
+pub fn verdicts() -> Vec<Verdict> {
+    let near = Verdict {
+        metric: "final_base_x".into(),
+        measured: Some(1.0 / 3.0),
+        truth: Some(0.3),
+        allowed: Some(0.1),
+        error: Some(1.0 / 3.0 - 0.3),
+        held: true,
+        ..Verdict::default()
+    };
+    let beyond = Verdict {
+        metric: "final_cop_offset_m".into(),
+        measured: Some(f64::INFINITY),
+        max: Some(1e-9),
+        error: Some(f64::INFINITY),
+        message: "final_cop_offset_m is inf, above 0.000000001".into(),
+        ..Verdict::default()
+    };
+    let never = Verdict { metric: "first_stick_s".into(), min: Some(0.5), ..Verdict::default() };
+    vec![near, beyond, never]
 }
 
 pub fn record() -> RunRecord {
@@ -52,6 +107,7 @@ pub fn record() -> RunRecord {
             ("repeat".into(), 3.into()),
             ("log.on".into(), true.into()),
         ],
+        verdicts: verdicts(),
         metrics: metrics(),
         program: "stiction 0.1.0".into(),
         inputs: vec![hash_input("block.urdf", b"abc")],

@@ -3,9 +3,10 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
 use std::sync::LazyLock;
+use stiction::contact::residual::Residual;
 use stiction::record::{Document, LogHeader, LogWriter, Topics};
 use stiction::robot::{Base, Drive, Geometry, Joint, JointKind, Link, LinkId, Merged, Model, Shape, Sole};
-use stiction::sim::{Observer, SimEvent, Snapshot, SoleSnapshot};
+use stiction::sim::{Balance, Observer, SimEvent, Snapshot, SoleSnapshot};
 
 pub const URDF: &str = r#"<robot name="sample">
   <link name="trunk"><visual><geometry><box size="0.2 0.3 0.1"/></geometry></visual></link>
@@ -174,6 +175,24 @@ pub fn snapshot(tick: usize) -> Snapshot {
             .zip([state, "free"])
             .map(|(s, state)| sole(tick, state, &model.links[s.link.0], &link_poses[s.link.0], &s.vertices))
             .collect(),
+        residual: Residual {
+            penetration: wobble(tick, 500),
+            lift: 0.0,
+            tension: wobble(tick, 501),
+            signorini: wobble(tick, 502),
+            cone_excess: wobble(tick, 503),
+            dissipation_gap: wobble(tick, 504),
+            creep_speed: wobble(tick, 505),
+            resultant_gap: wobble(tick, 506),
+        },
+        energy: Balance {
+            change: wobble(tick, 510),
+            actuators: wobble(tick, 511),
+            external: wobble(tick, 512),
+            joint_loss: wobble(tick, 513),
+            friction_loss: wobble(tick, 514),
+            impact_loss: wobble(tick, 515),
+        },
         external: if tick.is_multiple_of(2) { vec![(vector(tick, 400), vector(tick, 403) * 30.0)] } else { Vec::new() },
     }
 }

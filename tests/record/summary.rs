@@ -6,7 +6,7 @@ use polars_io::SerReader;
 use polars_io::csv::read::CsvReadOptions;
 use polars_io::parquet::read::ParquetReader;
 use std::fs::File;
-use stiction::record::{NUMERIC_COLUMNS, ParamValue, SummaryRow, metric, table, write_summary};
+use stiction::record::{NUMERIC_COLUMNS, ParamValue, Shown, SummaryRow, metric, table, verdicts, write_summary};
 use stiction::sim::Outcome;
 
 /// The contract, typed from the description for users.
@@ -16,7 +16,7 @@ const AFTER: &str = "duration_s, wall_s, cpu_s, real_time_factor, steps, rejecte
     final_base_z, final_base_roll, final_base_pitch, final_base_yaw, final_base_vx, final_base_vy, final_base_vz, \
     max_penetration_m, max_static_creep_m, max_lift_m, max_cone_excess, energy_error_J, error_position_rms_m, \
     error_joint_rms_rad, error_force_rms_N, contact_state_agreement, first_touchdown_s, first_liftoff_s, \
-    first_slip_s, first_stick_s, first_fall_s, max_projection_m";
+    first_slip_s, first_stick_s, first_fall_s, max_projection_m, rms_penetration_m, max_tension_N, rms_tension_N, max_signorini_Nm, rms_signorini_Nm, rms_cone_excess_N, max_dissipation_gap_W, rms_dissipation_gap_W, max_creep_speed_m_per_s, rms_creep_speed_m_per_s, max_resultant_gap_N, force_flickers, max_energy_error_J, rms_energy_error_J, energy_change_J, actuator_work_J, external_work_J, joint_loss_J, friction_loss_J, impact_loss_J, final_base_wx_rad_s, final_base_wy_rad_s, final_base_wz_rad_s, final_com_x_m, final_com_y_m, final_com_z_m, final_com_vx_m_s, final_com_vy_m_s, final_com_vz_m_s, final_base_shift_m, final_base_sideways_m, final_normal_force_N, final_cop_offset_m, first_tip_s, last_impact_s, first_impact_speed_ratio, max_flight_path_drift_m, max_flight_spin_drift_Nms";
 
 fn row(parameters: &[(&str, ParamValue)]) -> SummaryRow {
     let parameters = parameters.iter().map(|(n, v)| ((*n).to_owned(), v.clone())).collect();
@@ -111,11 +111,13 @@ fn what_never_happened_is_empty() {
         assert_eq!(number(frame, "states_tested_mean", 0), Some(10.0 / 3.0));
         assert_eq!(number(frame, "states_tested_mean", 2), None, "no selection, no mean");
     }
+    let empty = ",,,,,0.04999999999999999,0.30000000000000004,0.0,,0.14285714285714285,1e-13,";
+    assert!(text.lines().last().unwrap().contains(empty), "{text}");
     assert!(
         text.lines()
             .last()
             .unwrap()
-            .ends_with(",,,,,0.04999999999999999,0.30000000000000004,0.0,,0.14285714285714285,1e-13"),
+            .contains(",,,,,0.04999999999999999,0.30000000000000004,0.0,,0.14285714285714285,1e-13,"),
         "{text}"
     );
 }
@@ -205,6 +207,44 @@ fn every_column_has_its_own_metric() {
         ("first_stick_s", None),
         ("first_fall_s", Some(1.0 / 7.0)),
         ("max_projection_m", Some(1e-13)),
+        ("rms_penetration_m", Some(1.1e-09)),
+        ("max_tension_N", Some(2.5e-13)),
+        ("rms_tension_N", Some(0.1)),
+        ("max_signorini_Nm", Some(3e-16)),
+        ("rms_signorini_Nm", Some(5e-324)),
+        ("rms_cone_excess_N", Some(0.7)),
+        ("max_dissipation_gap_W", Some(0.3333333333333333)),
+        ("rms_dissipation_gap_W", Some(1e-17)),
+        ("max_creep_speed_m_per_s", Some(2e-12)),
+        ("rms_creep_speed_m_per_s", Some(1e-15)),
+        ("max_resultant_gap_N", Some(4e-14)),
+        ("force_flickers", Some(12.0)),
+        ("max_energy_error_J", Some(6.6e-09)),
+        ("rms_energy_error_J", Some(0.3)),
+        ("energy_change_J", Some(-4.9)),
+        ("actuator_work_J", Some(0.12345678901234568)),
+        ("external_work_J", Some(1e-300)),
+        ("joint_loss_J", Some(0.2)),
+        ("friction_loss_J", Some(4.905)),
+        ("impact_loss_J", Some(0.6)),
+        ("final_base_wx_rad_s", Some(0.7)),
+        ("final_base_wy_rad_s", Some(-1e-9)),
+        ("final_base_wz_rad_s", Some(6.25)),
+        ("final_com_x_m", Some(1e-3)),
+        ("final_com_y_m", Some(-2.5)),
+        ("final_com_z_m", Some(0.3)),
+        ("final_com_vx_m_s", Some(4e5)),
+        ("final_com_vy_m_s", Some(-0.01)),
+        ("final_com_vz_m_s", Some(9.81)),
+        ("final_base_shift_m", Some(0.2)),
+        ("final_base_sideways_m", Some(6e-3)),
+        ("final_normal_force_N", None),
+        ("final_cop_offset_m", Some(f64::INFINITY)),
+        ("first_tip_s", Some(2.5)),
+        ("last_impact_s", None),
+        ("first_impact_speed_ratio", Some(0.75)),
+        ("max_flight_path_drift_m", Some(3e-12)),
+        ("max_flight_spin_drift_Nms", Some(4e-13)),
     ];
     let found = NUMERIC_COLUMNS.map(|column| (column, metric(&rows()[0], column)));
     assert_eq!(found, expected);
@@ -229,4 +269,59 @@ fn the_table_is_aligned_and_says_what_went_wrong() {
     assert!(lines[3].contains("one-step"));
     assert_eq!(lines[4], "fallen push 0123abcd: base below 0.2 m at 1.5 s, \"left\" foot first");
     assert!(lines.iter().all(|l| !l.ends_with(' ')));
+}
+
+#[test]
+fn scenarios_that_sweep_other_parameters_have_tables_of_their_own() {
+    let mut other = row(&[("force.0.force", "[1, 0, 0]".into()), ("expect.0.value", 0.25.into())]);
+    other.scenario = "pull".into();
+    let text = table(&[row(&[("mu", 0.3.into())]), row(&[("n", 1.into())]), other]);
+    let headers: Vec<&str> = text.lines().filter(|l| l.starts_with("scenario")).collect();
+    assert_eq!(headers.len(), 2, "{text}");
+    assert!(headers[0].contains("mu") && headers[0].contains(" n ") && !headers[0].contains("force"), "{text}");
+    assert!(headers[1].contains("force.0.force") && !headers[1].contains("mu"), "{text}");
+    assert!(!text.contains("expect.0.value"), "told with the verdicts: {text}");
+}
+
+#[test]
+fn verdicts_name_their_run_briefly() {
+    let shown = |parameters: &[(&str, ParamValue)]| {
+        let text = verdicts(&[row(parameters)], Shown::All);
+        let line = text.lines().nth(1).unwrap().strip_prefix("push").unwrap().trim().to_owned();
+        line.split("  ").next().unwrap().to_owned()
+    };
+    let robot = ("robot.model", "../../robots/block/block.toml".into());
+    assert_eq!(shown(&[robot, ("expect.0.value", 0.5.into())]), "model=block.toml");
+    assert_eq!(shown(&[("robot.velocity.knee", "30 deg/s".into())]), "knee=30 deg/s");
+    assert_eq!(shown(&[("force.0.force.2", 2.into()), ("force.1.force", 3.into())]), "force.2=2 force=3");
+}
+
+#[test]
+fn verdicts_show_measured_wanted_and_error() {
+    let rows =
+        [row(&[("robot.base.rpy", "[0, 0, 1]".into()), ("floor.rpy", 2.into()), ("floor.friction", 0.5.into())])];
+    let words = |shown: Shown| -> Vec<Vec<String>> {
+        let text = verdicts(&rows, shown);
+        assert_eq!(shown.count(&rows) + 2, text.lines().count(), "a header and a count\n{text}");
+        text.lines()
+            .map(|l| l.split("  ").map(str::trim).filter(|w| !w.is_empty()).map(str::to_owned).collect())
+            .collect()
+    };
+    let value = words(Shown::Values);
+    // Names that end alike are written out.
+    let run = ["push", "robot.base.rpy=[0, 0, 1] floor.rpy=2 friction=0…"];
+    assert_eq!(value[1][..2], run);
+    assert_eq!(value[1][2..], ["final_base_x", "0.3333333333333333", "0.3", "3.33e-2", "1.11e-1", "1.00e-1", "yes"]);
+    assert_eq!(value[2], ["final_cop_offset_m", "inf", "<= 1e-9", "inf", "-", "-", "NO"], "the run is named once");
+    assert_eq!(value[3], ["first_stick_s", "-", ">= 0.5", "-", "-", "-", "NO"]);
+    assert_eq!(value[4], ["1 of 3 expectations held"]);
+    let failed = words(Shown::Failed);
+    assert_eq!(failed[1], [run[0], run[1], "final_cop_offset_m", "inf", "<= 1e-9", "inf", "-", "-", "NO"]);
+    assert_eq!(failed[3], ["1 of 3 expectations held; 1 not shown here, see --verdicts"]);
+    assert_eq!(words(Shown::All), value);
+    assert_eq!(
+        verdicts(&[SummaryRow { verdicts: Vec::new(), ..rows[0].clone() }], Shown::All),
+        "",
+        "nothing was asked"
+    );
 }

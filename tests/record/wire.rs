@@ -7,6 +7,7 @@ use prost_types::FileDescriptorSet;
 use prost_types::field_descriptor_proto::Type;
 use std::collections::{BTreeMap, BTreeSet};
 use stiction::record::{Topics, messages};
+use stiction::sim::Snapshot;
 
 /// Takes the first `n` bytes.
 fn take<'a>(bytes: &mut &'a [u8], n: usize) -> &'a [u8] {
@@ -92,7 +93,7 @@ fn vector(v: Option<messages::Vector3>) -> Vec<String> {
 #[test]
 fn each_described_field_is_on_the_wire() {
     let bytes = sample::log(6, Topics::ALL);
-    for topic in ["/state", "/contact", "/events"] {
+    for topic in ["/state", "/contact", "/residual", "/events"] {
         let (messages, described) = by_descriptor(&bytes, topic);
         // Zeros and empty lists are left out of the wire, so no single message shows every field.
         let seen: BTreeSet<&String> = messages.iter().flat_map(BTreeMap::keys).collect();
@@ -122,6 +123,29 @@ fn names_belong_to_their_values() {
         let r = s.base_pose.rotation;
         let quaternion = [("w", r.w), ("x", r.i), ("y", r.j), ("z", r.k)].map(|(k, v)| (k, texts(&[v])));
         assert_eq!(found["base_orientation"], [format!("{:?}", BTreeMap::from(quaternion))]);
+    }
+    for (tick, found) in by_descriptor(&bytes, "/residual").0.iter().enumerate() {
+        let Snapshot { residual: r, energy: e, .. } = sample::snapshot(tick);
+        for (name, value) in [
+            ("penetration", r.penetration),
+            ("tension", r.tension),
+            ("signorini", r.signorini),
+            ("cone_excess", r.cone_excess),
+            ("dissipation_gap", r.dissipation_gap),
+            ("creep_speed", r.creep_speed),
+            ("resultant_gap", r.resultant_gap),
+            ("energy_change", e.change),
+            ("actuator_work", e.actuators),
+            ("external_work", e.external),
+            ("joint_loss", e.joint_loss),
+            ("friction_loss", e.friction_loss),
+            ("impact_loss", e.impact_loss),
+            ("energy_error", e.change - e.actuators - e.external + e.joint_loss + e.friction_loss + e.impact_loss),
+        ] {
+            let seen: f64 = found[name][0].parse().unwrap();
+            // The error may be summed in another order.
+            assert!((seen - value).abs() <= 1e-15 * 6.0, "{name}: {seen} {value}");
+        }
     }
     for (tick, found) in by_descriptor(&bytes, "/contact").0.iter().enumerate() {
         let sole = &sample::snapshot(tick).soles[0];

@@ -102,6 +102,73 @@ fn a_sweep_may_give_what_the_file_lacks_and_reach_into_arrays() {
     assert_eq!((forces[0], forces[15]), ([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]));
 }
 
+/// The values of every run under two keys.
+fn pairs(text: &str, a: &str, b: &str) -> Vec<(f64, f64)> {
+    let number = |run: &stiction::scenario::Run, key: &str| {
+        let (_, value) = run.parameters.iter().find(|(name, _)| name == key).expect("it is swept");
+        value.as_float().or(value.as_integer().map(|i| i as f64)).expect("a number")
+    };
+    runs(&format!("{SMALLEST}{text}")).iter().map(|run| (number(run, a), number(run, b))).collect()
+}
+
+#[test]
+fn the_keys_of_a_zip_table_advance_together() {
+    let text = "[sweep]\nzip = [{ \"floor.friction\" = [0.1, 0.2, 0.3], duration = { linspace = [1, 2, 3] } }]\n";
+    assert_eq!(pairs(text, "floor.friction", "duration"), [(0.1, 1.0), (0.2, 1.5), (0.3, 2.0)]);
+    // What is swept is what is run, truths of expectations included.
+    let text = format!(
+        "{SMALLEST}[[expect]]\nmetric = \"final_base_x\"\nvalue = 0\ntolerance = 1e-9\n[sweep]\nzip = [{{ \"floor.friction\" = [0.1, 0.2], \"expect.0.value\" = [5.0, 2.5] }}]\n"
+    );
+    let found: Vec<_> =
+        runs(&text).iter().map(|r| (r.scenario.floor.friction.kinetic, r.scenario.expect[0].value)).collect();
+    assert_eq!(found, [(0.1, Some(5.0)), (0.2, Some(2.5))]);
+}
+
+#[test]
+fn zip_tables_and_the_grid_are_nested_in_the_order_of_the_file() {
+    let zips = "zip = [{ duration = [1, 2], \"floor.height\" = [10, 20] }, { \"floor.friction\" = [0.1, 0.2] }]\n";
+    let grid = "grid = { \"integrator.step\" = [1e-3, 2e-3] }\n";
+    let order = |text: String| {
+        runs(&format!("{SMALLEST}[sweep]\n{text}"))
+            .iter()
+            .map(|r| {
+                let s = &r.scenario;
+                assert_eq!(s.floor.height, 10.0 * s.duration);
+                (s.duration, s.floor.friction.static_, s.integrator.step)
+            })
+            .collect::<Vec<_>>()
+    };
+    let (mut inner, mut outer) = (Vec::new(), Vec::new());
+    for duration in [1.0, 2.0] {
+        for friction in [0.1, 0.2] {
+            inner.extend([1e-3, 2e-3].map(|step| (duration, friction, step)));
+        }
+    }
+    for step in [1e-3, 2e-3] {
+        for duration in [1.0, 2.0] {
+            outer.extend([0.1, 0.2].map(|friction| (duration, friction, step)));
+        }
+    }
+    assert_eq!(order(format!("{zips}{grid}")), inner);
+    assert_eq!(order(format!("{grid}{zips}")), outer);
+}
+
+#[test]
+fn an_overridden_key_of_a_zip_table_stays_while_the_others_advance() {
+    let text = format!("{SMALLEST}[sweep]\nzip = [{{ duration = [1, 2, 3], \"floor.friction\" = [0.1, 0.2, 0.3] }}]\n");
+    let file = file(&text).unwrap();
+    let values = |overrides: &[&str]| -> Vec<(f64, f64)> {
+        let runs = file.expand(&set(overrides)).unwrap();
+        runs.iter().map(|r| (r.scenario.duration, r.scenario.floor.friction.static_)).collect()
+    };
+    assert_eq!(values(&["floor.friction=0.7"]), [(1.0, 0.7), (2.0, 0.7), (3.0, 0.7)]);
+    assert_eq!(values(&["floor.friction=0.7", "duration=5"]), [(5.0, 0.7)]);
+    assert_eq!(file.expand_at_most(&[], 3).unwrap().len(), 3);
+    assert!(file.expand_at_most(&[], 2).unwrap_err().to_string().contains("3 runs, 2 are allowed"));
+    let found = wrong(&text, &set(&["floor.friction.static=0.7"]));
+    assert!(found.to_string().contains("cannot be overridden in part"), "{found}");
+}
+
 #[test]
 fn the_number_of_runs_is_limited() {
     let grid = "[sweep]\nrepeat = 3\ngrid = { \"floor.height\" = { linspace = [0, 1, 10] } }\n";

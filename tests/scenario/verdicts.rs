@@ -21,6 +21,21 @@ fn a_value_holds_within_its_tolerance() {
 }
 
 #[test]
+fn a_relative_tolerance_is_a_fraction_of_the_value_and_adds_to_the_other() {
+    let e = expect("metric = \"final_base_x\"\nvalue = -4\nrelative_tolerance = 0.25");
+    for (value, holds) in [(-5.0, true), (-3.0, true), (-2.9, false), (-5.1, false), (4.0, false)] {
+        assert_eq!(e.check(value).is_ok(), holds, "{value}");
+    }
+    assert_eq!((e.allowed(), e.error(-5.0)), (Some(1.0), -1.0));
+    let e = expect("metric = \"final_base_x\"\nvalue = -4\ntolerance = 0.5\nrelative_tolerance = 0.25");
+    assert_eq!(e.allowed(), Some(1.5));
+    assert!(e.check(-5.5).is_ok() && e.check(-5.6).is_err());
+    let limits = expect("metric = \"steps\"\nmin = 10\nmax = 20");
+    assert_eq!([9.0, 15.0, 22.0].map(|x| limits.error(x)), [-1.0, 0.0, 2.0]);
+    assert!(limits.error(f64::NAN).is_nan() && limits.allowed().is_none());
+}
+
+#[test]
 fn limits_are_included() {
     let e = expect("metric = \"steps\"\nmin = 10\nmax = 20");
     for (value, holds) in [(9.9, false), (10.0, true), (20.0, true), (20.1, false), (f64::NAN, false)] {

@@ -130,6 +130,56 @@ pub struct Contact {
     pub soles: Vec<Sole>,
 }
 
+/// Residuals and energy balance at one tick, topic `/residual`.
+#[derive(Clone, Copy, PartialEq, prost::Message)]
+pub struct Residual {
+    /// Simulated time, s.
+    #[prost(double, tag = "1")]
+    pub time: f64,
+    /// Deepest vertex below the floor, m.
+    #[prost(double, tag = "2")]
+    pub penetration: f64,
+    /// Greatest tension of the floor on a vertex, N.
+    #[prost(double, tag = "3")]
+    pub tension: f64,
+    /// Greatest product of normal force and gap of a vertex, N m.
+    #[prost(double, tag = "4")]
+    pub signorini: f64,
+    /// Greatest tangential load beyond the friction capacity, N.
+    #[prost(double, tag = "5")]
+    pub cone_excess: f64,
+    /// Greatest lack of maximum dissipation of a sliding vertex, W.
+    #[prost(double, tag = "6")]
+    pub dissipation_gap: f64,
+    /// Greatest tangential speed of a static vertex, m/s.
+    #[prost(double, tag = "7")]
+    pub creep_speed: f64,
+    /// Greatest distance between a sole's vertex forces and its wrench, N.
+    #[prost(double, tag = "8")]
+    pub resultant_gap: f64,
+    /// Kinetic and potential energy, now less at the start, J.
+    #[prost(double, tag = "9")]
+    pub energy_change: f64,
+    /// Work of the actuators since the start, J.
+    #[prost(double, tag = "10")]
+    pub actuator_work: f64,
+    /// Work of external forces, J.
+    #[prost(double, tag = "11")]
+    pub external_work: f64,
+    /// Energy taken by damping, friction and stops of the joints, J.
+    #[prost(double, tag = "12")]
+    pub joint_loss: f64,
+    /// Energy taken by friction at the soles, J.
+    #[prost(double, tag = "13")]
+    pub friction_loss: f64,
+    /// Energy taken by impacts and other velocity jumps, J.
+    #[prost(double, tag = "14")]
+    pub impact_loss: f64,
+    /// What of the energy balance does not add up, J.
+    #[prost(double, tag = "15")]
+    pub energy_error: f64,
+}
+
 /// Something that happened, topic `/events`.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Event {

@@ -14,6 +14,7 @@ mod events;
 mod frames;
 mod marks;
 pub mod messages;
+mod residual;
 pub mod ros;
 mod shapes;
 mod sink;
@@ -74,6 +75,7 @@ fn open_topics(sink: &mut Sink, model: &Model, header: &LogHeader) -> Result<Vec
     }
     if header.topics.contact {
         topics.push(Box::new(contact::ContactTopic::open(sink, model)?));
+        topics.push(Box::new(residual::ResidualTopic::open(sink)?));
     }
     if header.topics.scene {
         topics.push(Box::new(frames::Frames::open(sink, model, header)?));

@@ -7,7 +7,7 @@ use std::str::FromStr;
 pub struct Topics {
     /// `/state`, `/joint_states`, `/robot_description`.
     pub state: bool,
-    /// `/contact`.
+    /// `/contact`, `/residual`.
     pub contact: bool,
     /// `/tf`, `/scene`, `/scene/contact`.
     pub scene: bool,

@@ -48,9 +48,47 @@ pub const METRICS: &[&str] = &[
     "first_stick_s",
     "first_fall_s",
     "max_projection_m",
+    "rms_penetration_m",
+    "max_tension_N",
+    "rms_tension_N",
+    "max_signorini_Nm",
+    "rms_signorini_Nm",
+    "rms_cone_excess_N",
+    "max_dissipation_gap_W",
+    "rms_dissipation_gap_W",
+    "max_creep_speed_m_per_s",
+    "rms_creep_speed_m_per_s",
+    "max_resultant_gap_N",
+    "force_flickers",
+    "max_energy_error_J",
+    "rms_energy_error_J",
+    "energy_change_J",
+    "actuator_work_J",
+    "external_work_J",
+    "joint_loss_J",
+    "friction_loss_J",
+    "impact_loss_J",
+    "final_base_wx_rad_s",
+    "final_base_wy_rad_s",
+    "final_base_wz_rad_s",
+    "final_com_x_m",
+    "final_com_y_m",
+    "final_com_z_m",
+    "final_com_vx_m_s",
+    "final_com_vy_m_s",
+    "final_com_vz_m_s",
+    "final_base_shift_m",
+    "final_base_sideways_m",
+    "final_normal_force_N",
+    "final_cop_offset_m",
+    "first_tip_s",
+    "last_impact_s",
+    "first_impact_speed_ratio",
+    "max_flight_path_drift_m",
+    "max_flight_spin_drift_Nms",
 ];
 
-/// One expectation: a metric with `value` and `tolerance`, or with `min`, `max` or both; or an outcome.
+/// One expectation: a metric with `value` and `tolerance` or `relative_tolerance`, or with `min`, `max` or both; or an outcome.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Expect {
@@ -65,6 +103,10 @@ pub struct Expect {
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub tolerance: Option<f64>,
+    /// Greatest distance from `value` as a fraction of it; added to `tolerance` where both are given.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub relative_tolerance: Option<f64>,
     /// Smallest value allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min: Option<f64>,
@@ -118,6 +160,23 @@ fn metric<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
 }
 
 impl Expect {
+    /// Greatest distance from `value` that holds; none without a value.
+    pub fn allowed(&self) -> Option<f64> {
+        let relative = self.relative_tolerance.unwrap_or(0.0);
+        self.value.map(|wanted| self.tolerance.unwrap_or(0.0) + relative * wanted.abs())
+    }
+
+    /// How far a measured value is off: from the wanted value, or beyond the limits (0 between them).
+    pub fn error(&self, measured: f64) -> f64 {
+        match (self.value, self.min, self.max) {
+            (Some(wanted), ..) => measured - wanted,
+            (None, Some(min), _) if measured < min => measured - min,
+            (None, _, Some(max)) if measured > max => measured - max,
+            _ if measured.is_nan() => f64::NAN,
+            _ => 0.0,
+        }
+    }
+
     /// Does the metric's value hold? `Err` says in words why not. A value that is not a number never holds.
     pub fn check(&self, value: f64) -> Result<(), String> {
         let name = self.metric.as_deref().unwrap_or("value");
@@ -125,7 +184,7 @@ impl Expect {
             return Err(format!("{name} is not a number"));
         }
         if let Some(wanted) = self.value {
-            let tolerance = self.tolerance.unwrap_or(0.0);
+            let tolerance = self.allowed().unwrap_or(0.0);
             let distance = (value - wanted).abs();
             if distance > tolerance {
                 return Err(format!("{name} is {value}, {distance:e} from {wanted} (tolerance {tolerance:e})"));

@@ -20,9 +20,10 @@ use crate::scenario::{
 pub struct SweepSpec {
     /// Every combination of the values; the last key of the file changes fastest.
     pub grid: BTreeMap<String, Axis>,
-    /// Tables whose values advance together.
-    #[schemars(with = "Vec<BTreeMap<String, serde_json::Value>>")]
-    pub zip: Vec<BTreeMap<String, toml::Value>>,
+    /// Tables whose values advance together: the keys of a table have equally many values. The tables and the keys of
+    /// `grid` are nested in the order of the file.
+    #[serde(deserialize_with = "tables")]
+    pub zip: Vec<BTreeMap<String, Axis>>,
     /// Tables of values, one after the other.
     #[schemars(with = "Vec<BTreeMap<String, serde_json::Value>>")]
     pub list: Vec<BTreeMap<String, toml::Value>>,
@@ -119,6 +120,14 @@ impl<'de> Visitor<'de> for AxisVisitor {
             None => Ok(axis),
             Some(_) => Err(A::Error::custom("must have only one of the keys `linspace`, `logspace`, `step`")),
         }
+    }
+}
+
+fn tables<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<BTreeMap<String, Axis>>, D::Error> {
+    let tables = Vec::<BTreeMap<String, Axis>>::deserialize(d)?;
+    match tables.iter().position(BTreeMap::is_empty) {
+        Some(at) => Err(D::Error::custom(format!("must have at least one key in every table; table {at} has none"))),
+        None => Ok(tables),
     }
 }
 

@@ -1,0 +1,51 @@
+//! Telling the observer of contact problems, as they were posed and with the answer given.
+
+use super::error::Stop;
+use super::report::{Observer, Outcome, Problems};
+use super::simulation::Simulation;
+use crate::contact::frozen::Frozen;
+use crate::contact::method::Question;
+use crate::contact::select::Selection;
+use crate::contact::state::{MAX_SOLES, SoleState};
+
+impl Simulation {
+    /// Freezes the problem at hand, before the method sees it, if the observer wants to hear of any.
+    pub(super) fn freeze(
+        &mut self,
+        observer: &dyn Observer,
+        question: &Question,
+        forced: &[Option<SoleState>; MAX_SOLES],
+    ) {
+        self.frozen = (observer.problems() != Problems::None).then(|| {
+            let (time, plant) = (self.plant.state.time, &self.plant);
+            let method = &self.contact.method;
+            let mut frozen = Frozen::posed(time, method, &plant.problem, question, forced, &plant.solution);
+            for (s, sole) in frozen.soles.iter_mut().enumerate() {
+                sole.name.clone_from(&plant.model.soles[s].name);
+                sole.reference_m = plant.sole_origin(s).into();
+            }
+            Box::new(frozen)
+        });
+    }
+
+    /// Adds the answer, still in the plant's solution, to the problem frozen before, and tells an observer that wants
+    /// to hear of every selection.
+    pub(super) fn freeze_answer(&mut self, observer: &mut dyn Observer, selection: &Selection) -> Result<(), Stop> {
+        let Some(frozen) = &mut self.frozen else { return Ok(()) };
+        frozen.answered(selection, &self.plant.solution);
+        if observer.problems() == Problems::All {
+            observer.problem(frozen).map_err(|m| Stop::new(Outcome::Error, m))?;
+            self.frozen = None;
+        }
+        Ok(())
+    }
+
+    /// Counts and reports a selection that found no valid state.
+    pub(super) fn inconsistent(&mut self, observer: &mut dyn Observer, message: &str) -> Result<(), Stop> {
+        self.metrics.inconsistent += 1;
+        if let Some(frozen) = self.frozen.take() {
+            observer.problem(&frozen).map_err(|m| Stop::new(Outcome::Error, m))?;
+        }
+        self.event(observer, "inconsistent", "", message)
+    }
+}

@@ -1,0 +1,85 @@
+//! The exact method against Pinocchio's ADMM contact solver on problems met in real runs, frozen by `make_contact.py`:
+//! impacts, time steps, and soles at rest that hold or begin to slip. That script says which problems are comparable and
+//! when their solution is unique; resultant wrenches per sole are compared.
+
+use serde::Deserialize;
+use std::collections::BTreeSet;
+use stiction::contact::frozen::{Answer, Frozen};
+
+#[derive(Deserialize)]
+struct Oracle {
+    robot: String,
+    problems: Vec<Problem>,
+}
+
+#[derive(Deserialize)]
+struct Problem {
+    run: String,
+    number: usize,
+    residual: f64,
+    /// Sole wrenches by ADMM, 6F.
+    wrench: Vec<f64>,
+    selection: Frozen,
+}
+
+fn oracles() -> [Oracle; 2] {
+    [include_str!("contact_block.json"), include_str!("contact_hoap2.json")]
+        .map(|text| serde_json::from_str(text).expect("a file of make_contact.py"))
+}
+
+/// Both solutions hold their conditions to 1e-12 of the scales; the exact method finds slip directions to 1e-10 of the
+/// motion without friction, which dominates. The largest difference seen was 3e-11.
+const BOUND: f64 = 1e-8;
+
+/// Greatest distance between wrenches over the greatest force, moments over the soles' radii.
+fn distance(problem: &Problem, answer: &Answer) -> f64 {
+    let length = |i: usize| if i % 6 < 3 { 1.0 } else { problem.selection.soles[i / 6].radius_m };
+    let largest =
+        |w: &mut dyn Iterator<Item = f64>| w.fold(0.0, |a: f64, x| if x.is_nan() { x } else { a.max(x.abs()) });
+    let of = |w: &[f64]| largest(&mut w.iter().enumerate().map(|(i, x)| x / length(i)));
+    let difference: Vec<f64> = answer.wrench.iter().zip(&problem.wrench).map(|(a, b)| a - b).collect();
+    assert_eq!(answer.wrench.len(), problem.wrench.len());
+    let (difference, scale) = (of(&difference), of(&problem.wrench));
+    if scale > 0.0 { difference / scale } else { difference }
+}
+
+#[test]
+fn wrenches_are_those_of_an_independent_solver() {
+    let (mut count, mut states, mut levels) = (0, BTreeSet::new(), BTreeSet::new());
+    for oracle in oracles() {
+        for problem in &oracle.problems {
+            let name = format!("{} {} {}", oracle.robot, problem.run, problem.number);
+            assert!(problem.residual <= 1e-12, "{name} was not solved");
+            let answer = problem.selection.replay().unwrap_or_else(|e| panic!("{name}: {e}"));
+            let distance = distance(problem, &answer);
+            // Written so that NaN fails.
+            assert!(distance <= BOUND, "{name}: {:?}, wrenches differ by {distance:e}", answer.states);
+            assert!(answer.consistent, "{name}: {:?} violate {:?}", answer.states, answer.violations);
+            count += 1;
+            states.extend(answer.states.iter().map(|s| s.replace(|c: char| c.is_ascii_digit(), "_")));
+            levels.insert(problem.selection.units.force.clone());
+        }
+    }
+    assert!(count >= 40 && levels.len() == 2, "{count} problems at {levels:?}");
+    let met = ["edge-_-dynamic", "face-dynamic", "face-static", "free", "vertex-_-dynamic", "vertex-_-static"];
+    assert!(met.iter().all(|s| states.contains(*s)), "{states:?}");
+}
+
+/// The comparison sees a friction coefficient that is wrong by one part in ten thousand.
+#[test]
+fn a_little_less_friction_is_noticed_wherever_something_slides() {
+    let mut slides = 0;
+    for problem in oracles().into_iter().flat_map(|o| o.problems) {
+        let mut other = problem.selection.clone();
+        other.soles.iter_mut().flat_map(|s| &mut s.vertices).for_each(|v| {
+            v.mu_s *= 1.0 - 1e-4;
+            v.mu_k *= 1.0 - 1e-4;
+        });
+        let answer = other.replay().expect("it was replayed before");
+        if answer.states.iter().any(|s| s.contains("dynamic")) {
+            slides += 1;
+            assert!(distance(&problem, &answer) > BOUND, "{} {}", problem.run, problem.number);
+        }
+    }
+    assert!(slides > 20, "{slides}");
+}

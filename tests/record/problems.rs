@@ -1,0 +1,169 @@
+//! Contact problems written down: what is read back is what was posed, and choosing again gives the same bits.
+
+use crate::analytic::support::simulation;
+use std::sync::atomic::AtomicBool;
+use stiction::contact::frozen::{Answer, Frozen};
+use stiction::record::{MAX_PROBLEMS, ProblemRecord, ProblemWriter};
+use stiction::sim::{Observer, Outcome, Problems, SimEvent, Snapshot};
+
+/// Keeps problems as JSON text.
+struct Keep(Problems, Vec<String>);
+
+impl Observer for Keep {
+    fn snapshot(&mut self, _: &Snapshot) -> Result<(), String> {
+        Ok(())
+    }
+    fn event(&mut self, _: &SimEvent) -> Result<(), String> {
+        Ok(())
+    }
+    fn problems(&self) -> Problems {
+        self.0
+    }
+    fn problem(&mut self, frozen: &Frozen) -> Result<(), String> {
+        self.1.push(serde_json::to_string(frozen).map_err(|e| e.to_string())?);
+        Ok(())
+    }
+}
+
+/// The problems of a run, and its counts of selections and of inconsistent ones.
+fn problems(text: &str, which: Problems) -> (Vec<Frozen>, u64, u64) {
+    let mut keep = Keep(which, vec![]);
+    let mut sim = simulation(text);
+    let (outcome, message) = sim.run(&mut keep, &AtomicBool::new(false));
+    assert_eq!(outcome, Outcome::Passed, "{message}");
+    let read = keep.1.iter().map(|text| serde_json::from_str(text).unwrap()).collect();
+    (read, sim.metrics().selections, sim.metrics().inconsistent)
+}
+
+fn json(answer: &Answer) -> String {
+    serde_json::to_string(answer).unwrap()
+}
+
+const DROPPED_SLIDING: &str = "
+    duration = 0.6
+    robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.08], rpy = [0.1, 0.05, 0], linear_velocity = [1, 0.3, 0], angular_velocity = [0, 0, 2] } }
+    floor = { friction = { static = 0.5, kinetic = 0.4 } }
+";
+const HOAP2_PUSHED: &str = "
+    duration = 0.25
+    robot = { model = \"robots/hoap2/hoap2.toml\", base = { position = [0, 0, 0.315], linear_velocity = [0.2, 0, 0] } }
+    floor = { friction = 0.4 }
+    [[force]]
+    type = \"push\"
+    link = \"torso\"
+    force = [20.0, 10.0, 0.0]
+    start = 0.1
+    duration = 0.1
+";
+
+#[test]
+fn choosing_again_from_the_file_gives_the_same_bits() {
+    let (mut seen, mut velocity, mut moving, mut suspects) = (0, 0, 0, 0);
+    for setting in [
+        "",
+        "contact = { method = \"one-step\" }",
+        "integrator = { method = \"semi-implicit\", step = 2e-3 }",
+        "contact = { method = \"one-step\" }\nintegrator = { method = \"semi-implicit\", step = 2e-3 }",
+    ] {
+        for text in [DROPPED_SLIDING, HOAP2_PUSHED] {
+            let (problems, selections, _) = problems(&format!("{setting}\n{text}"), Problems::All);
+            assert_eq!(problems.len() as u64, selections, "{setting}");
+            for frozen in &problems {
+                let again = frozen.replay().unwrap();
+                assert_eq!(json(&again), json(&frozen.answer), "{setting} at {} s", frozen.time_s);
+                velocity += usize::from(frozen.units.force == "N s");
+                moving += frozen.soles.iter().flat_map(|s| &s.vertices).filter(|v| v.moving).count();
+                suspects += frozen.soles.iter().filter(|s| s.suspect_normal || s.suspect_friction).count();
+            }
+            seen += problems.len();
+        }
+    }
+    assert!(seen > 500 && velocity > 50 && moving > 100 && suspects > 5, "{seen} {velocity} {moving} {suspects}");
+}
+
+#[test]
+fn a_thing_changed_in_the_file_changes_the_answer() {
+    let (problems, ..) = problems(DROPPED_SLIDING, Problems::All);
+    let mut sliding = problems.into_iter().find(|p| p.answer.states[0] == "face-dynamic").expect("it slides");
+    for v in &mut sliding.soles[0].vertices {
+        v.mu_k += 0.01;
+    }
+    assert_ne!(json(&sliding.replay().unwrap()), json(&sliding.answer));
+    sliding.b.pop();
+    assert_eq!(sliding.replay().unwrap_err().to_string(), "`b` has 5 numbers, 6 are wanted");
+}
+
+/// Three corners of a block start below the floor and one above it: no state clamps just those.
+#[test]
+fn only_inconsistent_selections_are_told_when_asked_for() {
+    let sunk = "
+        duration = 0.1
+        robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.049], rpy = [0.01, 0.02, 0] } }
+    ";
+    let (told, selections, inconsistent) = problems(sunk, Problems::Inconsistent);
+    assert!(inconsistent >= 1 && selections > inconsistent, "{selections} {inconsistent}");
+    assert_eq!(told.len() as u64, inconsistent);
+    for frozen in &told {
+        let violations = &frozen.answer.violations;
+        let sum = violations.geometric + violations.kinematic + violations.friction;
+        assert!(!frozen.answer.consistent && sum > 0.0, "{:?}", frozen.answer);
+        assert_eq!(json(&frozen.replay().unwrap()), json(&frozen.answer));
+    }
+    assert_eq!(problems(sunk, Problems::None).0, []);
+}
+
+#[test]
+fn files_are_numbered_capped_and_replaced_by_the_next_run() {
+    let (all, ..) = problems(DROPPED_SLIDING, Problems::All);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("problems");
+    let mut writer = ProblemWriter::create(path.clone(), "s", "k", Problems::All).unwrap();
+    assert_eq!(writer.folder(), None, "nothing is there before the first");
+    let total = MAX_PROBLEMS + 3;
+    for frozen in all.iter().cycle().take(total) {
+        writer.write(frozen).unwrap();
+    }
+    assert_eq!(std::fs::read_dir(&path).unwrap().count(), MAX_PROBLEMS);
+    assert_eq!(writer.summary().unwrap(), "the first 100 of 103 selections are written, 3 more are not");
+    let second = ProblemRecord::read(&path.join("0002.json")).unwrap();
+    assert_eq!((second.schema, second.number, second.scenario.as_str(), second.key.as_str()), (1, 2, "s", "k"));
+    assert_eq!(second.selection, all[1]);
+    assert_eq!(second.program, concat!("stiction ", env!("CARGO_PKG_VERSION")));
+
+    let other = std::fs::read_to_string(path.join("0002.json")).unwrap().replace("\"schema\":1", "\"schema\":7");
+    std::fs::write(path.join("0002.json"), other).unwrap();
+    let error = ProblemRecord::read(&path.join("0002.json")).unwrap_err().to_string();
+    assert!(error.ends_with("0002.json: record format 7, this program reads 1"), "{error}");
+
+    let mut writer = ProblemWriter::create(path.clone(), "s", "k", Problems::Inconsistent).unwrap();
+    assert!(!path.exists(), "the problems of the run before are gone");
+    writer.write(&all[0]).unwrap();
+    assert_eq!((std::fs::read_dir(&path).unwrap().count(), writer.summary()), (1, None));
+}
+
+/// A block at rest is pulled off: the choice finds the directions of slip, and they are not in the file.
+#[test]
+fn a_problem_is_written_as_it_was_before_the_choice() {
+    let pulled = "
+        duration = 0.4
+        robot = { model = \"robots/block/block.toml\" }
+        floor = { friction = 0.3 }
+        [[force]]
+        type = \"push\"
+        link = \"block\"
+        point = [0, 0, -0.04]
+        force = [6.0, 3.0, 0.0]
+        duration = 0.3
+        profile = \"ramp\"
+    ";
+    let (all, ..) = problems(pulled, Problems::All);
+    assert!(all[0].soles[0].vertices.iter().all(|v| v.last_normal == 0.0), "nothing was known before the first");
+    let onset = all.iter().find(|p| p.answer.states[0] == "face-dynamic").expect("it slips");
+    assert_eq!(onset.soles[0].previous, "face-static");
+    assert!(onset.soles[0].suspect_friction && !onset.soles[0].suspect_normal);
+    for (v, t) in onset.soles[0].vertices.iter().zip(&onset.answer.tangent[0]) {
+        assert!(!v.moving && v.direction == [0.0; 2], "{v:?}");
+        assert!(t[0] < 0.0 && t[1] < 0.0, "rubbed against the slip that sets in: {t:?}");
+        assert!(v.last_normal > 0.0, "what held it until then");
+    }
+}
