@@ -24,6 +24,10 @@ use nalgebra::{Vector2, Vector3};
 /// Tangential motions of all soles: that of the mean of the clamped vertices, and the yaw motion times the radius.
 pub type Slips = [Vector3<f64>; MAX_SOLES];
 
+/// Strides of the viscosity: the usual, and the shortest that is tried.
+const PACE: f64 = 0.2;
+const SHORTEST: f64 = 0.9;
+
 /// Viscosity from which on the path may end early.
 const ENOUGH: f64 = 1e-8;
 
@@ -90,9 +94,8 @@ impl Finder {
 
     /// Solves a candidate, finding the implicit directions, which are left in the problem. `hints` are first guesses of
     /// the slip of each sole, zero where there is none; `onset` says how soles slip whose load has just reached its limit
-    /// and which therefore do not accelerate yet; `thorough` looks over all directions when the guesses lead nowhere.
+    /// and which therefore do not accelerate yet.
     /// False when no consistent directions were found.
-    #[expect(clippy::too_many_arguments)]
     pub fn solve(
         &mut self,
         kernel: &mut Kernel,
@@ -100,14 +103,13 @@ impl Finder {
         states: &States,
         hints: &[Slips],
         onset: &[Onset],
-        thorough: bool,
         out: &mut Solution,
     ) -> bool {
         let limit = (0..p.soles.len()).any(|s| onset[s].vertices != 0 && is_implicit(p, states, s));
         if limit && self.at_limit(kernel, p, states, hints, onset, out) {
             return true;
         }
-        self.find(kernel, p, states, hints, thorough, out)
+        self.find(kernel, p, states, hints, out)
     }
 
     /// Loads at their limit give way along `onset`, to first order without motion; all else is solved for.
@@ -130,7 +132,7 @@ impl Finder {
                 v.moving = true;
             }
         }
-        let found = self.find(kernel, p, states, hints, false, out);
+        let found = self.find(kernel, p, states, hints, out);
         let drive =
             (0..p.soles.len()).map(|s| Vector3::from_column_slice(&p.b[6 * s..6 * s + 3]).norm()).fold(0.0, f64::max);
         let mut still = true;
@@ -150,7 +152,6 @@ impl Finder {
         p: &mut Problem,
         states: &States,
         hints: &[Slips],
-        thorough: bool,
         out: &mut Solution,
     ) -> bool {
         let mut which = [0usize; MAX_SOLES];
@@ -175,7 +176,7 @@ impl Finder {
         if search.drive == 0.0 {
             return false;
         }
-        let rounds = if thorough { 30 } else { 8 };
+        let rounds = 12;
         for hint in hints {
             let guess = moved(search.p, states, which, &places, hint);
             if norm(which, &guess) > 0.0 && search.iterate(guess, rounds, out) {
@@ -205,7 +206,7 @@ impl Finder {
                 return search.swing(s, i, out);
             }
         }
-        thorough && hints.iter().chain([&zero]).any(|hint| search.scan(hint, out))
+        false
     }
 
     /// Follows the slips of the clamped patterns of `states` as viscosity goes to zero. None when the path is lost.
@@ -237,21 +238,35 @@ impl Finder {
         let drive = norm(which, &slips);
         let mut search =
             Search { finder: self, kernel, p, states: &all, which, places: MEANS, drive, viscosity: drive };
-        let mut reached = None;
+        let mut reached: Option<Settled> = None;
+        let mut factor: f64 = PACE;
         while search.viscosity > LEAST * drive {
+            let start = (slips, search.places);
             search.replace(&mut slips);
-            match search.approach(slips, out) {
-                Some(found) => slips = found,
-                // Rounding ends the path earlier where vertices stick fast.
-                None if search.viscosity <= ENOUGH * drive => break,
-                None => return None,
+            if let Some(found) = search.approach(slips, out) {
+                slips = found;
+                let means = read(search.p, &all, which, &MEANS, &out.motion, true);
+                reached = Some(Settled {
+                    all,
+                    slips: means,
+                    placed: slips,
+                    places: search.places,
+                    viscosity: search.viscosity,
+                });
+                factor = (factor * factor).max(PACE);
+            } else {
+                // Once more from the last point with a shorter stride; rounding ends the path where vertices stick fast.
+                (slips, search.places) = start;
+                let last = reached.as_ref()?.viscosity;
+                if last <= ENOUGH * drive || factor > SHORTEST {
+                    break;
+                }
+                factor = factor.sqrt();
+                search.viscosity = last;
             }
-            let means = read(search.p, &all, which, &MEANS, &out.motion, true);
-            reached =
-                Some(Settled { all, slips: means, placed: slips, places: search.places, viscosity: search.viscosity });
-            search.viscosity *= 0.2;
+            search.viscosity *= factor;
         }
-        reached
+        reached.filter(|r| r.viscosity <= ENOUGH * drive)
     }
 }
 
@@ -356,35 +371,6 @@ impl Search<'_> {
             // A jump through a pole changes sign too.
             if best.1.0.abs() <= 1e3 * TOLERANCE * self.drive && across(self, best.0).1 {
                 return true;
-            }
-        }
-        false
-    }
-
-    /// Looks over a grid of slip directions for the ones that come closest to themselves and starts from those, one
-    /// implicit sole at a time with the others on their hints.
-    fn scan(&mut self, hint: &Slips, out: &mut Solution) -> bool {
-        const STARTS: usize = 3;
-        for &s in self.which {
-            let mut best = [(f64::INFINITY, Vector3::zeros()); STARTS];
-            let turns = self.states[s].normal_rows() > 1;
-            for direction in directions().filter(|d| turns || d.z == 0.0) {
-                let mut guess = *hint;
-                guess[s] = direction;
-                let image = self.evaluate(&guess, out)[s];
-                let size = image.norm();
-                let mismatch = if size > 0.0 { (image / size - direction).norm() } else { 2.0 };
-                if mismatch < best[STARTS - 1].0 {
-                    best[STARTS - 1] = (mismatch, direction * size);
-                    best.sort_by(|a, b| a.0.total_cmp(&b.0));
-                }
-            }
-            for (_, start) in best {
-                let mut guess = *hint;
-                guess[s] = start;
-                if self.iterate(guess, 15, out) {
-                    return true;
-                }
             }
         }
         false
@@ -535,19 +521,6 @@ impl Search<'_> {
         }
         step
     }
-}
-
-/// Directions spread over the unit sphere: translations, the two pure turns and what lies between.
-fn directions() -> impl Iterator<Item = Vector3<f64>> {
-    (-4..=4).flat_map(|level| {
-        let turn = f64::from(level) / 4.0;
-        let across = (1.0 - turn * turn).sqrt();
-        let count = if across > 0.0 { 12 } else { 1 };
-        (0..count).map(move |i| {
-            let angle = f64::from(i) * std::f64::consts::TAU / 12.0;
-            Vector3::new(across * angle.cos(), across * angle.sin(), turn)
-        })
-    })
 }
 
 fn norm(which: &[usize], s: &Slips) -> f64 {

@@ -53,8 +53,6 @@ pub struct Selector {
     queue: Vec<Entry>,
     /// Clamped patterns whose modes have been solved for.
     patterns: Vec<States>,
-    /// Look over all slip directions; not while enumerating, where the guesses must do.
-    thorough: bool,
 }
 
 impl Selector {
@@ -67,7 +65,6 @@ impl Selector {
             onset: vec![Onset::default(); p.soles.len()],
             queue: Vec::with_capacity(1024),
             patterns: Vec::with_capacity(256),
-            thorough: true,
         }
     }
 
@@ -93,7 +90,7 @@ impl Selector {
         }
         let hints = [self.guess.unwrap_or(hint), hint];
         let hints = if self.guess.is_some() { &hints[..] } else { &hints[..1] };
-        let slides = self.finder.solve(&mut self.kernel, p, states, hints, &self.onset, self.thorough, out);
+        let slides = self.finder.solve(&mut self.kernel, p, states, hints, &self.onset, out);
         share_static(p, states, out);
         judge(p, states, out, slides, rules)
     }
@@ -123,7 +120,6 @@ impl Selector {
         let mut best = self.best();
         if !best.verdict.valid() {
             // Again from the best, patterns only: what sticks and what slips is then solved for.
-            self.thorough = false;
             self.queue.iter_mut().for_each(|e| e.expanded = true);
             self.complete(p, &best.states, rules, allowed, &mut tested, out);
             self.explore(p, false, true, rules, allowed, &mut tested, out);
@@ -149,7 +145,6 @@ impl Selector {
                 self.enumerate(p, rules, allowed, &mut tested, out);
                 best = self.best();
             }
-            self.thorough = true;
         }
         let rules = &Rules { hops, ..*rules };
         // Leave the chosen candidate's solution and directions in place.

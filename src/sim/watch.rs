@@ -21,7 +21,8 @@ pub const MAX_WATCHED: usize = 512;
 #[derive(Clone, Copy, Debug)]
 enum Item {
     Height(usize, usize),
-    Band(usize, usize),
+    /// With the depth to which it may go: d, or twice where it is already.
+    Band(usize, usize, f64),
     Normal(usize),
     Friction(usize),
     Slide(usize, usize),
@@ -49,7 +50,8 @@ impl Watch {
             let asked = !sim.is_imposed(s);
             for (i, v) in sole.vertices.iter().enumerate() {
                 if !state.clamps(i, k) {
-                    let item = if v.height > TOUCHING { Item::Height(s, i) } else { Item::Band(s, i) };
+                    let depth = sim.tolerances.distance.max(-2.0 * v.height);
+                    let item = if v.height > TOUCHING { Item::Height(s, i) } else { Item::Band(s, i, depth) };
                     self.items.extend(asked.then_some(item));
                 } else if state.is_dynamic() && state.mode != Mode::Pivoting(i as u8) {
                     self.items.push(Item::Slide(s, i));
@@ -91,9 +93,9 @@ impl Watch {
         for (item, g) in self.items.iter().zip(out.iter_mut()) {
             *g = match *item {
                 Item::Height(s, i) => p.soles[s].vertices[i].height,
-                Item::Band(s, i) => {
+                Item::Band(s, i, depth) => {
                     let v = &p.soles[s].vertices[i];
-                    (v.height + tol.distance).min(v.velocity.z + tol.velocity)
+                    (v.height + depth).min(v.velocity.z + tol.velocity)
                 }
                 Item::Normal(s) => of(s).normal,
                 Item::Friction(s) => of(s).friction,
