@@ -108,6 +108,14 @@ impl Adaptive {
             sim.metrics.rejected_steps += 1;
             h *= factor;
             if !(h > SMALLEST * (1.0 + t0)) {
+                layout.unpack(t0, &self.y, &mut sim.plant.state);
+                sim.plant.evaluate_free();
+                if sim.locates() && sim.burst(observer)? {
+                    sim.decide(observer)?;
+                    (self.fresh, self.h) = (true, self.max_step.min(1e-3));
+                    sim.measure();
+                    return Ok(());
+                }
                 return Err(sim.diverged("the step size collapsed"));
             }
         }

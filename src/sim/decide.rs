@@ -42,6 +42,11 @@ impl Simulation {
         for round in 1..=SETTLE {
             let selection = self.choose(observer)?;
             self.count(&selection);
+            let lost = !selection.consistent && !self.all_imposed(&selection.verdict);
+            // A jam is only an answer if a state is chosen after it.
+            if lost && round < SETTLE && self.jam(observer)? {
+                continue;
+            }
             self.adopt(selection.states, observer)?;
             // What little normal motion (below v_t) and slip (below the rest speed) the new state does not allow ends
             // here; the choice is then made once more with the velocities that go with it.
@@ -50,12 +55,8 @@ impl Simulation {
             if change > self.tolerances.rest && round < SETTLE {
                 continue;
             }
-            if selection.consistent || self.all_imposed(&selection.verdict) {
+            if !lost {
                 break;
-            }
-            // A jam is only an answer if a state is chosen after it.
-            if round < SETTLE && self.jam(observer)? {
-                continue;
             }
             let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
             self.inconsistent(observer, &message)?;
@@ -161,45 +162,6 @@ impl Simulation {
         self.adopt(selection.states, observer)?;
         self.plant.evaluate_free();
         Ok(())
-    }
-
-    /// Painleve: the sliding equations have no solution. A tangential impulse in zero time stops the sliding soles. False
-    /// when none of them moves, or when the floor would have to pull.
-    fn jam(&mut self, observer: &mut dyn Observer) -> Result<bool, Stop> {
-        let plant = &mut self.plant;
-        let mut stuck = plant.states;
-        let mut any = false;
-        for (s, sole) in plant.problem.soles.iter().enumerate() {
-            let k = sole.vertices.len();
-            let moves =
-                |i: usize| stuck[s].clamps(i, k) && sole.vertices[i].velocity.xy().norm() > self.tolerances.rest;
-            if stuck[s].is_dynamic() && (0..k).any(moves) {
-                stuck[s] = SoleState::fixed(stuck[s].pattern);
-                any = true;
-            }
-        }
-        if !any {
-            return Ok(false);
-        }
-        let p = &mut plant.problem;
-        p.level = Level::Velocity;
-        p.b.copy_from_slice(&plant.reduced.velocity);
-        for sole in &mut p.soles {
-            sole.target = Vector3::zeros();
-            sole.vertices.iter_mut().for_each(|v| v.bias = Vector3::zeros());
-        }
-        plant.method.respond(p, &stuck, &mut self.projection);
-        let pulls = (0..p.soles.len()).any(|s| self.projection.wrench[6 * s + 2] < 0.0);
-        if pulls {
-            plant.evaluate_free();
-            return Ok(false);
-        }
-        let loss = -plant.kick(&self.projection.wrench);
-        self.work -= loss;
-        self.metrics.jams += 1;
-        self.event(observer, "jam", "", &format!("sliding stopped by an impulse, energy lost {loss:.6e} J"))?;
-        self.plant.evaluate_free();
-        Ok(true)
     }
 
     /// Takes the states on: counts and reports what changed, ties static soles to their places.

@@ -11,6 +11,7 @@ mod hard;
 mod incline;
 mod jump;
 mod landing;
+mod painleve;
 mod patches;
 pub mod pendulum;
 pub mod planar;
