@@ -26,6 +26,9 @@ const STALL_IN_PLACE: u64 = 200;
 /// Speeds (m/s, rad/s) and positions (m) beyond this mean divergence.
 const SENSIBLE: f64 = 1e6;
 
+/// Most that an unclamped touching vertex may accelerate into the floor where events are located, m/s^2.
+const SINKING: f64 = 1e-3;
+
 enum Stepper {
     Adaptive(Box<Adaptive>),
     Fixed(Box<Fixed>),
@@ -123,6 +126,8 @@ impl Simulation {
         if setup.contact.locate && plant.method.locates_events() {
             // Every vertex meets the floor in an event of its own, so none has to be clamped above it.
             tolerances.distance = tolerances.distance.min(TOUCHING);
+            // Nor does one have to be let into it: what a vertex may accelerate downwards only covers rounding.
+            tolerances.acceleration = tolerances.acceleration.min(SINKING);
         }
         let snapshot = super::observe::blank(&model);
         let v = &plant.state.v;
