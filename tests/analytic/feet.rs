@@ -277,3 +277,28 @@ fn a_humanoid_moves_the_same_whatever_the_order_of_its_soles_and_their_vertices(
         }
     }
 }
+
+/// A growing push at the floor, through the point under the mass, slips a body at mu_s m g whatever it stands on: its feet
+/// give way together.
+#[test]
+fn all_feet_give_way_together_in_every_direction() {
+    for feet in [TRIPOD, QUADRUPED, HEXAPOD] {
+        for k in 0..6 {
+            let (y, x) = (0.3 + f64::from(k) * std::f64::consts::TAU / 6.0).sin_cos();
+            let push = format!(
+                "force = [{{ type = \"push\", link = \"block\", point = [0, 0, -0.05], force = [{}, {}, 0], duration = 1.0, profile = \"ramp\" }}]",
+                10.0 * x,
+                10.0 * y
+            );
+            let (m, _) = watch(&format!(
+                "duration = 0.6\nfloor = {{ friction = {{ static = 0.5, kinetic = 0.4 }} }}\n{push}
+                robot = {{ model = \"robots/block/block.toml\", soles = {} }}\n{TIGHT}",
+                soles(feet, &(0..feet.len()).collect::<Vec<_>>())
+            ));
+            let slip = m.first_slip_s.expect("it slips");
+            // The margin is a difference of forces of 5 N, located to rounding.
+            assert!((slip / (0.5 * G / 10.0) - 1.0).abs() < 1e-9, "{} feet, heading {k}: {slip}", feet.len());
+            assert_eq!((m.inconsistent, m.jams), (0, 0));
+        }
+    }
+}

@@ -125,3 +125,28 @@ fn both_feet_of_a_humanoid_land_at_once() {
         );
     }
 }
+
+/// HOAP-2 shoved so hard that it slides, rocks over corners, leaves the floor or falls: at every instant a contact state is
+/// found, friction stays in its cone and energy adds up.
+#[test]
+fn a_state_is_found_for_a_humanoid_shoved_hard() {
+    // Those that fall are followed until the trunk is 0.2 m above the floor.
+    for (force, mu, duration) in [
+        ("[60, 0, 0]", "0.1", 1.37),
+        ("[0, 0, 100]", "0.4", 2.5),
+        ("[-40, 20, 0]", "0.4", 1.55),
+        ("[30, 30, 0]", "0.4", 2.5),
+        ("[0, 60, 0]", "0.8", 1.55),
+        ("[25, 0, 0]", "{ static = 0.8, kinetic = 0.6 }", 2.5),
+    ] {
+        let (m, _) = watch(&format!(
+            "duration = {duration}
+            robot = {{ model = \"robots/hoap2/hoap2.toml\" }}
+            floor = {{ friction = {mu} }}
+            force = [{{ type = \"push\", link = \"torso\", point = [0, 0, 0.1], force = {force}, start = 1.0, duration = 0.1, profile = \"half-sine\" }}]"
+        ));
+        assert_eq!((m.inconsistent, m.jams), (0, 0), "{force} {mu}");
+        // Rounding of 70 N; the integrator's tolerance of 1e-6 on energies of a joule, and 1e-10 m under 70 N at events.
+        assert!(m.max_cone_excess < 1e-9 && m.energy_error_j.abs() < 1e-7, "{force} {mu}: {m:?}");
+    }
+}
