@@ -2,6 +2,9 @@
 
 mod capacity;
 mod impact;
+mod law;
+mod pair;
+mod pairs;
 mod residual;
 mod rest;
 mod rigid;

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector2, Vector3};
 use proptest::prelude::*;
 use stiction::contact::judge::Rules;
 use stiction::contact::problem::{Level, Problem, Tolerances};
-use stiction::contact::state::{MAX_SOLES, States};
+use stiction::contact::state::{MAX_SOLES, Pattern, SoleState, States};
 
 pub const G: f64 = 9.81;
 
@@ -25,7 +25,8 @@ pub struct Rigid {
 }
 
 impl Rigid {
-    fn reference(&self) -> Vector3<f64> {
+    /// Reference point of the sole.
+    pub fn reference(&self) -> Vector3<f64> {
         let mean = self.sole.iter().sum::<Vector2<f64>>() / self.sole.len() as f64;
         Vector3::new(mean.x, mean.y, 0.0)
     }
@@ -57,7 +58,8 @@ impl Rigid {
             (v.mu_s, v.mu_k) = (self.mu[0], self.mu[1]);
             v.near = true;
         }
-        sole.radius = sole.vertices.iter().map(|v| v.r.norm()).fold(0.0, f64::max);
+        let radius = sole.vertices.iter().map(|v| v.r.norm()).fold(0.0, f64::max);
+        sole.radius = if radius > 0.0 { radius } else { 1.0 };
         p
     }
 
@@ -94,9 +96,10 @@ pub fn triple() -> impl Strategy<Value = Vector3<f64>> {
     [-1.0..1.0f64, -1.0..1.0, -1.0..1.0].prop_map(Vector3::from)
 }
 
-/// Bodies on soles of 3 to 8 vertices: points on an ellipse at angles that are never close, the centre of mass above it.
-pub fn body() -> impl Strategy<Value = Rigid> {
-    let sole = (3usize..=8).prop_flat_map(|k| {
+/// Bodies on soles of this few to this many vertices: points on an ellipse at angles that are never close, the centre of
+/// mass above it.
+pub fn body_on(fewest: usize, most: usize) -> impl Strategy<Value = Rigid> {
+    let sole = (fewest..=most).prop_flat_map(|k| {
         (proptest::collection::vec(0.1..0.9f64, k), 0.3..1.0f64, 0.0..6.3f64).prop_map(move |(at, flat, turn)| {
             let (s, c) = turn.sin_cos();
             let vertex = |(i, a): (usize, &f64)| {
@@ -118,4 +121,9 @@ pub fn body() -> impl Strategy<Value = Rigid> {
             Rigid { sole, mass, inertia, com, mu: [mu, mu * share] }
         },
     )
+}
+
+/// All vertices of a sole stuck.
+pub fn stuck(k: usize) -> SoleState {
+    SoleState::fixed(SoleState::patterns(k).last().unwrap_or(Pattern::Free))
 }
