@@ -80,6 +80,10 @@ impl Verdict {
     }
 }
 
+/// What a clamped vertex may miss of the normal velocity asked of it, relative to the greatest speed: far above the rounding
+/// of any solve, far below what contradicting demands leave.
+const MISSED: f64 = 1e-6;
+
 /// Order of two numbers that differ by more than the order of summation can.
 fn clearly(a: f64, b: f64) -> Ordering {
     if (a - b).abs() <= 1e-9 * (a.abs() + b.abs()) { Ordering::Equal } else { a.total_cmp(&b) }
@@ -128,7 +132,12 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             let (geometric, kinematic) = match p.level {
                 Level::Acceleration => at_rest_level(v, clamped, motion, tol, rules.hops),
                 // What counts is where the vertex goes after the impulse.
-                Level::Velocity if clamped => (if v.near { 0.0 } else { 1.0 + v.height.max(0.0) / tol.distance }, 0.0),
+                Level::Velocity if clamped => {
+                    // Redundant soles may be asked for rebounds that contradict each other; what is missed must show.
+                    let missed = (motion - sole.vertex_target(i)).abs() / speed;
+                    let far = if v.near { 0.0 } else { 1.0 + v.height.max(0.0) / tol.distance };
+                    (far, if missed > MISSED { missed } else { 0.0 })
+                }
                 Level::Velocity => {
                     // Above the floor, within d of it, an approach up to v_t may wait until it gets there.
                     let patience = if v.height > TOUCHING { tol.velocity } else { 0.0 };
