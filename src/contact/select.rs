@@ -3,8 +3,9 @@
 //! The search starts from the state that continuity suggests. Candidates wait in a priority queue ordered by
 //! [`Verdict::compare`]; the best is expanded by the local moves that its faults suggest, never the same candidate
 //! twice. It stops at the first valid candidate that none of its smaller neighbours beats. If the queue runs dry
-//! without one, all states of all soles are tried; if none of them is valid the least violating is returned and the
-//! selection says so.
+//! without one, the search is repeated over clamped patterns whose modes are solved for ([`super::settle`]), then with
+//! slow hops allowed, and at last all states of all soles are tried; if none is valid the least violating is returned and
+//! the selection says so.
 
 use super::candidate::{Kernel, Solution, share_static};
 use super::implicit::{self, Finder, Onset, Slips};
@@ -96,7 +97,8 @@ impl Selector {
     }
 
     /// Selects the states. `start` is tried first; unless `settled` (nothing happened since it was chosen), smaller
-    /// neighbours of a valid candidate are tried too. `out` holds the solution of the states before. `allowed` restricts the states of each sole (forced states).
+    /// neighbours of a valid candidate are tried too. `out` holds the solution of the states before. `allowed` restricts
+    /// the states of each sole (forced states).
     pub fn select(
         &mut self,
         p: &mut Problem,

@@ -47,20 +47,19 @@ impl Simulation {
             if lost && round < SETTLE && self.jam(observer)? {
                 continue;
             }
+            if lost {
+                // Whatever comes of it: the state adopted now is none.
+                let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
+                self.inconsistent(observer, &message)?;
+            }
             self.adopt(selection.states, observer)?;
             // What little normal motion (below v_t) and slip (below the rest speed) the new state does not allow ends
             // here; the choice is then made once more with the velocities that go with it.
             let change = self.settle();
             self.plant.evaluate_free();
-            if change > self.tolerances.rest && round < SETTLE {
-                continue;
-            }
-            if !lost {
+            if change <= self.tolerances.rest {
                 break;
             }
-            let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
-            self.inconsistent(observer, &message)?;
-            break;
         }
         self.suspect = [0; MAX_SOLES];
         self.plant.evaluate();
