@@ -50,7 +50,7 @@ fn swaying(method: &str, integrator: &str) -> Simulation {
 fn right_hand_side(bencher: Bencher) {
     let sim = swaying("exact", ADAPTIVE);
     let problem = sim.plant().problem.clone();
-    let method = method::make("exact", &problem).expect("it is there");
+    let method = method::make("exact", &method::Parameters::default(), &problem).expect("it is there");
     let mut plant = Plant::new(&mut setup("exact", ADAPTIVE), method, problem);
     plant.state.clone_from(&sim.plant().state);
     plant.states = sim.plant().states;

@@ -2,7 +2,7 @@
 //! with fixed steps once a step, on the velocities at its end.
 
 use super::candidate::Solution;
-use super::method::{Method, Question};
+use super::method::{Manner, Method, Question};
 use super::problem::Problem;
 use super::select::{Selection, Selector, first_mode};
 use super::state::{Mode, Pattern, SoleState, States};
@@ -42,8 +42,8 @@ pub fn covering(k: usize, clamp: impl Fn(usize) -> bool) -> Pattern {
 }
 
 impl Method for Exact {
-    fn locates_events(&self) -> bool {
-        true
+    fn manner(&self) -> Manner {
+        Manner::Searching
     }
 
     fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {

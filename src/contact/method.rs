@@ -12,8 +12,12 @@ use super::state::{SoleState, States};
 /// Names of the methods that [`make`] knows.
 pub const NAMES: [&str; 2] = ["exact", "one-step"];
 
+/// What the methods can be told; each reads its own part.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Parameters {}
+
 /// The method of that name for problems of this size.
-pub fn make(name: &str, p: &Problem) -> Option<Box<dyn Method>> {
+pub fn make(name: &str, _: &Parameters, p: &Problem) -> Option<Box<dyn Method>> {
     match name {
         "exact" => Some(Box::new(Exact::new(p))),
         "one-step" => Some(Box::new(OneStep::new(p))),
@@ -32,10 +36,24 @@ pub struct Question<'a> {
     pub allowed: &'a dyn Fn(usize, SoleState) -> bool,
 }
 
+/// How a method meets time, and what the simulator does for it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Manner {
+    /// Searches for valid states: events are located, impacts are problems of their own, a step closes its gaps.
+    Searching,
+    /// Decides from what is at hand at the start of each step, and then holds what it decided.
+    Deciding,
+}
+
 /// A contact method: decides states, answers with wrenches.
 pub trait Method: Send {
+    /// How it meets time.
+    fn manner(&self) -> Manner;
+
     /// Does it want its events located, or does it look only at the start of each step?
-    fn locates_events(&self) -> bool;
+    fn locates_events(&self) -> bool {
+        self.manner() == Manner::Searching
+    }
 
     /// Chooses the states at the acceleration level and leaves their wrenches in `out`, which holds the last known
     /// solution on entry.

@@ -15,7 +15,7 @@
 
 use super::candidate::{Kernel, Solution, share_static};
 use super::judge::{Rules, judge, margin};
-use super::method::{Method, Question};
+use super::method::{Manner, Method, Question};
 use super::problem::{Level, Problem, Tolerances};
 use super::select::Selection;
 use super::state::{MAX_SOLES, Pattern, SoleState, States};
@@ -132,8 +132,8 @@ impl OneStep {
 }
 
 impl Method for OneStep {
-    fn locates_events(&self) -> bool {
-        false
+    fn manner(&self) -> Manner {
+        Manner::Deciding
     }
 
     fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {

@@ -2,6 +2,7 @@
 
 use super::patch::Patch;
 use super::setup::{ContactSetup, Floor, Forced, IntegratorSetup, Setup, Start};
+use crate::contact::method::Parameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
 use crate::dynamics::{State, Workspace, kinematics};
@@ -50,6 +51,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     }
     let contact = ContactSetup {
         method: s.contact.method.name().to_owned(),
+        parameters: Parameters::default(),
         tolerances: Tolerances {
             distance: s.contact.distance_tolerance,
             velocity: s.contact.velocity_tolerance,

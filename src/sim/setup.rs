@@ -1,6 +1,7 @@
 //! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
 
 use super::patch::Patch;
+use crate::contact::method::Parameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
 use crate::force::Force;
@@ -54,6 +55,8 @@ pub struct Forced {
 pub struct ContactSetup {
     /// Name of the method, see [`crate::contact::method::NAMES`].
     pub method: String,
+    /// What it is told.
+    pub parameters: Parameters,
     /// Tolerances d, v_t, a_t and the rest speed.
     pub tolerances: Tolerances,
     /// Coefficient of restitution e for approach speeds above v_t.

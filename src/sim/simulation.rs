@@ -106,7 +106,7 @@ impl Simulation {
             }
         }
         problem.scale = model.mass() * setup.gravity.norm().max(1.0);
-        let method = method::make(&setup.contact.method, &problem)
+        let method = method::make(&setup.contact.method, &setup.contact.parameters, &problem)
             .ok_or_else(|| error(format!("unknown contact method `{}`", setup.contact.method)))?;
         let projection = Solution::new(&problem);
         let plant = Plant::new(&mut setup, method, problem);
