@@ -14,7 +14,7 @@
 //! turned round or vanished. Then one solve.
 
 use super::candidate::{Kernel, Solution, share_static};
-use super::judge::{Rules, judge, margin};
+use super::judge::{Rules, carried, judge, margin};
 use super::method::{Manner, Method, Question};
 use super::problem::{Level, Problem, Tolerances};
 use super::select::Selection;
@@ -73,8 +73,10 @@ fn mode(p: &Problem, s: usize, pattern: Pattern, rules: &Rules, last: &Solution)
     let clamped = || sole.vertices.iter().enumerate().filter(|(i, _)| stuck.clamps(*i, k)).map(|(_, v)| v);
     let moves = clamped().any(|v| v.velocity.xy().norm() > rules.tolerances.rest);
     let slides = if before.is_static() {
-        let load = margin(p, &rules.previous, s, last);
-        load.normal >= 0.0 && load.friction < 0.0
+        !carried(p, &rules.previous, s, last) && {
+            let load = margin(p, &rules.previous, s, last);
+            load.normal >= 0.0 && load.friction < 0.0
+        }
     } else if before.is_dynamic() {
         let turned = clamped().all(|v| v.velocity.xy().dot(&v.direction) <= 0.0);
         moves && !turned
@@ -107,7 +109,7 @@ impl OneStep {
     /// Points the friction of every sliding vertex against its velocity; one that has none yet yields to its load.
     fn point(p: &mut Problem, states: &States, rules: &Rules, last: &Solution) {
         let slips: [_; MAX_SOLES] = std::array::from_fn(|s| {
-            if s < p.soles.len() { margin(p, &rules.previous, s, last).slip } else { Default::default() }
+            if states[s].is_dynamic() { margin(p, &rules.previous, s, last).slip } else { Default::default() }
         });
         for (s, sole) in p.soles.iter_mut().enumerate().filter(|(s, _)| states[*s].is_dynamic()) {
             let (slip, radius) = (slips[s], sole.radius);
