@@ -7,6 +7,7 @@
 
 pub mod candidate;
 pub mod capacity;
+pub mod decision;
 pub mod exact;
 pub mod frozen;
 pub mod group;
