@@ -5,7 +5,7 @@ use std::path::Path;
 use super::clock::Clock;
 use super::judge::judge;
 use super::{Body, Cancellation, Finished, Job, Options, Reason, Wanted, guard};
-use crate::record::{InputHash, RUN_SCHEMA, RunRecord, Timing, hash_input};
+use crate::record::{Comparison, InputHash, RUN_SCHEMA, RunRecord, Timing, hash_input};
 use crate::sim::{Metrics, Outcome, Problems};
 
 /// How the body of a run ended.
@@ -77,6 +77,7 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
         parameters: job.parameters(),
         verdicts: Vec::new(),
         metrics: end.metrics.unwrap_or_else(unmeasured),
+        comparison: Comparison::default(),
         program: concat!("stiction ", env!("CARGO_PKG_VERSION")).to_owned(),
         inputs: inputs(job),
         resolved: job.run.resolved_toml.clone(),

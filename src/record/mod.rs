@@ -13,6 +13,7 @@
 
 mod atomic;
 mod columns;
+mod comparison;
 mod error;
 mod log;
 mod number;
@@ -24,7 +25,8 @@ mod summary;
 mod table;
 mod verdict;
 
-pub use columns::{NUMERIC_COLUMNS, SummaryRow, metric};
+pub use columns::{NUMERIC_COLUMNS, SummaryRow, metric, truth_columns};
+pub use comparison::{Comparison, Repeats, TruthError};
 pub use error::RecordError;
 pub use log::messages;
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};

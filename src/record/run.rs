@@ -1,6 +1,6 @@
 //! `run.json`: what one run was, how it ended and what it measured.
 
-use super::{ParamValue, RecordError, SummaryRow, Verdict, atomic, number};
+use super::{Comparison, ParamValue, RecordError, Repeats, SummaryRow, Verdict, atomic, number};
 use crate::sim::{Metrics, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -37,6 +37,9 @@ pub struct RunRecord {
     /// What was measured.
     #[serde(with = "MetricsRecord")]
     pub metrics: Metrics,
+    /// How far it is from what it was compared with.
+    #[serde(default, skip_serializing_if = "Comparison::is_empty")]
+    pub comparison: Comparison,
     /// Program and version.
     pub program: String,
     /// Files the run was made of.
@@ -72,6 +75,9 @@ pub struct Timing {
     pub cpu_s: f64,
     /// Where.
     pub machine: Machine,
+    /// Times of its repetitions, if there were any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeats: Option<Repeats>,
 }
 
 /// The machine a run was made on.
@@ -141,9 +147,11 @@ impl RunRecord {
             parameters: self.parameters.clone(),
             verdicts: self.verdicts.clone(),
             metrics: self.metrics.clone(),
+            comparison: self.comparison.clone(),
             wall_s: self.timing.wall_s,
             cpu_s: self.timing.cpu_s,
             real_time_factor: self.metrics.duration_s / self.timing.wall_s,
+            repeats: self.timing.repeats,
         }
     }
 }
