@@ -2,7 +2,7 @@
 //!
 //! | file | written by |
 //! |---|---|
-//! | `log.mcap` | [`LogWriter`], an [`Observer`](crate::sim::Observer) of one run |
+//! | `log.mcap` | [`LogWriter`], an [`Observer`](crate::sim::Observer) of one run; read by [`Trajectory`] |
 //! | `run.json` | [`RunRecord`] |
 //! | `problems/*.json` | [`ProblemWriter`], when asked for |
 //! | `runs.jsonl` | [`RunsLog`], one line as each run ends |
@@ -27,6 +27,7 @@ mod verdict;
 pub use columns::{NUMERIC_COLUMNS, SummaryRow, metric};
 pub use error::RecordError;
 pub use log::messages;
+pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
 pub use parameter::ParamValue;
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
