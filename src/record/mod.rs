@@ -2,7 +2,7 @@
 //!
 //! | file | written by |
 //! |---|---|
-//! | `log.mcap` | [`LogWriter`], an [`Observer`](crate::sim::Observer) of one run |
+//! | `log.mcap` | [`LogWriter`], an [`Observer`](crate::sim::Observer) of one run; read by [`Trajectory`] |
 //! | `run.json` | [`RunRecord`] |
 //! | `problems/*.json` | [`ProblemWriter`], when asked for |
 //! | `runs.jsonl` | [`RunsLog`], one line as each run ends |
@@ -29,6 +29,7 @@ pub use columns::{NUMERIC_COLUMNS, SummaryRow, metric, truth_columns};
 pub use comparison::{Comparison, Repeats, TruthError};
 pub use error::RecordError;
 pub use log::messages;
+pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
 pub use parameter::ParamValue;
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
