@@ -7,8 +7,9 @@
 //! | `problems/*.json` | [`ProblemWriter`], when asked for |
 //! | `runs.jsonl` | [`RunsLog`], one line as each run ends |
 //! | `summary.csv`, `summary.parquet` | [`write_summary`] |
+//! | `report.html` | [`write_report`] |
 //!
-//! [`table`] and [`verdicts`] are what a person sees of them. Every file but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is
+//! [`table`], [`verdicts`] and [`pareto::pareto_table`] are what a person sees of them. Every file but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is
 //! whole. Simulated results depend on the run alone; wall-clock figures have columns and an object of their own.
 
 mod atomic;
@@ -18,7 +19,9 @@ mod error;
 mod log;
 mod number;
 mod parameter;
+pub mod pareto;
 mod problems;
+mod report;
 mod run;
 mod runs_log;
 mod summary;
@@ -33,7 +36,8 @@ pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, S
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
 pub use parameter::ParamValue;
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
-pub use run::{InputHash, Machine, RUN_SCHEMA, RunRecord, Timing, hash_input};
+pub use report::{Pictured, ReportRun, write_report};
+pub use run::{InputHash, Machine, PROGRAM, RUN_SCHEMA, RunRecord, Timing, hash_input};
 pub use runs_log::RunsLog;
 pub use summary::{SummaryFiles, summary_frame, write_summary};
 pub use table::table;
