@@ -21,6 +21,6 @@ impl Clock {
     /// Time since the start; to be called on the same thread.
     pub fn read(&self) -> Timing {
         let cpu_s = self.cpu.and_then(|c| c.try_elapsed().ok()).map_or(f64::NAN, |d| d.as_secs_f64());
-        Timing { wall_s: self.wall.elapsed().as_secs_f64(), cpu_s, machine: Machine::here() }
+        Timing { wall_s: self.wall.elapsed().as_secs_f64(), cpu_s, machine: Machine::here(), repeats: None }
     }
 }

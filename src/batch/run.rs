@@ -5,7 +5,7 @@ use std::path::Path;
 use super::clock::Clock;
 use super::judge::judge;
 use super::{Body, Cancellation, Finished, Job, Options, Reason, Wanted, guard};
-use crate::record::{InputHash, RUN_SCHEMA, RunRecord, Timing, hash_input};
+use crate::record::{Comparison, InputHash, PROGRAM, RUN_SCHEMA, RunRecord, Timing, hash_input};
 use crate::sim::{Metrics, Outcome, Problems};
 
 /// How the body of a run ended.
@@ -42,7 +42,7 @@ pub(super) fn run(job: &Job, options: &Options, cancellation: &Cancellation, bod
         end.outcome = Outcome::TimedOut;
         end.message = timed_out(options);
     }
-    let notes = std::mem::take(&mut end.notes);
+    let notes = end.notes.clone();
     let mut record = record(job, end, timing);
     let (row, accepted) = judge(record.summary_row(), &job.run.scenario.expect);
     (record.outcome, record.message) = (row.outcome, row.message.clone());
@@ -77,7 +77,9 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
         parameters: job.parameters(),
         verdicts: Vec::new(),
         metrics: end.metrics.unwrap_or_else(unmeasured),
-        program: concat!("stiction ", env!("CARGO_PKG_VERSION")).to_owned(),
+        comparison: Comparison::default(),
+        notes: end.notes,
+        program: PROGRAM.to_owned(),
         inputs: inputs(job),
         resolved: job.run.resolved_toml.clone(),
         timing,
