@@ -32,11 +32,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("self_collision", None),
     ("sweep.list", None),
     ("sweep.random", None),
-    ("compare", None),
-    ("expect.*.metric", Some("error_position_rms_m")),
-    ("expect.*.metric", Some("error_joint_rms_rad")),
-    ("expect.*.metric", Some("error_force_rms_N")),
-    ("expect.*.metric", Some("contact_state_agreement")),
 ];
 
 /// Is this type of entry (`kind` is `task` or `force`) known but not available.

@@ -12,6 +12,7 @@ use super::{
     grid::Grid,
     overrides,
     path::Path,
+    reference::Reference,
     scenario::{self, Scenario},
     source::Sources,
     tree::Node,
@@ -41,6 +42,8 @@ pub struct Run {
     pub resolved_toml: String,
     /// What is probably not meant. A warning that several runs of a file share stands with the first of them.
     pub warnings: Diagnostics,
+    /// The run it is compared with.
+    pub reference: Option<Box<Run>>,
     /// Where the values come from.
     pub origin: Origin,
 }
@@ -146,6 +149,7 @@ fn expand(
         }
         let (scenario, found) = scenario::read(&root);
         let mut warnings = findings.append(found).into_diagnostics(sources);
+        let reference = Reference::read(&root, sources, findings);
         if findings.errors() >= MAX_ERRORS {
             return None;
         }
@@ -153,23 +157,38 @@ fn expand(
         for repetition in 0..grid.repeat {
             let mut scenario = scenario.clone();
             scenario.seed += u64::from(repetition);
-            let resolved_toml = match resolved(&scenario) {
-                Ok(text) => text,
+            let mut make = |scenario: Scenario, values: &[(Path, Node)]| match resolved(&scenario) {
+                Ok(resolved_toml) => Some(Run {
+                    name: file.name(),
+                    file: file.path.clone(),
+                    index: runs.len(),
+                    resolved_toml,
+                    scenario,
+                    parameters: Vec::new(),
+                    warnings: Diagnostics::default(),
+                    reference: None,
+                    origin: Origin {
+                        sources: sources.clone(),
+                        base: base.clone(),
+                        swept: swept.iter().chain(values).cloned().collect(),
+                    },
+                }),
                 Err(message) => {
                     findings.error(Path::internal("seed").locate(&root).1, message, None);
-                    return None;
+                    None
                 }
             };
-            runs.push(Run {
-                name: file.name(),
-                file: file.path.clone(),
-                index: runs.len(),
-                resolved_toml,
-                scenario,
-                parameters: grid.parameters(&swept),
-                warnings: std::mem::take(&mut warnings),
-                origin: Origin { sources: sources.clone(), base: base.clone(), swept: swept.clone() },
-            });
+            let reference = match &reference {
+                Some(reference) => {
+                    let mut scenario = reference.scenario.clone();
+                    scenario.seed += if reference.fixes_seed() { 0 } else { u64::from(repetition) };
+                    Some(Box::new(make(scenario, &reference.values)?))
+                }
+                None => None,
+            };
+            let run = make(scenario, &[])?;
+            let (parameters, warnings) = (grid.parameters(&swept), std::mem::take(&mut warnings));
+            runs.push(Run { parameters, warnings, reference, ..run });
         }
     }
     Some(runs)

@@ -41,6 +41,7 @@ impl Fixed {
             self.begun = true;
             sim.snapshot_now(t, observer)?;
         }
+        sim.begin_samples();
         sim.plant.within = t + 0.5 * dt;
         sim.plant.evaluate_implicit(dt);
         if let Some(failure) = sim.plant.failure {
@@ -67,6 +68,7 @@ impl Fixed {
         sim.metrics.steps += 1;
         sim.check_finite()?;
         sim.measure();
+        sim.sample_step(observer)?;
         let now = sim.plant.state.time;
         sim.snapshot_now(now, observer)
     }
