@@ -39,7 +39,7 @@ pub use schema::schema;
 pub use spec::{
     contact::{
         ContactMethod, ContactSpec, ControlSpec, Estimator, EventHandling, ForcedState, IntegratorMethod,
-        IntegratorSpec,
+        IntegratorSpec, LcpSpec, NcpSpec,
     },
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
