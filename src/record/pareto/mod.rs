@@ -7,6 +7,7 @@
 mod group;
 mod table;
 
+pub(super) use group::compare;
 pub use group::{Curve, Group, groups};
 pub use table::pareto_table;
 

@@ -32,11 +32,8 @@ pub(super) fn runs(runs: &[ReportRun], works: &[Work]) -> Table {
     head.extend(["key", "message"].map(Head::text));
     let row = |&i: &usize| {
         let (row, work) = (runs[i].row, &works[i]);
-        let mut cells = vec![
-            Cell::text(parameters(row).join(" ")),
-            Cell::text(row.method.clone()),
-            Cell::text(row.integrator.clone()),
-        ];
+        let mut cells =
+            vec![Cell::text(parameters(row).join(" ")), Cell::word(&row.method), Cell::word(&row.integrator)];
         if repeated {
             cells.push(Cell::count(row.seed));
         }

@@ -33,8 +33,12 @@ fn brief(value: &ParamValue) -> String {
 
 /// Scenario, method, integrator and swept values of a run.
 pub(super) fn name(row: &SummaryRow) -> String {
-    let own = [row.scenario.clone(), row.method.clone(), row.integrator.clone()];
-    own.into_iter().chain(parameters(row)).collect::<Vec<_>>().join(" ")
+    format!("{} {}", row.scenario, manner(row))
+}
+
+/// Method, integrator and swept values of a run.
+pub(super) fn manner(row: &SummaryRow) -> String {
+    [row.method.clone(), row.integrator.clone()].into_iter().chain(parameters(row)).collect::<Vec<_>>().join(" ")
 }
 
 /// `1 run`, `2 runs`
