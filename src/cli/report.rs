@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use stiction::record::pareto::{Work, pareto_table};
-use stiction::record::{Pictured, RecordError, Records, ReportRun, read_records, write_report, write_summary};
+use stiction::record::{
+    FoundRun, Pictured, RecordError, Records, ReportRun, SummaryRow, read_records, write_report, write_summary,
+};
 
 use super::Exit;
 use super::terminal::{complain, plural, print};
@@ -36,23 +38,15 @@ impl Report {
             complain(&format!("error: no record of a run below {}", self.results.display()));
             return Err(Exit::Invalid);
         }
-        complain(&format!("{} read, {} passed over", plural(records.runs.len(), "record"), records.skipped.len()));
+        let read = records.runs.len() + records.references.len();
+        complain(&format!("{} read, {} passed over", plural(read, "record"), records.skipped.len()));
         let pictured = self.pictured(&records)?;
-        let rows = records.rows();
+        let (rows, reference_rows) = (rows(&records.runs), rows(&records.references));
         let files = write_summary(&self.results, &rows).map_err(fail)?;
-        let runs: Vec<ReportRun> = rows
-            .iter()
-            .zip(&records.runs)
-            .map(|(row, found)| ReportRun {
-                row,
-                program: &found.record.program,
-                machine: &found.record.timing.machine,
-                notes: &found.record.notes,
-                files: &found.files,
-            })
-            .collect();
+        let runs = as_reported(&rows, &records.runs);
+        let references = as_reported(&reference_rows, &records.references);
         let page = self.output.unwrap_or_else(|| self.results.join("report.html"));
-        write_report(&page, &self.results, &runs, &pictured).map_err(fail)?;
+        write_report(&page, &self.results, &runs, &references, &pictured).map_err(fail)?;
         let accuracy = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>());
         let air = if accuracy.is_empty() { "" } else { "\n" };
         let written: Vec<String> =
@@ -84,4 +78,19 @@ impl Report {
         }
         Ok(Pictured::Keys(keys))
     }
+}
+
+fn rows(runs: &[FoundRun]) -> Vec<SummaryRow> {
+    runs.iter().map(|run| run.record.summary_row()).collect()
+}
+
+fn as_reported<'a>(rows: &'a [SummaryRow], found: &'a [FoundRun]) -> Vec<ReportRun<'a>> {
+    let run = |(row, found): (&'a SummaryRow, &'a FoundRun)| ReportRun {
+        row,
+        program: &found.record.program,
+        machine: &found.record.timing.machine,
+        notes: &found.record.notes,
+        files: &found.files,
+    };
+    rows.iter().zip(found).map(run).collect()
 }

@@ -1,7 +1,7 @@
 //! The records below a folder of results, found again.
 
 use super::pareto::compare;
-use super::{RecordError, RunRecord, SummaryRow};
+use super::{RecordError, RunRecord};
 use polars::prelude::DataFrame;
 use polars_io::SerReader;
 use polars_io::csv::read::CsvReadOptions;
@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 pub struct Records {
     /// The runs: in the order of `summary.csv` if it is there and names them, then by scenario, parameters and seed.
     pub runs: Vec<FoundRun>,
+    /// Runs that these were compared with, in the order in which they are first needed.
+    pub references: Vec<FoundRun>,
     /// What was passed over and why: files `run.json` of other programs, broken ones, folders that cannot be read.
     pub skipped: Vec<RecordError>,
 }
@@ -33,10 +35,10 @@ pub struct FoundRun {
 /// # Errors
 /// The folder itself cannot be read.
 pub fn read_records(folder: &Path) -> Result<Records, RecordError> {
-    let mut records = Records { runs: Vec::new(), skipped: Vec::new() };
+    let mut records = Records { runs: Vec::new(), references: Vec::new(), skipped: Vec::new() };
     // An error about this folder alone is an error of the whole.
     std::fs::read_dir(folder).map_err(RecordError::io(folder))?;
-    let mut first: HashMap<(String, String), PathBuf> = HashMap::new();
+    let mut first: HashMap<(bool, String, String), PathBuf> = HashMap::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
         let (own, below) = match entries(&folder) {
@@ -50,20 +52,33 @@ pub fn read_records(folder: &Path) -> Result<Records, RecordError> {
         folders.extend(below.into_iter().rev());
         let Some(path) = own else { continue };
         match RunRecord::read(&path) {
-            Ok(record) => match first.entry((record.scenario.clone(), record.key.clone())) {
-                std::collections::hash_map::Entry::Occupied(other) => {
-                    records.skipped.push(RecordError::Twice { path, other: other.get().clone() });
+            Ok(record) => {
+                match first.entry((is_reference(&path, &record), record.scenario.clone(), record.key.clone())) {
+                    std::collections::hash_map::Entry::Occupied(other) => {
+                        records.skipped.push(RecordError::Twice { path, other: other.get().clone() });
+                    }
+                    std::collections::hash_map::Entry::Vacant(free) => {
+                        free.insert(path.clone());
+                        let kind =
+                            if is_reference(&path, &record) { &mut records.references } else { &mut records.runs };
+                        kind.push(FoundRun { record, files: files(path) });
+                    }
                 }
-                std::collections::hash_map::Entry::Vacant(free) => {
-                    free.insert(path.clone());
-                    records.runs.push(FoundRun { record, files: files(path) });
-                }
-            },
+            }
             Err(error) => records.skipped.push(error),
         }
     }
     sort(&mut records.runs, &order(&folder.join("summary.csv")));
+    let needed: Vec<&str> = records.runs.iter().filter_map(|r| r.record.comparison.reference.as_deref()).collect();
+    let place = |r: &FoundRun| needed.iter().position(|key| *key == r.record.key).unwrap_or(needed.len());
+    records.references.sort_by_cached_key(place);
     Ok(records)
+}
+
+/// References lie in `SCENARIO/references/KEY`, other runs in `SCENARIO/KEY`.
+fn is_reference(path: &Path, record: &RunRecord) -> bool {
+    let folder = |level: usize| path.ancestors().nth(level).and_then(Path::file_name);
+    folder(2).is_some_and(|name| name == "references") && folder(3).is_some_and(|name| *name == *record.scenario)
 }
 
 /// The `run.json` of a folder, and the folders in it by name.
@@ -122,11 +137,4 @@ fn by_parameters(a: &RunRecord, b: &RunRecord) -> Ordering {
     let pairs = a.parameters.iter().zip(&b.parameters);
     let mut orders = pairs.map(|((n, v), (m, w))| n.cmp(m).then_with(|| compare(Some(v), Some(w))));
     orders.find(|o| o.is_ne()).unwrap_or_else(|| a.parameters.len().cmp(&b.parameters.len()))
-}
-
-impl Records {
-    /// The rows of the summary.
-    pub fn rows(&self) -> Vec<SummaryRow> {
-        self.runs.iter().map(|run| run.record.summary_row()).collect()
-    }
 }

@@ -17,7 +17,7 @@ fn page_with(rows: &[SummaryRow], notes: &[String]) -> String {
         .map(|row| ReportRun { row, program: "stiction 0.1.0", machine: &machine, notes, files: &[] })
         .collect();
     let path = folder.path().join("report.html");
-    write_report(&path, folder.path(), &runs, &Pictured::Few).unwrap();
+    write_report(&path, folder.path(), &runs, &[], &Pictured::Few).unwrap();
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
     std::fs::read_to_string(path).unwrap()
 }
@@ -94,9 +94,9 @@ fn equal_ratios_are_equally_far_apart_and_the_front_is_full() {
     near((y2 - y3) * 2.0, y1 - y0);
     assert_eq!(
         first,
-        "lcp semi-implicit\nintegrator.step = 0.01\nerror_position_rms_m: 1.000e-2 m\ncost: 1.000e-3 s per s, 666.7 x real time\nlcp/lcp/0.01, on the Pareto front"
+        "lcp semi-implicit\nintegrator.step = 0.01\nerror_position_rms_m: 1.000e-2 m\ncost: 1.000e-3 s per s, 666.7 x real time\nlcp-lcp-0.01, on the Pareto front"
     );
-    assert!(last.ends_with("lcp/lcp/1e-5"), "{last}");
+    assert!(last.ends_with("lcp-lcp-1e-5"), "{last}");
     assert!(html.contains(">error, m<") || plots[0].contains("error, m"), "the unit stands at the axis");
 }
 

@@ -1,6 +1,7 @@
 //! The Pareto table at the end of a batch.
 
-use super::{Group, Work, error_columns, front, groups};
+use super::{Group, Work, error_columns, front_as_shown, groups};
+use crate::record::is_truth;
 use crate::record::table::{align, clip};
 use crate::record::verdict::brief_parameters;
 use std::collections::BTreeSet;
@@ -68,7 +69,7 @@ fn block(works: &[Work], group: &Group) -> String {
             .into_iter()
             .chain(own)
             .chain(line.errors.iter().map(error))
-            .chain([format!("{:.3e}", line.cost), format!("{:.1}", row.real_time_factor)])
+            .chain([format!("{:.2e}", line.cost), format!("{:.1}", works[line.row].real_time_factor)])
             .collect()
     };
     let table: Vec<Vec<String>> = std::iter::once(header).chain(shown.iter().map(|line| cells(line))).collect();
@@ -105,7 +106,7 @@ fn lines(works: &[Work], group: &Group, columns: &[String]) -> (Vec<Line>, Vec<(
     lines.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     for column in 0..columns.len() {
         let point = |l: &Line| (l.cost, l.errors[column].map_or(f64::NAN, |(error, _)| error));
-        let on = front(&lines.iter().map(point).collect::<Vec<_>>());
+        let on = front_as_shown(&lines.iter().map(point).collect::<Vec<_>>());
         for (line, on) in lines.iter_mut().zip(on) {
             line.errors[column].iter_mut().for_each(|(_, mark)| *mark = on);
         }
@@ -142,7 +143,7 @@ fn varying(works: &[Work], group: &Group) -> Vec<String> {
         }
     }
     let shared = |name: &str| rows.iter().all(|&i| works[i].row.parameters.iter().any(|(n, _)| n == name));
-    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || name.starts_with("expect.");
+    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || is_truth(name);
     let kept = names.into_iter().filter(|(name, values)| !own(name) && (values.len() > 1 || !shared(name)));
     kept.map(|(name, _)| name.to_owned()).collect()
 }

@@ -4,8 +4,8 @@ use super::canvas::{Area, Mark, Overlay, Point, SCALE, Trouble, picture, swatch,
 use super::palette::{self, Colour};
 use super::ticks::{self, logarithmic};
 use super::units::unit;
-use crate::record::RecordError;
-use crate::record::pareto::{Curve, Group, Work, front};
+use crate::record::pareto::{Curve, Group, Work, front_as_shown};
+use crate::record::{RecordError, is_truth};
 use plotters::prelude::{ChartBuilder, LineSeries};
 use plotters::style::Color;
 
@@ -82,7 +82,7 @@ pub(super) fn work_precision(
 fn spots(works: &[Work], group: &Group, column: &str) -> Vec<Spot> {
     let point = |row: usize| works[row].point(column).ok().map(|(cost, error)| (row, cost, error));
     let points: Vec<_> = group.rows().filter_map(point).collect();
-    let on = front(&points.iter().map(|&(_, cost, error)| (cost, error)).collect::<Vec<_>>());
+    let on = front_as_shown(&points.iter().map(|&(_, cost, error)| (cost, error)).collect::<Vec<_>>());
     points.into_iter().zip(on).map(|((row, cost, error), on_front)| Spot { row, cost, error, on_front }).collect()
 }
 
@@ -186,10 +186,10 @@ fn stairs(spots: &[Spot], at: impl Fn(&Spot) -> Point, right: i32) -> Vec<Point>
 fn title(work: &Work, curve: &Curve, column: &str, unit: &str, spot: &Spot) -> String {
     let row = work.row;
     let mut lines = vec![format!("{} {}", curve.method, curve.integrator)];
-    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || name.starts_with("expect.");
+    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || is_truth(name);
     lines.extend(row.parameters.iter().filter(|(name, _)| !own(name)).map(|(name, value)| format!("{name} = {value}")));
     lines.push(format!("{column}: {:.3e} {unit}", spot.error).trim_end().to_owned());
-    lines.push(format!("cost: {:.3e} s per s, {:.1} x real time", spot.cost, row.real_time_factor));
+    lines.push(format!("cost: {:.3e} s per s, {:.1} x real time", spot.cost, work.real_time_factor));
     lines.push(format!("{}{}", row.key, if spot.on_front { ", on the Pareto front" } else { "" }));
     lines.join("\n")
 }
