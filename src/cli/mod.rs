@@ -6,6 +6,7 @@ mod inputs;
 mod inspect;
 mod list;
 mod prepare;
+mod report;
 mod run;
 mod schema;
 mod terminal;
@@ -39,6 +40,8 @@ pub enum Command {
     List(list::List),
     /// Describe a robot: degrees of freedom, masses, joints, soles, what was ignored
     Inspect(inspect::Inspect),
+    /// Write summary and report.html anew from the records of a folder of results
+    Report(report::Report),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
 }

@@ -21,6 +21,7 @@ mod number;
 mod parameter;
 pub mod pareto;
 mod problems;
+mod rebuild;
 mod reference_motion;
 mod report;
 mod run;
@@ -37,6 +38,7 @@ pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, S
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
 pub use parameter::{ParamValue, is_truth};
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
+pub use rebuild::{FoundRun, Records, read_records};
 pub use reference_motion::{Comparator, ReferenceMotion};
 pub use report::{Pictured, ReportRun, write_report};
 pub use run::{InputHash, Machine, PROGRAM, RUN_SCHEMA, RunRecord, Timing, hash_input};

@@ -5,6 +5,7 @@ mod commands;
 mod exit_codes;
 mod interrupt;
 mod isolation;
+mod report;
 mod results;
 
 use std::fs;
