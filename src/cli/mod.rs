@@ -1,6 +1,7 @@
 //! What is typed, and what is shown for it: one file per command.
 
 mod check;
+mod compare;
 mod exit;
 mod inputs;
 mod inspect;
@@ -39,6 +40,9 @@ pub enum Command {
     List(list::List),
     /// Describe a robot: degrees of freedom, masses, joints, soles, what was ignored
     Inspect(inspect::Inspect),
+    /// Say what differs between two results
+    #[command(after_help = compare::HELP)]
+    Compare(compare::Compare),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
 }
