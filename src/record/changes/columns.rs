@@ -1,6 +1,6 @@
 //! Which columns are compared, and how far apart two values may be.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::Results;
 use crate::record::NUMERIC_COLUMNS;
@@ -57,9 +57,9 @@ pub struct UnknownColumn {
 impl Limits {
     /// Is every column that is named in one of the results?
     pub(super) fn check(&self, a: &Results, b: &Results) -> Result<(), UnknownColumn> {
-        let known: Vec<&str> =
-            a.columns.iter().chain(&b.columns).map(String::as_str).filter(|name| is_measured(name)).collect();
-        match self.columns.keys().find(|column| !known.contains(&column.as_str())) {
+        let names = a.columns.iter().chain(&b.columns).map(String::as_str);
+        let known: BTreeSet<&str> = names.filter(|name| is_measured(name)).collect();
+        match self.columns.keys().find(|column| !known.contains(column.as_str())) {
             Some(column) => {
                 let help = crate::scenario::suggest(column, known);
                 Err(UnknownColumn { column: column.clone(), help })
