@@ -47,7 +47,7 @@ pub(super) fn execute(
 struct WaitedFor<'a, 'p> {
     schedule: &'a Schedule<'p>,
     work: Work,
-    result: Option<Result<crate::record::Trajectory, String>>,
+    result: Option<Result<crate::record::ReferenceMotion, String>>,
 }
 
 impl Drop for WaitedFor<'_, '_> {

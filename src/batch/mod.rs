@@ -27,12 +27,15 @@ mod run;
 mod schedule;
 mod simulate;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
-use crate::record::{RecordError, RunsLog, SummaryFiles, SummaryRow, Trajectory, write_summary};
+use crate::record::{
+    Machine, PROGRAM, Pictured, RecordError, ReferenceMotion, ReportRun, RunsLog, SummaryFiles, SummaryRow,
+    write_report, write_summary,
+};
 use crate::sim::{Outcome, Problems};
 
 pub use cancel::{Cancellation, Reason};
@@ -108,6 +111,8 @@ pub struct Report {
     pub interrupted: bool,
     /// The summary's files; none when no run finished.
     pub summary: Option<SummaryFiles>,
+    /// `report.html`; none when no run finished.
+    pub page: Option<PathBuf>,
     /// `runs.jsonl`.
     pub runs_log: PathBuf,
 }
@@ -198,15 +203,28 @@ impl Batch {
         let collected = dispatcher.collect()?;
         let rows: Vec<SummaryRow> = collected.finished.iter().map(|f| f.row.clone()).collect();
         let summary = if rows.is_empty() { None } else { Some(write_summary(&self.options.output, &rows)?) };
+        let page = if rows.is_empty() { None } else { Some(write_page(&self.options.output, &collected.finished)?) };
         Ok(Report {
             not_started: self.plan.jobs.len() - collected.finished.len(),
             finished: collected.finished,
             references: collected.references,
             interrupted: collected.interrupted,
             summary,
+            page,
             runs_log: self.runs_log_path,
         })
     }
+}
+
+/// Writes `report.html`.
+fn write_page(output: &Path, finished: &[Finished]) -> Result<PathBuf, RecordError> {
+    let (page, machine) = (output.join("report.html"), Machine::here());
+    let runs: Vec<ReportRun> = finished
+        .iter()
+        .map(|f| ReportRun { row: &f.row, program: PROGRAM, machine: &machine, notes: &f.notes, files: &f.files })
+        .collect();
+    write_report(&page, output, &runs, &Pictured::Few)?;
+    Ok(page)
 }
 
 /// What a run shall leave besides its record.
@@ -229,7 +247,7 @@ pub enum Track {
     /// It is kept for others to be compared with, at so many samples per second, Hz.
     Keep(f64),
     /// It is compared with a reference.
-    Compare(Arc<Trajectory>),
+    Compare(Arc<ReferenceMotion>),
 }
 
 /// What happens in a run: the job, what it shall leave, and the flag that ends it.

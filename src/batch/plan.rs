@@ -15,7 +15,7 @@ use crate::sim::build::setup;
 const MAX_ERRORS: usize = 50;
 
 /// Files of the results, beside which the folder of each scenario stands.
-const RESERVED: [&str; 3] = ["summary.csv", "summary.parquet", "runs.jsonl"];
+const RESERVED: [&str; 4] = ["summary.csv", "summary.parquet", "runs.jsonl", "report.html"];
 
 /// What will be run, in order.
 #[derive(Clone, Debug)]

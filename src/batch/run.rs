@@ -6,7 +6,9 @@ use super::clock::Clock;
 use super::judge::judge;
 use super::schedule::Against;
 use super::{Body, Cancellation, Finished, Job, Options, Reason, Role, Track, Wanted, guard};
-use crate::record::{Comparison, InputHash, RUN_SCHEMA, RunRecord, Timing, Trajectory, TruthError, hash_input, metric};
+use crate::record::{
+    Comparison, InputHash, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, hash_input, metric,
+};
 use crate::sim::{Metrics, Outcome, Problems};
 
 /// How the body of a run ended.
@@ -23,7 +25,7 @@ pub struct End {
     /// How far it is from its reference.
     pub comparison: Comparison,
     /// Its motion, if it was to be kept.
-    pub trajectory: Option<Trajectory>,
+    pub trajectory: Option<ReferenceMotion>,
 }
 
 impl End {
@@ -47,7 +49,7 @@ pub(super) fn run(
     cancellation: &Cancellation,
     body: &Body<'_>,
     against: Option<&Against>,
-) -> (Finished, Result<Trajectory, String>) {
+) -> (Finished, Result<ReferenceMotion, String>) {
     let folder = job.folder(&options.output);
     let wanted = wanted(job, options, &folder, against);
     let clock = Clock::start();
@@ -58,10 +60,11 @@ pub(super) fn run(
         end.message = timed_out(options);
     }
     let trajectory = keep(&mut end);
-    let mut notes = std::mem::take(&mut end.notes);
+    let mut notes = end.notes.clone();
     let mut record = record(job, end, timing);
     record.comparison.reference = against.map(|a| a.key.clone());
     notes.extend(against.and_then(|a| not_compared(&record, a)));
+    record.notes.clone_from(&notes);
     record.comparison.truth = truths(job, &record);
     let (row, accepted) = judge(record.summary_row(), &job.run.scenario.expect);
     (record.outcome, record.message) = (row.outcome, row.message.clone());
@@ -92,7 +95,7 @@ fn wanted(job: &Job, options: &Options, folder: &Path, against: Option<&Against>
 }
 
 /// The trajectory of a reference that ended as a run should.
-fn keep(end: &mut End) -> Result<Trajectory, String> {
+fn keep(end: &mut End) -> Result<ReferenceMotion, String> {
     match (end.outcome, end.trajectory.take()) {
         (Outcome::Passed | Outcome::Fallen, Some(trajectory)) => Ok(trajectory),
         _ if end.message.is_empty() => Err(end.outcome.name().into()),
@@ -143,7 +146,8 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
         verdicts: Vec::new(),
         metrics: end.metrics.unwrap_or_else(unmeasured),
         comparison: end.comparison,
-        program: concat!("stiction ", env!("CARGO_PKG_VERSION")).to_owned(),
+        notes: end.notes,
+        program: PROGRAM.to_owned(),
         inputs: inputs(job),
         resolved: job.run.resolved_toml.clone(),
         timing,

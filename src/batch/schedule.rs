@@ -9,7 +9,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use super::Plan;
 use super::cancel::Gate;
 use super::event::Work;
-use crate::record::Trajectory;
+use crate::record::ReferenceMotion;
 
 /// The reference run that a run is compared with.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub(super) struct Against {
     /// Its key.
     pub key: String,
     /// Its trajectory, or why there is none.
-    pub result: Result<Arc<Trajectory>, String>,
+    pub result: Result<Arc<ReferenceMotion>, String>,
 }
 
 /// The work of a batch, taken by several threads.
@@ -35,7 +35,7 @@ struct State {
 /// A reference run.
 struct Reference {
     /// None until it has ended, and when nobody needs it any more.
-    result: Option<Result<Arc<Trajectory>, String>>,
+    result: Option<Result<Arc<ReferenceMotion>, String>>,
     /// Runs that still need it.
     needed: usize,
 }
@@ -82,7 +82,7 @@ impl<'a> Schedule<'a> {
     }
 
     /// A reference has ended, with a trajectory or without.
-    pub fn ended(&self, reference: usize, result: Result<Trajectory, String>) {
+    pub fn ended(&self, reference: usize, result: Result<ReferenceMotion, String>) {
         let mut state = self.lock();
         let entry = &mut state.references[reference];
         if entry.result.is_none() && entry.needed > 0 {
@@ -111,7 +111,7 @@ impl State {
     }
 
     /// Its trajectory is kept only while runs need it.
-    fn hand_out(&mut self, reference: usize) -> Option<Result<Arc<Trajectory>, String>> {
+    fn hand_out(&mut self, reference: usize) -> Option<Result<Arc<ReferenceMotion>, String>> {
         let entry = &mut self.references[reference];
         entry.needed -= 1;
         if entry.needed == 0 { entry.result.take() } else { entry.result.clone() }

@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 
 use super::{End, Job, Track, Wanted};
 use crate::contact::frozen::Frozen;
-use crate::record::{Comparator, Document, LogHeader, LogWriter, ProblemWriter, RecordError, Topics, Trajectory};
+use crate::record::{Comparator, Document, LogHeader, LogWriter, ProblemWriter, RecordError, ReferenceMotion, Topics};
 use crate::robot::{Model, Robot};
 use crate::scenario::LogTopic;
 use crate::sim::build::setup;
@@ -31,7 +31,7 @@ pub fn simulate(job: &Job, wanted: &Wanted, cancel: &AtomicBool) -> End {
 struct Recorder {
     log: Option<LogWriter>,
     problems: Option<ProblemWriter>,
-    kept: Option<Trajectory>,
+    kept: Option<ReferenceMotion>,
     compared: Option<Comparator>,
 }
 
@@ -42,7 +42,7 @@ impl Recorder {
         };
         let (kept, compared) = match &wanted.track {
             Track::Nothing => (None, None),
-            Track::Keep(rate) => (Some(Trajectory::new(*rate, setup.model.nj(), setup.model.soles.len())), None),
+            Track::Keep(rate) => (Some(ReferenceMotion::new(*rate, setup.model.nj(), setup.model.soles.len())), None),
             Track::Compare(reference) => (None, Some(Comparator::new(reference.clone()))),
         };
         Ok(Recorder {
@@ -64,7 +64,7 @@ impl Observer for Recorder {
     }
 
     fn sample_rate(&self) -> f64 {
-        let kept = self.kept.as_ref().map(Trajectory::rate);
+        let kept = self.kept.as_ref().map(ReferenceMotion::rate);
         kept.or(self.compared.as_ref().map(Comparator::rate)).unwrap_or(0.0)
     }
 

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use stiction::batch::{Batch, Options, Progress, Report, Severity, simulate};
+use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{Shown, table, verdicts};
 use stiction::sim::Problems;
 
@@ -125,6 +126,11 @@ impl Run {
 fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
     let rows = report.rows();
     let mut out = table(&rows);
+    let works: Vec<Work> = rows.iter().map(Work::of).collect();
+    let accuracy = pareto_table(&works);
+    if !accuracy.is_empty() {
+        out += &format!("\n{accuracy}");
+    }
     let judged = verdicts(&rows, shown(wanted, Shown::Values.count(&rows)));
     if !judged.is_empty() {
         out += &format!("\n{judged}");
@@ -144,7 +150,7 @@ fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
     }
     let Some(files) = &report.summary else { return out };
     out += "\nwritten:\n";
-    for path in [&files.csv, &files.parquet, &report.runs_log] {
+    for path in [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page) {
         let _ = writeln!(out, "  {}", path.display());
     }
     for file in report.references.iter().take(MOST_NAMED).flat_map(|f| &f.files) {

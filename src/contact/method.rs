@@ -4,23 +4,34 @@
 use super::candidate::Solution;
 use super::exact::Exact;
 use super::judge::Rules;
+use super::lcp::{Lcp, LcpParameters};
+use super::ncp::{Ncp, NcpParameters};
 use super::one_step::OneStep;
 use super::problem::Problem;
 use super::select::Selection;
 use super::state::{SoleState, States};
+use serde::{Deserialize, Serialize};
 
 /// Names of the methods that [`make`] knows.
-pub const NAMES: [&str; 2] = ["exact", "one-step"];
+pub const NAMES: [&str; 4] = ["exact", "one-step", "lcp", "ncp"];
 
 /// What the methods can be told; each reads its own part.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Parameters {}
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Parameters {
+    /// Of `lcp`.
+    pub lcp: LcpParameters,
+    /// Of `ncp`.
+    pub ncp: NcpParameters,
+}
 
 /// The method of that name for problems of this size.
-pub fn make(name: &str, _: &Parameters, p: &Problem) -> Option<Box<dyn Method>> {
+pub fn make(name: &str, parameters: &Parameters, p: &Problem) -> Option<Box<dyn Method>> {
     match name {
         "exact" => Some(Box::new(Exact::new(p))),
         "one-step" => Some(Box::new(OneStep::new(p))),
+        "lcp" => Some(Box::new(Lcp::new(parameters.lcp, p))),
+        "ncp" => Some(Box::new(Ncp::new(parameters.ncp, p))),
         _ => None,
     }
 }
@@ -43,6 +54,9 @@ pub enum Manner {
     Searching,
     /// Decides from what is at hand at the start of each step, and then holds what it decided.
     Deciding,
+    /// Knows only the velocities at the end of a fixed step and the impulses over it: it has no forces in between, chooses
+    /// no states beforehand, and says itself what each vertex carries.
+    Stepping,
 }
 
 /// A contact method: decides states, answers with wrenches.
@@ -53,6 +67,11 @@ pub trait Method: Send {
     /// Does it want its events located, or does it look only at the start of each step?
     fn locates_events(&self) -> bool {
         self.manner() == Manner::Searching
+    }
+
+    /// Are the vertex forces of its solutions its own? Else those of static soles are shared out of their wrenches.
+    fn gives_vertex_forces(&self) -> bool {
+        self.manner() == Manner::Stepping
     }
 
     /// Chooses the states at the acceleration level and leaves their wrenches in `out`, which holds the last known

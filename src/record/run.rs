@@ -10,6 +10,9 @@ use std::path::Path;
 /// Format version of `run.json`.
 pub const RUN_SCHEMA: u32 = 1;
 
+/// This program and its version, as records name them.
+pub const PROGRAM: &str = concat!("stiction ", env!("CARGO_PKG_VERSION"));
+
 /// The record of one finished run. Everything but `timing` depends on the run alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
@@ -40,6 +43,9 @@ pub struct RunRecord {
     /// How far it is from what it was compared with.
     #[serde(default, skip_serializing_if = "Comparison::is_empty")]
     pub comparison: Comparison,
+    /// What else there is to tell a person.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Program and version.
     pub program: String,
     /// Files the run was made of.

@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     availability,
-    diagnostic::{Diagnostic, Diagnostics, Findings},
+    diagnostic::{Diagnostic, Diagnostics, Findings, Severity},
     file::{ScenarioFile, resolve},
     grid::Grid,
     overrides,
@@ -15,6 +15,7 @@ use super::{
     reference::Reference,
     scenario::{self, Scenario},
     source::Sources,
+    spec::contact::{ContactMethod, LcpSpec, NcpSpec},
     tree::Node,
 };
 
@@ -65,15 +66,22 @@ impl Run {
     /// An error about the value at a dotted path (such as `force.0.link`), shown where that value of this run was written,
     /// be it in the file, its sweep or an override. For what can only be told with the robot at hand.
     pub fn error_at(&self, path: &str, message: impl Into<String>, help: Option<String>) -> Diagnostic {
-        self.diagnose(path, false, message.into(), help)
+        self.diagnose(path, Severity::Error, false, message.into(), help)
     }
 
     /// The same, shown at the key: for names that are keys, such as `task.0.joints.knee`.
     pub fn error_at_key(&self, path: &str, message: impl Into<String>, help: Option<String>) -> Diagnostic {
-        self.diagnose(path, true, message.into(), help)
+        self.diagnose(path, Severity::Error, true, message.into(), help)
     }
 
-    fn diagnose(&self, path: &str, at_key: bool, message: String, help: Option<String>) -> Diagnostic {
+    fn diagnose(
+        &self,
+        path: &str,
+        severity: Severity,
+        at_key: bool,
+        message: String,
+        help: Option<String>,
+    ) -> Diagnostic {
         let Origin { sources, base, swept } = &self.origin;
         let mut root = Node::clone(base);
         for (path, value) in swept {
@@ -81,7 +89,7 @@ impl Run {
             let _ = path.set(&mut root, value.clone());
         }
         let (key, value) = Path::internal(path).locate(&root);
-        Diagnostic::error(sources, if at_key { &key } else { &value }, message, help)
+        Diagnostic::new(severity, sources, if at_key { &key } else { &value }, message, help)
     }
 }
 
@@ -191,7 +199,28 @@ fn expand(
             runs.push(Run { parameters, warnings, reference, ..run });
         }
     }
+    warn_of_idle(&mut runs);
     Some(runs)
+}
+
+/// Warns, with the first run, of parameters that are given to a contact method that no run of the file uses.
+fn warn_of_idle(runs: &mut [Run]) {
+    for method in [ContactMethod::Lcp, ContactMethod::Ncp] {
+        let told = |r: &Run| match method {
+            ContactMethod::Lcp => r.scenario.contact.lcp != LcpSpec::default(),
+            ContactMethod::Ncp => r.scenario.contact.ncp != NcpSpec::default(),
+            ContactMethod::Exact | ContactMethod::OneStep => false,
+        };
+        if runs.iter().any(|r| r.scenario.contact.method == method) {
+            continue;
+        }
+        let name = method.name();
+        let Some(run) = runs.iter().find(|r| told(r)) else { continue };
+        let message =
+            format!("`contact.{name}` has no effect: `contact.method` is \"{}\"", run.scenario.contact.method.name());
+        let warning = run.diagnose(&format!("contact.{name}"), Severity::Warning, true, message, None);
+        runs[0].warnings.0.push(warning);
+    }
 }
 
 /// The scenario with every value written out.

@@ -41,7 +41,7 @@ pub use spec::{
     compare::{CompareSpec, TruthMetric},
     contact::{
         ContactMethod, ContactSpec, ControlSpec, Estimator, EventHandling, ForcedState, IntegratorMethod,
-        IntegratorSpec,
+        IntegratorSpec, LcpSpec, NcpSpec,
     },
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},

@@ -2,7 +2,9 @@
 
 use super::patch::Patch;
 use super::setup::{ContactSetup, Floor, Forced, IntegratorSetup, Setup, Start};
+use crate::contact::lcp::LcpParameters;
 use crate::contact::method::Parameters;
+use crate::contact::ncp::NcpParameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
 use crate::dynamics::{State, Workspace, kinematics};
@@ -13,8 +15,9 @@ use crate::force::wrench::Wrench;
 use crate::robot::adjust::{self, DriveSettings};
 use crate::robot::{Base, DriveMode, JointId, Model, Robot};
 use crate::scenario::{
-    ConstantForce, Diagnostic, Diagnostics, EventHandling, FloorSpec, ForceFrame, ForceSpec, IntegratorMethod,
-    JointLimits, JointMode, PatchSpec, Profile as ProfileSpec, PushForce, Run, SoleSpec, TaskSpec, suggest,
+    ConstantForce, ContactMethod, ContactSpec, Diagnostic, Diagnostics, EventHandling, FloorSpec, ForceFrame,
+    ForceSpec, IntegratorMethod, JointLimits, JointMode, PatchSpec, Profile as ProfileSpec, PushForce, Run, SoleSpec,
+    TaskSpec, suggest,
 };
 use crate::task::posture::Posture;
 use crate::task::{Command, TaskServer};
@@ -51,7 +54,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     }
     let contact = ContactSetup {
         method: s.contact.method.name().to_owned(),
-        parameters: Parameters::default(),
+        parameters: parameters(&s.contact),
         tolerances: Tolerances {
             distance: s.contact.distance_tolerance,
             velocity: s.contact.velocity_tolerance,
@@ -76,6 +79,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         let help = "it works with method `exact` and integrator `dopri5`".to_owned();
         errors.push(run.error_at("contact.restitution", message, Some(help)));
     }
+    time_stepping(run, &model, &mut errors);
     if !errors.is_empty() {
         return Err(Diagnostics(errors));
     }
@@ -93,6 +97,49 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
     })
+}
+
+fn parameters(spec: &ContactSpec) -> Parameters {
+    Parameters {
+        lcp: LcpParameters { facets: spec.lcp.facets },
+        ncp: NcpParameters { iterations: spec.ncp.iterations, tolerance: spec.ncp.tolerance },
+    }
+}
+
+/// Unknowns of an `lcp` problem beyond which its dictionary (8 bytes times their square) takes too much memory.
+const MOST_UNKNOWNS: usize = 4096;
+
+/// What the methods that step in time cannot do.
+fn time_stepping(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
+    let contact = &run.scenario.contact;
+    if !matches!(contact.method, ContactMethod::Lcp | ContactMethod::Ncp) {
+        return;
+    }
+    let (method, integrator) = (contact.method.name(), run.scenario.integrator.method);
+    if integrator != IntegratorMethod::SemiImplicit {
+        let message = format!(
+            "`contact.method` = \"{method}\" knows only impulses over a fixed step and does not run with \
+             `integrator.method` = \"{}\"",
+            integrator.name()
+        );
+        let help = "set `integrator.method` = \"semi-implicit\"".to_owned();
+        errors.push(run.error_at("contact.method", message, Some(help)));
+    }
+    if !contact.forced.is_empty() {
+        let message = format!("`contact.forced` is not available with `contact.method` = \"{method}\"");
+        let help = "this method chooses no states; `exact` and `one-step` can be told theirs".to_owned();
+        errors.push(run.error_at("contact.forced", message, Some(help)));
+    }
+    let vertices = model.soles.iter().map(|s| s.vertices.len()).sum();
+    let unknowns = parameters(contact).lcp.unknowns(vertices);
+    if contact.method == ContactMethod::Lcp && unknowns > MOST_UNKNOWNS {
+        let message = format!(
+            "`contact.lcp.facets` = {} makes {unknowns} unknowns of the {vertices} vertices of the robot's soles; at \
+             most {MOST_UNKNOWNS} are allowed",
+            contact.lcp.facets
+        );
+        errors.push(run.error_at("contact.lcp.facets", message, None));
+    }
 }
 
 /// Cosine of the tilt from which on nothing can be projected onto the floor from above.

@@ -13,7 +13,7 @@ use super::setup::{ContactSetup, IntegratorSetup, Setup};
 use crate::contact::candidate::Solution;
 use crate::contact::frozen::Frozen;
 use crate::contact::judge::TOUCHING;
-use crate::contact::method;
+use crate::contact::method::{self, Manner};
 use crate::contact::problem::{Problem, Tolerances};
 use crate::contact::state::MAX_SOLES;
 use crate::task::{Context, TaskServer};
@@ -198,7 +198,15 @@ impl Simulation {
         self.run_tasks(observer)?;
         self.plant.within = 0.0;
         self.tell_imposed(observer)?;
-        self.decide(observer)?;
+        let mut stepper = self.stepper.take();
+        let begun = match &mut stepper {
+            Some(Stepper::Fixed(fixed)) if self.plant.method.manner() == Manner::Stepping => {
+                fixed.look_ahead(self, observer)
+            }
+            _ => self.decide(observer),
+        };
+        self.stepper = stepper;
+        begun?;
         self.started = true;
         self.measure();
         Ok(())

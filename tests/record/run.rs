@@ -137,6 +137,7 @@ pub fn record() -> RunRecord {
         verdicts: verdicts(),
         metrics: metrics(),
         comparison: comparison(),
+        notes: vec!["told to a person".into()],
         program: "stiction 0.1.0".into(),
         inputs: vec![hash_input("block.urdf", b"abc")],
         resolved: "schema = 1\n[robot]\nmodel = \"größe.urdf\"\n".into(),

@@ -48,6 +48,13 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[floor]\nfriction = { static = 0.5, kinetic = 0.6 }", (4, 38), "greater than `static` = 0.5", ""),
     Broken("[contact]\ndistance_tolerance = 0", (4, 22), "must be greater than 0", ""),
     Broken("[contact]\nrestitution = 1.5", (4, 15), "must be between 0 and 1", ""),
+    Broken("[contact.lcp]\nfacets = 5", (4, 10), "`contact.lcp.facets` must be an even number from 4 to 64, not 5", ""),
+    Broken("[contact.lcp]\nfacets = 2", (4, 10), "an even number from 4 to 64, not 2", ""),
+    Broken("[contact.lcp]\nfacets = 66", (4, 10), "an even number from 4 to 64, not 66", ""),
+    Broken("[contact.lcp]\nfacets = 8.5", (4, 10), "`contact.lcp.facets` must be a whole number", ""),
+    Broken("[contact.lcp]\nfacet = 8", (4, 1), "unknown key `facet` in `contact.lcp`", "did you mean `facets`?"),
+    Broken("[contact.ncp]\niterations = 0", (4, 14), "`contact.ncp.iterations` must be at least 1, not 0", ""),
+    Broken("[contact.ncp]\ntolerance = 0", (4, 13), "`contact.ncp.tolerance` must be greater than 0", ""),
     Broken(
         "[contact]\nforced = [{ sole = \"l\", state = \"free\", from = 2, to = 1 }]",
         (4, 56),
@@ -83,7 +90,7 @@ const BELOW_ROBOT: &[Broken] = &[
         "",
     ),
     // Known, not available.
-    Broken("[contact]\nmethod = \"lcp\"", (4, 10), "contact.method `lcp` is not available yet", ""),
+    Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
     Broken("[integrator]\nmethod = \"rk4\"", (4, 10), "integrator.method `rk4` is not available yet", ""),
     Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
     Broken("[[task]]\ntype = \"sine\"", (4, 8), "task type `sine` is not available yet", ""),
@@ -202,7 +209,12 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[[expect]]\nmetric = \"error_joint_rms_rad\"\nmax = 1", (4, 10), "takes a reference run", ""),
     // Sweeps.
     Broken("[sweep]\ngrid = { \"contact.metod\" = [\"exact\"] }", (4, 19), "unknown key `metod`", "`method`"),
-    Broken("[sweep]\ngrid = { \"contact.method\" = [\"exact\", \"lcp\"] }", (4, 39), "`lcp` is not available yet", ""),
+    Broken(
+        "[sweep]\ngrid = { \"control.estimator\" = [\"truth\", \"inertial\"] }",
+        (4, 42),
+        "`inertial` is not available yet",
+        "",
+    ),
     Broken("[sweep]\ngrid = { \"floor.friction\" = [0.1, -1] }", (4, 35), "must be 0 or greater", ""),
     Broken("[sweep]\ngrid = { \"force.0.force\" = [[1, 0, 0]] }", (4, 11), "the file has no `force`", ""),
     Broken("[sweep]\ngrid = { \"floor.height.x\" = [1] }\n[floor]\nheight = 1", (4, 24), "has no `x`", ""),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// Samples of a run in one array: `8 (8 + joints + 3 soles) + 4 soles` bytes each.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trajectory {
+pub struct ReferenceMotion {
     rate: f64,
     joints: usize,
     soles: usize,
@@ -18,10 +18,10 @@ pub struct Trajectory {
     states: Vec<SoleState>,
 }
 
-impl Trajectory {
+impl ReferenceMotion {
     /// An empty one of so many samples per second, Hz.
     pub fn new(rate: f64, joints: usize, soles: usize) -> Self {
-        Trajectory { rate, joints, soles, ..Trajectory::default() }
+        ReferenceMotion { rate, joints, soles, ..ReferenceMotion::default() }
     }
 
     /// Samples per simulated second, Hz.
@@ -76,7 +76,7 @@ fn named(state: SoleState) -> SoleState {
 /// Compares a run with a trajectory while it runs.
 #[derive(Clone, Debug)]
 pub struct Comparator {
-    reference: Arc<Trajectory>,
+    reference: Arc<ReferenceMotion>,
     instants: u64,
     until: f64,
     /// Sums of squares.
@@ -90,7 +90,7 @@ pub struct Comparator {
 
 impl Comparator {
     /// Nothing has been compared yet.
-    pub fn new(reference: Arc<Trajectory>) -> Self {
+    pub fn new(reference: Arc<ReferenceMotion>) -> Self {
         let (position, joints, force, last) = (0.0, 0.0, 0.0, (0.0, 0.0));
         Comparator { reference, instants: 0, until: 0.0, position, joints, force, agreements: 0, last }
     }
@@ -166,8 +166,8 @@ mod tests {
         }
     }
 
-    fn reference(samples: usize) -> Arc<Trajectory> {
-        let mut trajectory = Trajectory::new(10.0, 3, 2);
+    fn reference(samples: usize) -> Arc<ReferenceMotion> {
+        let mut trajectory = ReferenceMotion::new(10.0, 3, 2);
         (0..samples).for_each(|i| trajectory.push(&sample(i)));
         assert_eq!(trajectory.len(), samples);
         Arc::new(trajectory)
