@@ -156,7 +156,7 @@ fn what_cannot_be_compared_is_2_and_nothing_is_4() {
         (&["a", "a", "--threshold", "final_base_q=1"], "did you mean `final_base_"),
         (&["a", "a", "--threshold", "final_base_x"], "COLUMN=ABS[,REL]"),
         (&["a", "a", "--threshold", "final_base_x=-1"], "no number of 0 or greater"),
-        (&["a", "a", "--threshold", "method=1"], "no numeric column"),
+        (&["a", "a", "--threshold", "method=1"], "neither has a numeric column `method`"),
         (&["a", "a", "--timing", "0.5"], "no number of 1 or greater"),
         (&["a"], "required"),
     ] {

@@ -71,6 +71,41 @@ reference = { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\"
     assert_eq!(references(&place, "results", "fall").len(), 1, "one for all");
 }
 
+/// A double pendulum in adaptive steps: what lies between the ends of steps is no worse than what lies there. Errors grow
+/// with time, so the mean over all instants is below the error at the end, which is no sample of the dense output.
+#[test]
+fn an_adaptive_step_is_as_good_within_as_at_its_end() {
+    let place = Place::new();
+    let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/pendulum/pendulum.urdf");
+    place.write(
+        "swing.toml",
+        format!(
+            "duration = 1
+[robot]
+model = {urdf:?}
+soles = []
+joint_default = {{ mode = \"passive\" }}
+posture = {{ shoulder = 0.3, elbow = 0.4 }}
+[integrator]
+absolute_tolerance = 1e-14
+[compare]
+reference = {{ \"integrator.relative_tolerance\" = 1e-14 }}
+[sweep.grid]
+\"log.rate\" = [777, 1]
+\"integrator.relative_tolerance\" = [1e-4, 1e-8, 1e-11]
+"
+        ),
+    );
+    place.runner(&["swing.toml", "--no-log"]).exits(0);
+    let found = place.summary("results").numbers("error_joint_rms_rad");
+    for (dense, ends) in found[..3].iter().zip(&found[3..]) {
+        // At 1 Hz there are the start, without an error, and the end.
+        let end = ends * 2.0f64.sqrt();
+        assert!(*dense < end && *dense > 0.1 * end, "{dense:e}, {end:e}");
+    }
+    assert!(found[0] > 1e-9 && found[2] < 1e-11, "{found:?}");
+}
+
 /// A block slides over floors of different friction: positions part as `(mu' - mu) g t^2 / 2`, forces by `(mu' - mu) m g`.
 #[test]
 fn two_frictions_part_as_their_closed_form_says() {
