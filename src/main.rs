@@ -12,6 +12,7 @@ fn main() -> Exit {
         Command::List(list) => list.execute(),
         Command::Inspect(inspect) => inspect.execute(),
         Command::Report(report) => report.execute(),
+        Command::Compare(compare) => compare.execute(),
         Command::Schema(schema) => schema.execute(),
     };
     done.unwrap_or_else(|failed| failed)

@@ -1,6 +1,7 @@
 //! What is typed, and what is shown for it: one file per command.
 
 mod check;
+mod compare;
 mod exit;
 mod inputs;
 mod inspect;
@@ -42,6 +43,9 @@ pub enum Command {
     Inspect(inspect::Inspect),
     /// Write summary and report.html anew from the records of a folder of results
     Report(report::Report),
+    /// Say what differs between two results
+    #[command(after_help = compare::HELP)]
+    Compare(compare::Compare),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
 }

@@ -13,6 +13,7 @@
 //! whole. Simulated results depend on the run alone; wall-clock figures have columns and an object of their own.
 
 mod atomic;
+pub mod changes;
 mod columns;
 mod comparison;
 mod error;

@@ -1,7 +1,9 @@
 //! The program as its users meet it: every test runs the real binary on real files.
 
 mod broken;
+mod changes;
 mod commands;
+mod comparison;
 mod exit_codes;
 mod interrupt;
 mod isolation;

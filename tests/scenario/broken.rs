@@ -97,7 +97,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[[force]]\ntype = \"spring\"", (4, 8), "force type `spring` is not available yet", ""),
     Broken("[self_collision]\nmethod = 2", (3, 2), "`self_collision` is not available yet", ""),
     // Comparisons.
-    Broken("[compare]", (3, 2), "`compare` needs `reference`, `truth` or `timing_repeats`", ""),
+    Broken("[compare]", (3, 1), "`compare` needs `reference`, `truth` or `timing_repeats`", ""),
     Broken("[compare]\nreference = { a = 1 }", (4, 15), "unknown key `a`", "known here"),
     Broken("[compare]\nreferenc = {}", (4, 1), "unknown key `referenc` in `compare`", "did you mean `reference`?"),
     Broken("[compare]\nreference = 3", (4, 13), "`compare.reference` must be a table, not the number 3", ""),
@@ -120,7 +120,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken(
         "[compare]\nreference = { \"floor.friction\" = 1, \"floor.friction.static\" = 1 }",
         (4, 37),
-        "given twice in the reference",
+        "`floor.friction.static` sets what another key of the reference sets",
         "",
     ),
     Broken("[compare]\nreference = { \"a b\" = 1 }", (4, 15), "is not a dotted path", ""),
@@ -206,7 +206,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[sweep]\nzip = [{ \"seed\" = 3 }]", (4, 19), "an array of values", ""),
     Broken("[sweep]\nzip = [{ \"seed\" = [1, 1], \"duration\" = [2, 2] }]", (4, 23), "1, 2 stand together twice", ""),
     Broken("[sweep]\nzip = [{ \"sweep.repeat\" = [1, 2] }]", (4, 10), "cannot be swept", ""),
-    Broken("[[expect]]\nmetric = \"error_joint_rms_rad\"\nmax = 1", (4, 10), "is not available yet", ""),
+    Broken("[[expect]]\nmetric = \"error_joint_rms_rad\"\nmax = 1", (4, 10), "takes a reference run", ""),
     // Sweeps.
     Broken("[sweep]\ngrid = { \"contact.metod\" = [\"exact\"] }", (4, 19), "unknown key `metod`", "`method`"),
     Broken(
