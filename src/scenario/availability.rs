@@ -30,8 +30,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("force.*.type", Some("script")),
     ("event", None),
     ("self_collision", None),
-    ("sweep.list", None),
-    ("sweep.random", None),
     ("compare", None),
     ("expect.*.metric", Some("error_position_rms_m")),
     ("expect.*.metric", Some("error_joint_rms_rad")),
