@@ -2,6 +2,7 @@
 
 mod check;
 mod exit;
+mod export;
 mod inputs;
 mod inspect;
 mod list;
@@ -39,6 +40,8 @@ pub enum Command {
     List(list::List),
     /// Describe a robot: degrees of freedom, masses, joints, soles, what was ignored
     Inspect(inspect::Inspect),
+    /// Write a log's time series as CSV, Parquet or columns of text
+    Export(export::Export),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
 }

@@ -8,12 +8,14 @@
 //! | `runs.jsonl` | [`RunsLog`], one line as each run ends |
 //! | `summary.csv`, `summary.parquet` | [`write_summary`] |
 //!
-//! [`table`] and [`verdicts`] are what a person sees of them. Every file but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is
-//! whole. Simulated results depend on the run alone; wall-clock figures have columns and an object of their own.
+//! [`export`] writes what a log holds as tables. [`table`] and [`verdicts`] are what a person sees of all this. Every file
+//! but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is whole. Simulated
+//! results depend on the run alone; wall-clock figures have columns and an object of their own.
 
 mod atomic;
 mod columns;
 mod error;
+pub mod export;
 mod log;
 mod number;
 mod parameter;

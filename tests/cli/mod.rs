@@ -3,6 +3,7 @@
 mod broken;
 mod commands;
 mod exit_codes;
+mod export;
 mod interrupt;
 mod isolation;
 mod results;
