@@ -13,6 +13,7 @@ fn main() -> Exit {
         Command::Inspect(inspect) => inspect.execute(),
         Command::Report(report) => report.execute(),
         Command::Compare(compare) => compare.execute(),
+        Command::Export(export) => export.execute(),
         Command::Schema(schema) => schema.execute(),
     };
     done.unwrap_or_else(|failed| failed)

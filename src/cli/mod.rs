@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod exit;
+mod export;
 mod inputs;
 mod inspect;
 mod list;
@@ -46,6 +47,8 @@ pub enum Command {
     /// Say what differs between two results
     #[command(after_help = compare::HELP)]
     Compare(compare::Compare),
+    /// Write a log's time series as CSV, Parquet or columns of text
+    Export(export::Export),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
 }

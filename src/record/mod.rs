@@ -9,14 +9,16 @@
 //! | `summary.csv`, `summary.parquet` | [`write_summary`] |
 //! | `report.html` | [`write_report`] |
 //!
-//! [`table`], [`verdicts`] and [`pareto::pareto_table`] are what a person sees of them. Every file but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is
-//! whole. Simulated results depend on the run alone; wall-clock figures have columns and an object of their own.
+//! [`export`] writes what a log holds as tables. [`table`], [`verdicts`] and [`pareto::pareto_table`] are what a person sees of all this. Every file
+//! but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is whole. Simulated
+//! results depend on the run alone; wall-clock figures have columns and an object of their own.
 
 mod atomic;
 pub mod changes;
 mod columns;
 mod comparison;
 mod error;
+pub mod export;
 mod log;
 mod number;
 mod parameter;

@@ -5,6 +5,7 @@ mod changes;
 mod commands;
 mod comparison;
 mod exit_codes;
+mod export;
 mod interrupt;
 mod isolation;
 mod report;
