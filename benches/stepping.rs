@@ -62,6 +62,8 @@ fn right_hand_side(bencher: Bencher) {
     ("exact", ADAPTIVE),
     ("exact", "method = \"semi-implicit\", step = 1e-3"),
     ("one-step", "method = \"semi-implicit\", step = 1e-3"),
+    ("lcp", "method = \"semi-implicit\", step = 1e-3"),
+    ("ncp", "method = \"semi-implicit\", step = 1e-3"),
 ])]
 fn step(bencher: Bencher, (method, integrator): (&str, &str)) {
     let mut sim = swaying(method, integrator);

@@ -19,5 +19,6 @@ pub mod planar;
 mod spin;
 mod stall;
 mod standing;
+mod stepping;
 pub mod support;
 mod tipping;
