@@ -5,22 +5,29 @@ use super::candidate::Solution;
 use super::exact::Exact;
 use super::judge::Rules;
 use super::one_step::OneStep;
+use super::penalty::{Penalty, PenaltyParameters};
 use super::problem::Problem;
 use super::select::Selection;
 use super::state::{SoleState, States};
+use serde::{Deserialize, Serialize};
 
 /// Names of the methods that [`make`] knows.
-pub const NAMES: [&str; 2] = ["exact", "one-step"];
+pub const NAMES: [&str; 3] = ["exact", "one-step", "penalty"];
 
 /// What the methods can be told; each reads its own part.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Parameters {}
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Parameters {
+    /// Of `penalty`.
+    pub penalty: PenaltyParameters,
+}
 
 /// The method of that name for problems of this size.
-pub fn make(name: &str, _: &Parameters, p: &Problem) -> Option<Box<dyn Method>> {
+pub fn make(name: &str, parameters: &Parameters, p: &Problem) -> Option<Box<dyn Method>> {
     match name {
         "exact" => Some(Box::new(Exact::new(p))),
         "one-step" => Some(Box::new(OneStep::new(p))),
+        "penalty" => Some(Box::new(Penalty::new(p, parameters.penalty))),
         _ => None,
     }
 }
@@ -43,6 +50,18 @@ pub enum Manner {
     Searching,
     /// Decides from what is at hand at the start of each step, and then holds what it decided.
     Deciding,
+    /// Gives forces for the present places and velocities, whatever they are: nothing is clamped, no velocity jumps, its
+    /// states are labels.
+    Compliant,
+}
+
+/// Energy that a compliant method holds in its springs.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Stored {
+    /// The energy, J.
+    pub energy: f64,
+    /// How fast it grows with the present velocities, W.
+    pub power: f64,
 }
 
 /// A contact method: decides states, answers with wrenches.
@@ -55,6 +74,11 @@ pub trait Method: Send {
         self.manner() == Manner::Searching
     }
 
+    /// Are the vertex forces of its solutions its own? Else those of static soles are shared out of their wrenches.
+    fn gives_vertex_forces(&self) -> bool {
+        self.manner() == Manner::Compliant
+    }
+
     /// Chooses the states at the acceleration level and leaves their wrenches in `out`, which holds the last known
     /// solution on entry.
     fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection;
@@ -64,4 +88,9 @@ pub trait Method: Send {
 
     /// Wrenches for states held fixed, with the directions that stand in the problem: called at every evaluation.
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution);
+
+    /// What its springs hold with the vertices where they are.
+    fn stored(&self, _: &Problem) -> Stored {
+        Stored::default()
+    }
 }

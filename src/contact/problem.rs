@@ -117,6 +117,8 @@ pub struct Problem {
     pub soles: Vec<SoleProblem>,
     /// A typical load, N or N s (the robot's weight, or its momentum): what a force is small against.
     pub scale: f64,
+    /// Length of the step that the impulses are spread over, s; zero where there is none.
+    pub step: f64,
 }
 
 impl Problem {
@@ -139,6 +141,7 @@ impl Problem {
                 })
                 .collect(),
             scale: 1.0,
+            step: 0.0,
         }
     }
 

@@ -3,6 +3,7 @@
 use super::patch::Patch;
 use super::setup::{ContactSetup, Floor, Forced, IntegratorSetup, Setup, Start};
 use crate::contact::method::Parameters;
+use crate::contact::penalty::PenaltyParameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
 use crate::dynamics::{State, Workspace, kinematics};
@@ -13,8 +14,9 @@ use crate::force::wrench::Wrench;
 use crate::robot::adjust::{self, DriveSettings};
 use crate::robot::{Base, DriveMode, JointId, Model, Robot};
 use crate::scenario::{
-    ConstantForce, Diagnostic, Diagnostics, EventHandling, FloorSpec, ForceFrame, ForceSpec, IntegratorMethod,
-    JointLimits, JointMode, PatchSpec, Profile as ProfileSpec, PushForce, Run, SoleSpec, TaskSpec, suggest,
+    ConstantForce, ContactMethod, Diagnostic, Diagnostics, EventHandling, FloorSpec, ForceFrame, ForceSpec,
+    IntegratorMethod, JointLimits, JointMode, PatchSpec, Profile as ProfileSpec, PushForce, Run, SoleSpec, TaskSpec,
+    suggest,
 };
 use crate::task::posture::Posture;
 use crate::task::{Command, TaskServer};
@@ -51,7 +53,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     }
     let contact = ContactSetup {
         method: s.contact.method.name().to_owned(),
-        parameters: Parameters::default(),
+        parameters: parameters(run),
         tolerances: Tolerances {
             distance: s.contact.distance_tolerance,
             velocity: s.contact.velocity_tolerance,
@@ -70,6 +72,11 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         },
         IntegratorMethod::SemiImplicit => IntegratorSetup::SemiImplicit { step: s.integrator.step },
     };
+    if s.contact.method == ContactMethod::Penalty && !s.contact.forced.is_empty() {
+        let message = "`contact.forced` does not work with method `penalty`, whose vertices are never clamped";
+        let help = "it works with the methods `exact` and `one-step`".to_owned();
+        errors.push(run.error_at("contact.forced", message, Some(help)));
+    }
     let bounces = contact.method == "exact" && s.integrator.method == IntegratorMethod::Dopri5;
     if s.contact.restitution > 0.0 && !bounces {
         let message = "`contact.restitution` is not available yet with this method and integrator";
@@ -105,6 +112,12 @@ fn patches(floor: &FloorSpec) -> Vec<Patch> {
         mu_k: p.friction.kinetic,
     };
     floor.patches.iter().map(patch).collect()
+}
+
+fn parameters(run: &Run) -> Parameters {
+    let spec = &run.scenario.contact.penalty;
+    let (stiffness, damping, slip_velocity) = (spec.stiffness, spec.damping, spec.slip_velocity);
+    Parameters { penalty: PenaltyParameters { stiffness, damping, slip_velocity } }
 }
 
 /// Slip speeds that the integrator cannot tell from rest: ten times its absolute tolerance. Fixed steps resolve zero

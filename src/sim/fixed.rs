@@ -13,7 +13,6 @@ use super::error::Stop;
 use super::project::fit_plane;
 use super::report::Observer;
 use super::simulation::Simulation;
-use crate::contact::candidate::share_static;
 use crate::contact::method::Question;
 use crate::contact::problem::Level;
 use crate::contact::state::SoleState;
@@ -48,14 +47,19 @@ impl Fixed {
         }
         sim.find_friction(observer)?;
         sim.audit();
+        let stored = sim.plant.stored().energy;
         self.pose(sim, dt);
-        sim.choose_impulse(observer)?;
+        if sim.plant.is_compliant() {
+            sim.comply_for_step(observer)?
+        } else {
+            sim.choose_impulse(observer)?
+        }
         // v+ = v + dt M^-1 (tau - h) + M^-1 J^T p
         let plant = &mut sim.plant;
         sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
         reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
         plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
-        share_static(&plant.problem, &plant.states, &mut plant.solution);
+        plant.share_forces();
         let (flows, jumps) = plant.step_flows(&sim.displacement, dt);
         sim.flows.add(&flows);
         sim.work += jumps;
@@ -64,8 +68,13 @@ impl Fixed {
         plant.state.displace(&sim.displacement);
         plant.state.time = if dt == remaining { until } else { t + dt };
         plant.refresh();
+        // What the springs have taken is not lost.
+        sim.work += plant.stored().energy - stored;
         sim.metrics.steps += 1;
         sim.check_finite()?;
+        if sim.plant.is_compliant() {
+            sim.creep();
+        }
         sim.measure();
         let now = sim.plant.state.time;
         sim.snapshot_now(now, observer)
@@ -76,7 +85,7 @@ impl Fixed {
         let tol = sim.tolerances;
         let plant = &mut sim.plant;
         let p = &mut plant.problem;
-        p.level = Level::Velocity;
+        (p.level, p.step) = (Level::Velocity, dt);
         for ((b, a), v) in p.b.iter_mut().zip(&plant.reduced.a0).zip(&plant.reduced.velocity) {
             *b = v + dt * a;
         }

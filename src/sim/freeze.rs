@@ -18,8 +18,8 @@ impl Simulation {
     ) {
         self.frozen = (observer.problems() != Problems::None).then(|| {
             let (time, plant) = (self.plant.state.time, &self.plant);
-            let method = &self.contact.method;
-            let mut frozen = Frozen::posed(time, method, &plant.problem, question, forced, &plant.solution);
+            let told = (self.contact.method.as_str(), &self.contact.parameters);
+            let mut frozen = Frozen::posed(time, told, &plant.problem, question, forced, &plant.solution);
             for (s, sole) in frozen.soles.iter_mut().enumerate() {
                 sole.name.clone_from(&plant.model.soles[s].name);
                 sole.reference_m = plant.sole_origin(s).into();

@@ -5,7 +5,6 @@
 //! `rms = sqrt(sum r_i^2 dt_i / sum dt_i)`. A step at an event is judged after the new state was chosen.
 
 use super::simulation::Simulation;
-use crate::contact::candidate::share_static;
 use crate::contact::residual::{self, RESIDUALS};
 use crate::contact::state::MAX_SOLES;
 
@@ -77,7 +76,7 @@ impl Simulation {
         if plant.problem.soles.is_empty() {
             return;
         }
-        share_static(&plant.problem, &plant.states, &mut plant.solution);
+        plant.share_forces();
         let r = residual::evaluate(&plant.problem, &plant.states, &plant.solution);
         for (running, value) in self.tally.residuals.iter_mut().zip(r.values()) {
             running.take(value, dt);

@@ -2,7 +2,6 @@
 
 use super::plant::Plant;
 use super::report::{Snapshot, SoleSnapshot};
-use crate::contact::candidate::share_static;
 use crate::contact::residual;
 use crate::dynamics::body;
 use crate::robot::Model;
@@ -38,7 +37,7 @@ pub fn blank(model: &Model) -> Snapshot {
 
 /// Fills a snapshot from the plant's last evaluation.
 pub fn fill(plant: &mut Plant, out: &mut Snapshot) {
-    share_static(&plant.problem, &plant.states, &mut plant.solution);
+    plant.share_forces();
     out.residual = residual::evaluate(&plant.problem, &plant.states, &plant.solution);
     let (state, model) = (&plant.state, &plant.model);
     let nb = model.nb();

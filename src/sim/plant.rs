@@ -11,8 +11,8 @@ use super::actuator::{self, Stop};
 use super::layout::Layout;
 use super::setup::{Floor, Setup};
 use super::zones::Place;
-use crate::contact::candidate::Solution;
-use crate::contact::method::Method;
+use crate::contact::candidate::{Solution, share_static};
+use crate::contact::method::{Manner, Method, Stored};
 use crate::contact::problem::{Level, Problem};
 use crate::contact::state::States;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, factor, kinematics, reduced, rnea};
@@ -224,6 +224,7 @@ impl Plant {
     fn place_vertices(&mut self) {
         let p = &mut self.problem;
         p.level = Level::Acceleration;
+        p.step = 0.0;
         for (s, sole) in p.soles.iter_mut().enumerate() {
             sole.target = Vector3::zeros();
             sole.place = self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point));
@@ -285,6 +286,23 @@ impl Plant {
         self.point_directions();
         self.method.respond(&self.problem, &self.states, &mut self.solution);
         self.close();
+    }
+
+    /// Do springs stand in for the rigid floor?
+    pub fn is_compliant(&self) -> bool {
+        self.method.manner() == Manner::Compliant
+    }
+
+    /// What the springs of a compliant method hold at the state of the last evaluation or refresh.
+    pub fn stored(&self) -> Stored {
+        self.method.stored(&self.problem)
+    }
+
+    /// Splits the wrenches of static soles over their vertices, unless the method has done so.
+    pub fn share_forces(&mut self) {
+        if !self.method.gives_vertex_forces() {
+            share_static(&self.problem, &self.states, &mut self.solution);
+        }
     }
 
     /// Adds the contact wrenches of the solution to the accelerations.

@@ -13,6 +13,7 @@ mod jump;
 mod landing;
 mod painleve;
 mod patches;
+mod penalty;
 pub mod pendulum;
 pub mod planar;
 mod spin;

@@ -30,6 +30,8 @@ fn stepping_allocates_nothing() {
         ("exact", "method = \"semi-implicit\", step = 1e-3"),
         ("one-step", "method = \"dopri5\""),
         ("one-step", "method = \"semi-implicit\", step = 1e-3"),
+        ("penalty", "method = \"dopri5\""),
+        ("penalty", "method = \"semi-implicit\", step = 1e-3"),
     ] {
         let mut sim = simulation(&pushed(method, integrator));
         sim.begin(&mut Blind).expect("it begins");

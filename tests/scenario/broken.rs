@@ -26,7 +26,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[floor]\nrpy = [0, \"30 dge\", 0]", (4, 11), "`floor.rpy.1` must be a number of radians", ""),
     Broken("posture = { knee = true }", (3, 20), "`robot.posture.knee` must be", ""),
     Broken("[task]\ntype = \"posture\"", (3, 1), "`task` must be an array of tables", "[[task]]"),
-    Broken("[contact]\nmethod = 3", (4, 10), "must be \"exact\" or \"one-step\"", ""),
+    Broken("[contact]\nmethod = 3", (4, 10), "must be \"exact\" or \"one-step\" or \"penalty\"", ""),
     Broken("[[force]]\ntype = 7", (4, 8), "`force.0.type` must be a string", ""),
     Broken(
         "[floor]\nfriction = { static = 1, kinetic = \"é\", x = 1 }",

@@ -3,7 +3,7 @@
 use super::{Answer, Frozen, FrozenSole, FrozenTolerances, FrozenVertex, Units, Violations, Word, state_name};
 use crate::contact::candidate::Solution;
 use crate::contact::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL};
-use crate::contact::method::Question;
+use crate::contact::method::{Parameters, Question};
 use crate::contact::problem::{Level, Problem, SoleProblem, Vertex};
 use crate::contact::select::Selection;
 use crate::contact::state::SoleState;
@@ -24,7 +24,7 @@ impl Frozen {
     /// answer are left empty.
     pub fn posed(
         time: f64,
-        method: &str,
+        (method, parameters): (&str, &Parameters),
         p: &Problem,
         question: &Question,
         forced: &[Option<SoleState>],
@@ -47,6 +47,7 @@ impl Frozen {
         Frozen {
             time_s: time,
             method: method.to_owned(),
+            parameters: *parameters,
             units: Units::at(p.level),
             level: match p.level {
                 Level::Acceleration => Word::Acceleration,
@@ -54,6 +55,7 @@ impl Frozen {
             },
             event: question.event,
             scale: p.scale,
+            step_s: p.step,
             w: p.w.clone(),
             b: p.b.clone(),
             tolerances: FrozenTolerances {

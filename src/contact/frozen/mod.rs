@@ -8,6 +8,7 @@
 mod freeze;
 mod thaw;
 
+use super::method::Parameters;
 use super::state::{Mode, SoleState};
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +20,9 @@ pub struct Frozen {
     pub time_s: f64,
     /// The contact method asked.
     pub method: String,
+    /// What the methods were told.
+    #[serde(default)]
+    pub parameters: Parameters,
     /// Units of the numbers whose names do not say them.
     pub units: Units,
     /// `acceleration`: motions are accelerations, wrenches forces. `velocity`: velocities after, impulses.
@@ -27,6 +31,9 @@ pub struct Frozen {
     pub event: bool,
     /// What a force is small against, [`Problem::scale`](super::problem::Problem::scale).
     pub scale: f64,
+    /// [`Problem::step`](super::problem::Problem::step).
+    #[serde(default)]
+    pub step_s: f64,
     /// W by rows, 6F x 6F.
     #[serde(rename = "W")]
     pub w: Vec<f64>,

@@ -3,7 +3,7 @@
 use super::{Answer, Frozen, FrozenError, FrozenSole, FrozenVertex, Word, state_named};
 use crate::contact::candidate::Solution;
 use crate::contact::judge::{Rules, SUSPECT_FRICTION, SUSPECT_NORMAL};
-use crate::contact::method::{self, Method, Parameters, Question};
+use crate::contact::method::{self, Method, Question};
 use crate::contact::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
 use crate::contact::select::Selection;
 use crate::contact::state::{MAX_SOLES, SoleState, States};
@@ -44,6 +44,7 @@ impl Frozen {
             b: self.b.clone(),
             soles: self.soles.iter().enumerate().map(sole).collect(),
             scale: self.scale,
+            step: self.step_s,
         })
     }
 
@@ -111,8 +112,8 @@ impl Frozen {
     /// Whatever of the above is wrong, or a method that does not exist.
     pub fn replay(&self) -> Result<Answer, FrozenError> {
         let (mut p, rules, forced, mut out) = (self.problem()?, self.rules()?, self.forced()?, self.last()?);
-        let mut method = method::make(&self.method, &Parameters::default(), &p)
-            .ok_or_else(|| FrozenError::Method(self.method.clone()))?;
+        let mut method =
+            method::make(&self.method, &self.parameters, &p).ok_or_else(|| FrozenError::Method(self.method.clone()))?;
         let level = p.level;
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f| allows(level, f, state));
         let question = Question { rules: &rules, event: self.event, allowed: &allowed };
