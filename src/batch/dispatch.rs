@@ -6,9 +6,11 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use super::cancel::Gate;
-use super::event::Event;
-use super::{Cancellation, Finished, Options, Plan, Progress, Reason};
-use crate::record::{RecordError, RunsLog};
+use super::clock::{self, Lap};
+use super::event::{Event, Work};
+use super::{Cancellation, Finished, Job, Options, Plan, Progress, Reason};
+use crate::record::{RecordError, RunRecord, RunsLog};
+use crate::sim::Outcome;
 
 /// A run that has started and not finished.
 struct Active {
@@ -21,6 +23,8 @@ struct Active {
 pub(super) struct Collected {
     /// In the order of the plan.
     pub finished: Vec<Finished>,
+    /// The same for references.
+    pub references: Vec<Finished>,
     pub interrupted: bool,
 }
 
@@ -31,8 +35,10 @@ pub(super) struct Dispatcher<'a> {
     gate: &'a Gate,
     runs_log: &'a mut RunsLog,
     progress: Progress,
-    active: BTreeMap<usize, Active>,
+    active: BTreeMap<Work, Active>,
     finished: BTreeMap<usize, Finished>,
+    references: BTreeMap<usize, Finished>,
+    laps: BTreeMap<usize, Vec<Lap>>,
     interruptions: u32,
     failure: Option<RecordError>,
 }
@@ -45,8 +51,19 @@ impl<'a> Dispatcher<'a> {
         runs_log: &'a mut RunsLog,
         progress: Progress,
     ) -> Self {
-        let (active, finished) = (BTreeMap::new(), BTreeMap::new());
-        Self { plan, options, gate, runs_log, progress, active, finished, interruptions: 0, failure: None }
+        Self {
+            plan,
+            options,
+            gate,
+            runs_log,
+            progress,
+            active: BTreeMap::new(),
+            finished: BTreeMap::new(),
+            references: BTreeMap::new(),
+            laps: BTreeMap::new(),
+            interruptions: 0,
+            failure: None,
+        }
     }
 
     /// Listens until no thread works any more.
@@ -57,28 +74,50 @@ impl<'a> Dispatcher<'a> {
                 None => events.recv().map_err(RecvTimeoutError::from),
             };
             match event {
-                Ok(Event::Started { index, at, cancellation }) => self.started(index, at, cancellation),
-                Ok(Event::Finished { index, finished }) => self.finished(index, *finished),
+                Ok(Event::Started { work, at, cancellation }) => self.started(work, at, cancellation),
+                Ok(Event::Finished { work, finished }) => self.finished(work, *finished),
+                Ok(Event::Round { round, rounds, runs }) => self.progress.round(round, rounds, runs),
+                Ok(Event::Timed { index, lap }) => self.timed(index, lap),
                 Ok(Event::Interrupt) => self.interrupted(),
                 Ok(Event::Drained) | Err(RecvTimeoutError::Disconnected) => break,
                 Err(RecvTimeoutError::Timeout) => self.progress.tick(),
             }
             self.end_overdue();
         }
-        self.progress.end();
+    }
+
+    /// The runs to be repeated for timing: those that ended by themselves, unless no more shall begin.
+    pub fn to_repeat(&self) -> Vec<&'a Job> {
+        if self.gate.is_closed() || !self.options.timing {
+            return Vec::new();
+        }
+        let whole = |f: &Finished| matches!(f.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen);
+        let finished = self.finished.iter().filter(|(_, f)| whole(f)).map(|(index, _)| &self.plan.jobs[*index]);
+        finished.filter(|job| job.repetitions() > 0).collect()
     }
 
     /// All finished runs in the order of the plan.
     ///
     /// # Errors
-    /// `runs.jsonl` could not be written.
-    pub fn collect(self) -> Result<Collected, RecordError> {
-        match self.failure {
-            Some(error) => Err(error),
-            None => {
-                Ok(Collected { finished: self.finished.into_values().collect(), interrupted: self.interruptions > 0 })
-            }
+    /// `runs.jsonl` could not be written, or a record with its timings.
+    pub fn collect(mut self) -> Result<Collected, RecordError> {
+        self.progress.end();
+        if let Some(error) = self.failure {
+            return Err(error);
         }
+        for (index, laps) in &self.laps {
+            let Some(finished) = self.finished.get_mut(index) else { continue };
+            let path = self.plan.jobs[*index].folder(&self.options.output).join("run.json");
+            let mut record = RunRecord::read(&path)?;
+            record.timing.repeats = clock::repeats(laps);
+            finished.row.repeats = record.timing.repeats;
+            record.write(&path)?;
+        }
+        Ok(Collected {
+            finished: self.finished.into_values().collect(),
+            references: self.references.into_values().collect(),
+            interrupted: self.interruptions > 0,
+        })
     }
 
     /// How long nothing needs to be done unless something happens.
@@ -89,25 +128,45 @@ impl<'a> Dispatcher<'a> {
         next.into_iter().chain(self.progress.tick_interval()).min()
     }
 
-    fn started(&mut self, index: usize, at: Instant, cancellation: Arc<Cancellation>) {
+    fn started(&mut self, work: Work, at: Instant, cancellation: Arc<Cancellation>) {
         if self.interruptions > 1 {
             cancellation.cancel(Reason::Interrupted);
         }
         let deadline = self.options.timeout.and_then(|limit| at.checked_add(limit));
-        self.active.insert(index, Active { cancellation, deadline });
-        self.progress.started(self.active.len());
+        self.active.insert(work, Active { cancellation, deadline });
+        if !matches!(work, Work::Repetition(_)) {
+            self.progress.started(self.active.len());
+        }
     }
 
-    fn finished(&mut self, index: usize, finished: Finished) {
-        self.active.remove(&index);
-        if let Err(error) = self.runs_log.push(&finished.row) {
+    fn finished(&mut self, work: Work, finished: Finished) {
+        self.active.remove(&work);
+        let (job, index) = match work {
+            Work::Reference(index) => (&self.plan.references[index], index),
+            Work::Run(index) | Work::Repetition(index) => (&self.plan.jobs[index], index),
+        };
+        let is_run = matches!(work, Work::Run(_));
+        if is_run && let Err(error) = self.runs_log.push(&finished.row) {
             // Results that leave no trace are not worth computing.
             self.gate.close();
             self.failure.get_or_insert(error);
         }
-        let (done, runs) = (self.finished.len() + 1, self.plan.jobs.len());
-        self.progress.finished(&self.plan.jobs[index], &finished, done, runs);
-        self.finished.insert(index, finished);
+        let done = self.finished.len() + self.references.len() + 1;
+        self.progress.finished(job, &finished, done, self.plan.jobs.len() + self.plan.references.len());
+        if is_run { &mut self.finished } else { &mut self.references }.insert(index, finished);
+    }
+
+    fn timed(&mut self, index: usize, lap: Result<Lap, String>) {
+        self.active.remove(&Work::Repetition(index));
+        self.progress.timed();
+        match lap {
+            Ok(lap) => self.laps.entry(index).or_default().push(lap),
+            Err(reason) => {
+                if let Some(finished) = self.finished.get_mut(&index) {
+                    finished.notes.push(format!("a repetition for timing came to nothing: {reason}"));
+                }
+            }
+        }
     }
 
     fn interrupted(&mut self) {

@@ -3,14 +3,26 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::clock::Lap;
 use super::{Cancellation, Finished};
+
+/// Something that is done, by its position in the plan.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(super) enum Work {
+    /// A run that others are compared with.
+    Reference(usize),
+    /// A run.
+    Run(usize),
+    /// A repetition of a run, to time it.
+    Repetition(usize),
+}
 
 /// Something that happened in a batch.
 pub(super) enum Event {
-    /// A run began.
+    /// Work began.
     Started {
-        /// Its position in the plan.
-        index: usize,
+        /// Which.
+        work: Work,
         /// When.
         at: Instant,
         /// Ends it.
@@ -18,10 +30,26 @@ pub(super) enum Event {
     },
     /// A run ended and its files are written.
     Finished {
-        /// Its position in the plan.
-        index: usize,
+        /// Which.
+        work: Work,
         /// What it came to.
         finished: Box<Finished>,
+    },
+    /// A round of repetitions begins.
+    Round {
+        /// Which, from 1.
+        round: u32,
+        /// Of how many.
+        rounds: u32,
+        /// Repetitions in it.
+        runs: usize,
+    },
+    /// A repetition ended.
+    Timed {
+        /// The run's position in the plan.
+        index: usize,
+        /// Its times, or why there are none.
+        lap: Result<Lap, String>,
     },
     /// A person wants the batch to end.
     Interrupt,

@@ -1,45 +1,65 @@
-//! The threads: each takes the next job of the plan until there is none or the gate is closed.
+//! The threads: each takes the next work that is ready until there is none or the gate is closed.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::Sender;
 use std::time::Instant;
 
 use super::cancel::Gate;
-use super::event::Event;
-use super::{Body, Cancellation, Job, Options, run};
+use super::event::{Event, Work};
+use super::schedule::Schedule;
+use super::{Body, Cancellation, Options, Plan, run};
 
-/// Runs jobs on every thread of the pool and tells `events` of each; returns when no thread works any more.
+/// Does the plan's work on every thread of the pool and tells `events` of it; returns when no thread works any more.
 pub(super) fn execute(
     pool: &rayon::ThreadPool,
-    jobs: &[Job],
+    plan: &Plan,
     options: &Options,
     gate: &Gate,
     events: &Sender<Event>,
     body: &Body<'_>,
 ) {
     let _drained = Drained(events);
-    // Jobs start in the order of the plan: a parallel iterator would begin in its middle.
-    let next = AtomicUsize::new(0);
-    let take = || jobs.get(next.fetch_add(1, Ordering::Relaxed)).filter(|_| !gate.is_closed());
+    // Not a parallel iterator, which would begin in the middle of the plan.
+    let schedule = Schedule::new(plan);
     pool.broadcast(|_| {
-        while let Some(job) = take() {
+        while let Some((work, against)) = schedule.take(gate) {
+            let job = match work {
+                Work::Reference(index) => &plan.references[index],
+                Work::Run(index) | Work::Repetition(index) => &plan.jobs[index],
+            };
             let cancellation = Arc::new(Cancellation::default());
-            let started = Event::Started { index: job.index, at: Instant::now(), cancellation: cancellation.clone() };
             // The dispatcher listens until `Drained`.
-            let _ = events.send(started);
-            let finished = Box::new(run::run(job, options, &cancellation, body));
+            let _ = events.send(Event::Started { work, at: Instant::now(), cancellation: cancellation.clone() });
+            let mut waited_for = WaitedFor { schedule: &schedule, work, result: None };
+            let (finished, trajectory) = run::run(job, options, &cancellation, body, against.as_ref());
+            waited_for.result = Some(trajectory);
+            drop(waited_for);
             if options.fail_fast && !finished.accepted {
                 // Here and not by the dispatcher, which would hear of it when this thread has long taken its next job.
                 gate.close();
             }
-            let _ = events.send(Event::Finished { index: job.index, finished });
+            let _ = events.send(Event::Finished { work, finished: Box::new(finished) });
         }
     });
 }
 
+/// A reference that runs may wait for: whatever happens to this thread, they hear of its end.
+struct WaitedFor<'a, 'p> {
+    schedule: &'a Schedule<'p>,
+    work: Work,
+    result: Option<Result<crate::record::ReferenceMotion, String>>,
+}
+
+impl Drop for WaitedFor<'_, '_> {
+    fn drop(&mut self) {
+        if let Work::Reference(index) = self.work {
+            self.schedule.ended(index, self.result.take().unwrap_or_else(|| Err("it broke off".into())));
+        }
+    }
+}
+
 /// Whatever happens here, the dispatcher must not wait for ever.
-struct Drained<'a>(&'a Sender<Event>);
+pub(super) struct Drained<'a>(pub &'a Sender<Event>);
 
 impl Drop for Drained<'_> {
     fn drop(&mut self) {

@@ -48,6 +48,7 @@ fn verdict(expect: &Expect, row: &SummaryRow) -> Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::Comparison;
     use crate::scenario::ExpectedOutcome;
     use crate::sim::Metrics;
 
@@ -63,9 +64,11 @@ mod tests {
             parameters: Vec::new(),
             verdicts: Vec::new(),
             metrics: Metrics { impacts: 3, ..Metrics::default() },
+            comparison: Comparison::default(),
             wall_s: 1.0,
             cpu_s: 1.0,
             real_time_factor: 1.0,
+            repeats: None,
         }
     }
 

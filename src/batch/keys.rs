@@ -1,16 +1,18 @@
 //! Run keys: equal for equal runs, wherever their files lie.
 
 use crate::robot::Robot;
-use crate::scenario::{Run, Scenario, key};
+use crate::scenario::{CompareSpec, Run, Scenario, key};
 
 /// The key of a run with its robot: resolved scenario (seed included), bytes of the robot's files in the order in which
-/// they are read, version of this program. The robot's path is no part of it.
+/// they are read, version of this program. The robot's path and repetitions for timing are no part of it.
 ///
 /// # Errors
 /// The scenario cannot be written as TOML, in words.
 pub(super) fn of(run: &Run, robot: &Robot) -> Result<String, String> {
     let mut scenario: Scenario = run.scenario.clone();
     scenario.robot.model.clear();
+    let compare = scenario.compare.take().map(|compare| CompareSpec { timing_repeats: None, ..compare });
+    scenario.compare = compare.filter(|compare| *compare != CompareSpec::default());
     let text = toml::to_string(&scenario).map_err(|e| format!("the scenario cannot be written out: {e}"))?;
     let labels: Vec<String> = (0..robot.files.len()).map(|i| format!("robot file {i}")).collect();
     let files = labels.iter().zip(&robot.files).map(|(label, (_, bytes))| (label.as_str(), bytes.as_slice()));

@@ -2,11 +2,13 @@
 //!
 //! ```text
 //! files -> prepare -> Plan of Jobs -> execute (a pool of threads) -> Events -> dispatch -> rows, progress, summary
+//!                                  -> repeat (one thread, for timing) ->
 //! ```
 //!
 //! [`prepare`] checks everything before anything runs. [`Batch::run`] drives the jobs: the threads of the executor
 //! simulate and write what belongs to one run; one dispatcher receives what they tell, and only it prints, appends to
-//! `runs.jsonl` and collects the rows, which stand in the order of the plan whatever the order of finishing.
+//! `runs.jsonl` and collects the rows, which stand in the order of the plan whatever the order of finishing. Runs that others
+//! are compared with are references: work like the others, each done once, before the runs that need it.
 
 mod cancel;
 mod clock;
@@ -19,20 +21,26 @@ mod judge;
 mod keys;
 mod plan;
 mod progress;
+mod repeat;
 mod robots;
 mod run;
+mod schedule;
 mod simulate;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
-use crate::record::{RecordError, RunsLog, SummaryFiles, SummaryRow, write_summary};
+use crate::record::{
+    Machine, PROGRAM, Pictured, RecordError, ReferenceMotion, ReportRun, RunsLog, SummaryFiles, SummaryRow,
+    write_report, write_summary,
+};
 use crate::sim::{Outcome, Problems};
 
 pub use cancel::{Cancellation, Reason};
 pub use finding::{Finding, Findings, Severity};
-pub use plan::{Job, Plan, prepare};
+pub use plan::{Job, Plan, Role, prepare};
 pub use progress::Progress;
 pub use run::End;
 pub use simulate::simulate;
@@ -54,6 +62,8 @@ pub struct Options {
     pub fail_fast: bool,
     /// Contact problems to write below each run's folder.
     pub problems: Problems,
+    /// Repeat runs whose scenarios ask for it, to time them?
+    pub timing: bool,
 }
 
 /// What can go wrong with a batch as a whole; a run's own troubles are its outcome.
@@ -93,12 +103,16 @@ pub struct Finished {
 pub struct Report {
     /// Finished runs in the order of the plan.
     pub finished: Vec<Finished>,
+    /// Finished reference runs, in the order in which they are first needed; they have no row in the summary.
+    pub references: Vec<Finished>,
     /// Runs that were never started.
     pub not_started: usize,
     /// Was it interrupted?
     pub interrupted: bool,
     /// The summary's files; none when no run finished.
     pub summary: Option<SummaryFiles>,
+    /// `report.html`; none when no run finished.
+    pub page: Option<PathBuf>,
     /// `runs.jsonl`.
     pub runs_log: PathBuf,
 }
@@ -106,8 +120,8 @@ pub struct Report {
 impl Report {
     /// Did some run not reach its end, other than as expected?
     pub fn has_unfinished(&self) -> bool {
-        let refused = self.finished.iter().filter(|f| !f.accepted);
-        refused.into_iter().any(|f| !matches!(f.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen))
+        let mut refused = self.finished.iter().chain(&self.references).filter(|f| !f.accepted);
+        refused.any(|f| !matches!(f.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen))
     }
 
     /// Did an expectation not hold?
@@ -172,25 +186,45 @@ impl Batch {
         let gate = cancel::Gate::default();
         let (sender, inbox) = self.events;
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.options.jobs.clamp(1, self.plan.jobs.len().max(1)))
+            .num_threads(self.options.jobs.clamp(1, (self.plan.jobs.len() + self.plan.references.len()).max(1)))
             .thread_name(|i| format!("run-{i}"))
             .build()?;
         let mut dispatcher = dispatch::Dispatcher::new(&self.plan, &self.options, &gate, &mut self.runs_log, progress);
         std::thread::scope(|scope| {
-            scope.spawn(|| execute::execute(&pool, &self.plan.jobs, &self.options, &gate, &sender, body));
+            scope.spawn(|| execute::execute(&pool, &self.plan, &self.options, &gate, &sender, body));
             dispatcher.receive(&inbox);
+            let again = dispatcher.to_repeat();
+            if !again.is_empty() {
+                let (gate, sender) = (&gate, &sender);
+                scope.spawn(move || repeat::repeat(&again, gate, sender));
+                dispatcher.receive(&inbox);
+            }
         });
         let collected = dispatcher.collect()?;
         let rows: Vec<SummaryRow> = collected.finished.iter().map(|f| f.row.clone()).collect();
         let summary = if rows.is_empty() { None } else { Some(write_summary(&self.options.output, &rows)?) };
+        let page = if rows.is_empty() { None } else { Some(write_page(&self.options.output, &collected.finished)?) };
         Ok(Report {
             not_started: self.plan.jobs.len() - collected.finished.len(),
             finished: collected.finished,
+            references: collected.references,
             interrupted: collected.interrupted,
             summary,
+            page,
             runs_log: self.runs_log_path,
         })
     }
+}
+
+/// Writes `report.html`.
+fn write_page(output: &Path, finished: &[Finished]) -> Result<PathBuf, RecordError> {
+    let (page, machine) = (output.join("report.html"), Machine::here());
+    let runs: Vec<ReportRun> = finished
+        .iter()
+        .map(|f| ReportRun { row: &f.row, program: PROGRAM, machine: &machine, notes: &f.notes, files: &f.files })
+        .collect();
+    write_report(&page, output, &runs, &Pictured::Few)?;
+    Ok(page)
 }
 
 /// What a run shall leave besides its record.
@@ -200,6 +234,20 @@ pub struct Wanted {
     pub log: Option<PathBuf>,
     /// The folder of its contact problems; none: they are not wanted.
     pub problems: Option<(PathBuf, Problems)>,
+    /// What becomes of its motion.
+    pub track: Track,
+}
+
+/// What becomes of a run's motion.
+#[derive(Clone, Debug, Default)]
+pub enum Track {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// It is kept for others to be compared with, at so many samples per second, Hz.
+    Keep(f64),
+    /// It is compared with a reference.
+    Compare(Arc<ReferenceMotion>),
 }
 
 /// What happens in a run: the job, what it shall leave, and the flag that ends it.

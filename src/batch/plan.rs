@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::robots::Robots;
 use super::{Finding, Findings, keys};
-use crate::record::ParamValue;
+use crate::record::{ParamValue, is_truth};
 use crate::robot::{Robot, RobotError};
 use crate::scenario::{self, Run, ScenarioFile};
 use crate::sim::build::setup;
@@ -15,15 +15,24 @@ use crate::sim::build::setup;
 const MAX_ERRORS: usize = 50;
 
 /// Files of the results, beside which the folder of each scenario stands.
-const RESERVED: [&str; 3] = ["summary.csv", "summary.parquet", "runs.jsonl"];
+const RESERVED: [&str; 4] = ["summary.csv", "summary.parquet", "runs.jsonl", "report.html"];
 
 /// What will be run, in order.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The runs.
     pub jobs: Vec<Job>,
+    /// The runs that some of these are compared with, each once, in the order in which they are first needed.
+    pub references: Vec<Job>,
     /// The scenario files they come from.
     pub files: Vec<PathBuf>,
+}
+
+impl Plan {
+    /// Repetitions for timing, over all runs.
+    pub fn repetitions(&self) -> usize {
+        self.jobs.iter().map(|job| job.repetitions() as usize).sum()
+    }
 }
 
 /// One run that is ready to go.
@@ -39,12 +48,44 @@ pub struct Job {
     pub key: String,
     /// What distinguishes it from the other runs of its file, such as `contact.method=exact seed=2`; may be empty.
     pub label: String,
+    /// Its part in comparisons.
+    pub role: Role,
+}
+
+/// A run's part in comparisons.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Role {
+    /// A run of its own.
+    Run {
+        /// Position in [`Plan::references`] of the run that it is compared with.
+        reference: Option<usize>,
+    },
+    /// A run that others are compared with.
+    Reference,
 }
 
 impl Job {
     /// The folder of its records, below that of the results.
     pub fn folder(&self, results: &Path) -> PathBuf {
-        results.join(&self.run.name).join(&self.key)
+        let scenario = results.join(&self.run.name);
+        match self.role {
+            Role::Run { .. } => scenario.join(&self.key),
+            // One level deeper: who lists the runs of a scenario does not find it.
+            Role::Reference => scenario.join("references").join(&self.key),
+        }
+    }
+
+    /// Position in [`Plan::references`] of the run that it is compared with.
+    pub fn reference(&self) -> Option<usize> {
+        match self.role {
+            Role::Run { reference } => reference,
+            Role::Reference => None,
+        }
+    }
+
+    /// How often it is repeated to time it.
+    pub fn repetitions(&self) -> u32 {
+        self.run.scenario.compare.as_ref().and_then(|c| c.timing_repeats).unwrap_or(0)
     }
 
     /// Swept parameters as the summary holds them. `seed` has a column of its own.
@@ -83,8 +124,8 @@ pub fn prepare(
             break;
         }
     }
-    let Planner { jobs, findings, .. } = planner;
-    if findings.errors() > 0 { Err(findings) } else { Ok((Plan { jobs, files }, findings)) }
+    let Planner { jobs, references, findings, .. } = planner;
+    if findings.errors() > 0 { Err(findings) } else { Ok((Plan { jobs, references, files }, findings)) }
 }
 
 /// A file named twice, by itself and by its folder, is one file.
@@ -98,13 +139,19 @@ fn distinct(files: &[PathBuf]) -> Vec<PathBuf> {
 struct Planner {
     robots: Robots,
     jobs: Vec<Job>,
+    references: Vec<Job>,
     findings: Findings,
     max_runs: usize,
     /// Scenario names with their files: a name is a folder of the results.
     names: HashMap<String, PathBuf>,
     /// Folders of the results that are taken.
     taken: HashMap<(String, String), usize>,
+    /// References by key, with the shape of their robots.
+    known: HashMap<String, (usize, Shape)>,
 }
+
+/// What of two robots must be equal for their runs to be compared: numbers of joints and of soles.
+type Shape = (usize, usize);
 
 impl Planner {
     fn add(&mut self, path: &Path, overrides: &[(String, toml::Value)]) {
@@ -155,12 +202,14 @@ impl Planner {
     fn add_run(&mut self, mut run: Run, repeated: bool) {
         self.findings.extend(std::mem::take(&mut run.warnings));
         let Some(robot) = self.robot(&run) else { return };
-        if let Err(errors) = setup(&run, &robot) {
-            return self.findings.extend(errors);
-        }
-        let key = match keys::of(&run, &robot) {
-            Ok(key) => key,
-            Err(message) => return self.findings.push(Finding::Plan(format!("{}: {message}", run.file.display()))),
+        let Some(shape) = self.build(&run, &robot) else { return };
+        let Some(key) = self.key(&run, &robot) else { return };
+        let reference = match run.reference.take() {
+            Some(reference) => {
+                let Some(index) = self.add_reference(&run, *reference, shape) else { return };
+                Some(index)
+            }
+            None => None,
         };
         let index = self.jobs.len();
         if let Some(twin) = self.taken.insert((run.name.clone(), key.clone()), index) {
@@ -169,7 +218,49 @@ impl Planner {
             return self.findings.push(Finding::Plan(message));
         }
         let label = label(&run, repeated);
-        self.jobs.push(Job { index, run, robot, key, label });
+        self.jobs.push(Job { index, run, robot, key, label, role: Role::Run { reference } });
+    }
+
+    /// The reference of a run, made when no other run has it already.
+    fn add_reference(&mut self, of: &Run, run: Run, shape: Shape) -> Option<usize> {
+        let robot = self.robot(&run)?;
+        let key = self.key(&run, &robot)?;
+        let (index, other) = match self.known.get(&key) {
+            Some(known) => *known,
+            None => {
+                let known = (self.references.len(), self.build(&run, &robot)?);
+                self.known.insert(key.clone(), known);
+                let label = format!("reference {key}");
+                self.references.push(Job { index: known.0, run, robot, key, label, role: Role::Reference });
+                known
+            }
+        };
+        if other != shape {
+            let message = format!(
+                "the reference's robot has {} joints and {} soles, the run's {} and {}: they cannot be compared",
+                other.0, other.1, shape.0, shape.1
+            );
+            let error = of.error_at("compare.reference", message, None);
+            self.findings.push(Finding::Scenario(Box::new(error)));
+            return None;
+        }
+        Some(index)
+    }
+
+    /// Builds a run's setup to see that it can be built.
+    fn build(&mut self, run: &Run, robot: &Robot) -> Option<Shape> {
+        match setup(run, robot) {
+            Ok(setup) => Some((setup.model.nj(), setup.model.soles.len())),
+            Err(errors) => {
+                self.findings.extend(errors);
+                None
+            }
+        }
+    }
+
+    fn key(&mut self, run: &Run, robot: &Robot) -> Option<String> {
+        let key = keys::of(run, robot);
+        key.map_err(|message| self.findings.push(Finding::Plan(format!("{}: {message}", run.file.display())))).ok()
     }
 
     fn robot(&mut self, run: &Run) -> Option<Arc<Robot>> {
@@ -200,8 +291,7 @@ impl Planner {
 }
 
 fn label(run: &Run, repeated: bool) -> String {
-    // A truth that is swept along distinguishes nothing.
-    let named = run.parameters.iter().filter(|(name, _)| !name.starts_with("expect."));
+    let named = run.parameters.iter().filter(|(name, _)| !is_truth(name));
     let mut parts: Vec<String> = named.map(|(name, value)| format!("{name}={}", parameter(value))).collect();
     if repeated && !run.parameters.iter().any(|(name, _)| name == "seed") {
         parts.push(format!("seed={}", run.scenario.seed));

@@ -65,6 +65,26 @@ impl Progress {
         }
     }
 
+    /// A round of repetitions for timing begins.
+    pub(super) fn round(&self, round: u32, rounds: u32, runs: usize) {
+        let line = format!("timing: repetition {round} of {rounds}, {runs} one at a time");
+        match self {
+            Progress::Bar(bar) => {
+                bar.inc_length(runs as u64);
+                bar.set_message(line);
+            }
+            Progress::Lines => say(&line),
+            Progress::Silent => {}
+        }
+    }
+
+    /// A repetition ended.
+    pub(super) fn timed(&self) {
+        if let Progress::Bar(bar) = self {
+            bar.inc(1);
+        }
+    }
+
     /// Something else to say.
     pub(super) fn say(&self, line: &str) {
         match self {

@@ -4,8 +4,11 @@ use std::path::Path;
 
 use super::clock::Clock;
 use super::judge::judge;
-use super::{Body, Cancellation, Finished, Job, Options, Reason, Wanted, guard};
-use crate::record::{InputHash, RUN_SCHEMA, RunRecord, Timing, hash_input};
+use super::schedule::Against;
+use super::{Body, Cancellation, Finished, Job, Options, Reason, Role, Track, Wanted, guard};
+use crate::record::{
+    Comparison, InputHash, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, hash_input, metric,
+};
 use crate::sim::{Metrics, Outcome, Problems};
 
 /// How the body of a run ended.
@@ -19,22 +22,36 @@ pub struct End {
     pub metrics: Option<Metrics>,
     /// What else there is to tell a person.
     pub notes: Vec<String>,
+    /// How far it is from its reference.
+    pub comparison: Comparison,
+    /// Its motion, if it was to be kept.
+    pub trajectory: Option<ReferenceMotion>,
 }
 
 impl End {
     /// The end of a run that something went wrong with.
     pub fn error(message: impl Into<String>) -> Self {
-        Self { outcome: Outcome::Error, message: message.into(), metrics: None, notes: Vec::new() }
+        Self { message: message.into(), ..Self::of(Outcome::Error) }
+    }
+
+    /// An end of which there is nothing more to say.
+    pub fn of(outcome: Outcome) -> Self {
+        let (message, notes) = (String::new(), Vec::new());
+        Self { outcome, message, metrics: None, notes, comparison: Comparison::default(), trajectory: None }
     }
 }
 
-/// Runs a job: simulates, judges, writes `run.json` last. Whatever goes wrong is the run's outcome.
-pub(super) fn run(job: &Job, options: &Options, cancellation: &Cancellation, body: &Body<'_>) -> Finished {
+/// Runs a job: simulates, compares, judges, writes `run.json` last. Whatever goes wrong is the run's outcome. A reference
+/// leaves its trajectory, or words why there is none.
+pub(super) fn run(
+    job: &Job,
+    options: &Options,
+    cancellation: &Cancellation,
+    body: &Body<'_>,
+    against: Option<&Against>,
+) -> (Finished, Result<ReferenceMotion, String>) {
     let folder = job.folder(&options.output);
-    let wanted = Wanted {
-        log: (options.log && job.run.scenario.log.rate > 0.0).then(|| folder.join("log.mcap")),
-        problems: (options.problems != Problems::None).then(|| (folder.join("problems"), options.problems)),
-    };
+    let wanted = wanted(job, options, &folder, against);
     let clock = Clock::start();
     let mut end = guard::catch(|| body(job, &wanted, cancellation.flag())).unwrap_or_else(End::error);
     let timing = clock.read();
@@ -42,20 +59,71 @@ pub(super) fn run(job: &Job, options: &Options, cancellation: &Cancellation, bod
         end.outcome = Outcome::TimedOut;
         end.message = timed_out(options);
     }
-    let notes = std::mem::take(&mut end.notes);
+    let trajectory = keep(&mut end);
+    let mut notes = end.notes.clone();
     let mut record = record(job, end, timing);
+    record.comparison.reference = against.map(|a| a.key.clone());
+    notes.extend(against.and_then(|a| not_compared(&record, a)));
+    record.notes.clone_from(&notes);
+    record.comparison.truth = truths(job, &record);
     let (row, accepted) = judge(record.summary_row(), &job.run.scenario.expect);
     (record.outcome, record.message) = (row.outcome, row.message.clone());
     record.verdicts.clone_from(&row.verdicts);
     let path = folder.join("run.json");
     let left = [wanted.log, wanted.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
-    match record.write(&path) {
+    let finished = match record.write(&path) {
         Ok(()) => Finished { files: [path].into_iter().chain(left).collect(), notes, row, accepted },
         Err(error) => {
             (record.outcome, record.message) = (Outcome::Error, error.to_string());
             Finished { files: left.collect(), notes, row: record.summary_row(), accepted: false }
         }
+    };
+    (finished, trajectory)
+}
+
+/// A reference leaves its motion and its record, other runs what the options ask for.
+fn wanted(job: &Job, options: &Options, folder: &Path, against: Option<&Against>) -> Wanted {
+    let log = &job.run.scenario.log;
+    if job.role == Role::Reference {
+        return Wanted { track: Track::Keep(log.rate), ..Wanted::default() };
     }
+    Wanted {
+        log: (options.log && log.rate > 0.0).then(|| folder.join("log.mcap")),
+        problems: (options.problems != Problems::None).then(|| (folder.join("problems"), options.problems)),
+        track: against.and_then(|a| a.result.clone().ok()).map_or(Track::Nothing, Track::Compare),
+    }
+}
+
+/// The trajectory of a reference that ended as a run should.
+fn keep(end: &mut End) -> Result<ReferenceMotion, String> {
+    match (end.outcome, end.trajectory.take()) {
+        (Outcome::Passed | Outcome::Fallen, Some(trajectory)) => Ok(trajectory),
+        _ if end.message.is_empty() => Err(end.outcome.name().into()),
+        _ => Err(format!("{}: {}", end.outcome.name(), end.message)),
+    }
+}
+
+/// Why a run was not compared with its reference, or not to its end.
+fn not_compared(record: &RunRecord, against: &Against) -> Option<String> {
+    let trajectory = match &against.result {
+        Ok(trajectory) => trajectory,
+        Err(reason) => return Some(format!("not compared: its reference {} {reason}", against.key)),
+    };
+    match record.comparison.until_s {
+        Some(until) if until < record.metrics.duration_s || until < trajectory.end() => {
+            Some(format!("compared up to {until} s, the last instant that it and its reference both reached"))
+        }
+        Some(_) => None,
+        None => Some("not compared: it has no instant in common with its reference".into()),
+    }
+}
+
+/// Distances of what was measured from what is known to be true.
+fn truths(job: &Job, record: &RunRecord) -> Vec<TruthError> {
+    let row = record.summary_row();
+    let known = job.run.scenario.compare.iter().flat_map(|compare| &compare.truth);
+    let error = |name: &str, truth: f64| metric(&row, name).map(|measured| (measured - truth).abs());
+    known.map(|(name, truth)| TruthError { metric: name.0.clone(), error: error(&name.0, *truth) }).collect()
 }
 
 fn timed_out(options: &Options) -> String {
@@ -77,7 +145,9 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
         parameters: job.parameters(),
         verdicts: Vec::new(),
         metrics: end.metrics.unwrap_or_else(unmeasured),
-        program: concat!("stiction ", env!("CARGO_PKG_VERSION")).to_owned(),
+        comparison: end.comparison,
+        notes: end.notes,
+        program: PROGRAM.to_owned(),
         inputs: inputs(job),
         resolved: job.run.resolved_toml.clone(),
         timing,

@@ -6,14 +6,14 @@ use std::sync::atomic::AtomicBool;
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 
-use super::{End, Job, Wanted};
+use super::{End, Job, Track, Wanted};
 use crate::contact::frozen::Frozen;
-use crate::record::{Document, LogHeader, LogWriter, ProblemWriter, RecordError, Topics};
+use crate::record::{Comparator, Document, LogHeader, LogWriter, ProblemWriter, RecordError, ReferenceMotion, Topics};
 use crate::robot::{Model, Robot};
 use crate::scenario::LogTopic;
 use crate::sim::build::setup;
 use crate::sim::setup::Floor;
-use crate::sim::{Observer, Outcome, Problems, Setup, SimEvent, Simulation, Snapshot};
+use crate::sim::{Observer, Outcome, Problems, Sample, Setup, SimEvent, Simulation, Snapshot};
 
 /// Simulates a job. Ends at the next step once `cancel` is set.
 pub fn simulate(job: &Job, wanted: &Wanted, cancel: &AtomicBool) -> End {
@@ -31,6 +31,8 @@ pub fn simulate(job: &Job, wanted: &Wanted, cancel: &AtomicBool) -> End {
 struct Recorder {
     log: Option<LogWriter>,
     problems: Option<ProblemWriter>,
+    kept: Option<ReferenceMotion>,
+    compared: Option<Comparator>,
 }
 
 impl Recorder {
@@ -38,7 +40,14 @@ impl Recorder {
         let problems = |(folder, which): &(PathBuf, Problems)| {
             ProblemWriter::create(folder.clone(), &job.run.name, &job.key, *which)
         };
+        let (kept, compared) = match &wanted.track {
+            Track::Nothing => (None, None),
+            Track::Keep(rate) => (Some(ReferenceMotion::new(*rate, setup.model.nj(), setup.model.soles.len())), None),
+            Track::Compare(reference) => (None, Some(Comparator::new(reference.clone()))),
+        };
         Ok(Recorder {
+            kept,
+            compared,
             log: wanted.log.as_deref().map(|path| open_log(path, job, setup)).transpose()?,
             problems: wanted.problems.as_ref().map(problems).transpose()?,
         })
@@ -54,6 +63,17 @@ impl Observer for Recorder {
         self.log.as_mut().map_or(Ok(()), |log| log.event(event))
     }
 
+    fn sample_rate(&self) -> f64 {
+        let kept = self.kept.as_ref().map(ReferenceMotion::rate);
+        kept.or(self.compared.as_ref().map(Comparator::rate)).unwrap_or(0.0)
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), String> {
+        self.kept.iter_mut().for_each(|trajectory| trajectory.push(sample));
+        self.compared.iter_mut().for_each(|comparator| comparator.take(sample));
+        Ok(())
+    }
+
     fn problems(&self) -> Problems {
         self.problems.as_ref().map_or(Problems::None, ProblemWriter::which)
     }
@@ -67,6 +87,8 @@ fn recorded(setup: Setup, mut recorder: Recorder, cancel: &AtomicBool) -> End {
     let log_rate = if recorder.log.is_some() { setup.log_rate } else { 0.0 };
     let mut end = advance(Setup { log_rate, ..setup }, &mut recorder, cancel);
     end.notes.extend(recorder.problems.and_then(|p| p.summary()));
+    end.comparison = recorder.compared.map(|c| c.comparison()).unwrap_or_default();
+    end.trajectory = recorder.kept;
     // When cancelled, dropping it leaves a log that says of itself that it is not complete.
     let log = recorder.log.filter(|_| end.outcome != Outcome::Cancelled);
     match log.map_or(Ok(()), LogWriter::finish) {
@@ -81,7 +103,7 @@ fn advance(setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> En
         Err(stop) => return End { outcome: stop.outcome, ..End::error(stop.message) },
     };
     let (outcome, message) = simulation.run(observer, cancel);
-    End { outcome, message, metrics: Some(simulation.metrics().clone()), notes: Vec::new() }
+    End { message, metrics: Some(simulation.metrics().clone()), ..End::of(outcome) }
 }
 
 fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordError> {

@@ -5,7 +5,7 @@ use stiction::batch::Severity;
 
 use super::Exit;
 use super::prepare::Scenarios;
-use super::terminal::{plural, print};
+use super::terminal::{counted, plural, print};
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
@@ -23,7 +23,8 @@ impl Check {
             let runs = plan.jobs.iter().filter(|j| j.run.file == *file).count();
             text += &format!("{}: {}\n", file.display(), plural(runs, "run"));
         }
-        text += &format!("all good: {}, {}\n", plural(plan.files.len(), "scenario"), plural(plan.jobs.len(), "run"));
+        let runs = counted(plan.jobs.len(), plan.references.len());
+        text += &format!("all good: {}, {runs}\n", plural(plan.files.len(), "scenario"));
         print(&text)?;
         Ok(Exit::Success)
     }

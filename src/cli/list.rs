@@ -7,7 +7,7 @@ use stiction::record::ParamValue;
 
 use super::Exit;
 use super::prepare::Scenarios;
-use super::terminal::print;
+use super::terminal::{complain, counted, print};
 
 /// Arguments of `list`.
 #[derive(Args, Debug)]
@@ -34,6 +34,9 @@ impl List {
     /// Prints the runs in the order in which they would start.
     pub fn execute(self) -> Result<Exit, Exit> {
         let plan = self.scenarios.prepare(Severity::Warning)?;
+        if !plan.references.is_empty() {
+            complain(&counted(plan.jobs.len(), plan.references.len()));
+        }
         print(&match self.format {
             Format::Text => text(&plan),
             Format::Json => json(&plan),
@@ -62,6 +65,7 @@ fn json(plan: &Plan) -> String {
             "file": job.run.file.display().to_string(),
             "key": job.key,
             "seed": job.run.scenario.seed,
+            "reference": job.reference().map(|i| &plan.references[i].key),
             "parameters": parameters,
         })
     });

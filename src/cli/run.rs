@@ -7,12 +7,13 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use stiction::batch::{Batch, Options, Progress, Report, Severity, simulate};
+use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{Shown, table, verdicts};
 use stiction::sim::Problems;
 
 use super::Exit;
 use super::prepare::Scenarios;
-use super::terminal::{complain, plural, print};
+use super::terminal::{complain, counted, plural, print};
 
 /// Runs whose files are named one by one below the table.
 const MOST_NAMED: usize = 20;
@@ -42,6 +43,9 @@ pub struct Run {
     /// Runs side by side [default: one per processor]
     #[arg(short, long, value_name = "N")]
     jobs: Option<NonZero<usize>>,
+    /// Repeat no runs to time them
+    #[arg(long)]
+    no_timing: bool,
     /// Write no logs
     #[arg(long)]
     no_log: bool,
@@ -80,7 +84,8 @@ impl Run {
     /// Checks everything, runs everything, and shows what came of it.
     pub fn execute(self) -> Result<Exit, Exit> {
         let plan = self.scenarios.prepare(Severity::Note)?;
-        let runs = plan.jobs.len();
+        let (runs, references) = (plan.jobs.len(), plan.references.len());
+        let repetitions = if self.no_timing { 0 } else { plan.repetitions() };
         let options = Options {
             output: self.output.clone(),
             jobs: self.jobs.or(std::thread::available_parallelism().ok()).map_or(1, NonZero::get),
@@ -92,8 +97,9 @@ impl Run {
                 Some(Which::Inconsistent) => Problems::Inconsistent,
                 Some(Which::All) => Problems::All,
             },
+            timing: !self.no_timing,
         };
-        let side_by_side = options.jobs.min(runs);
+        let side_by_side = options.jobs.min(runs + references);
         let batch = Batch::new(plan, options).map_err(|error| {
             complain(&format!("error: {error}"));
             Exit::Invalid
@@ -102,8 +108,12 @@ impl Run {
         if let Err(error) = ctrlc::set_handler(move || interrupter.interrupt()) {
             complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
         }
-        complain(&format!("{}, {side_by_side} side by side", plural(runs, "run")));
-        let report = batch.run(Progress::on_stderr(runs), &simulate).map_err(|error| {
+        let then = match repetitions {
+            0 => String::new(),
+            n => format!(", then {} one at a time for timing", plural(n, "repetition")),
+        };
+        complain(&format!("{}, {side_by_side} side by side{then}", counted(runs, references)));
+        let report = batch.run(Progress::on_stderr(runs + references), &simulate).map_err(|error| {
             complain(&format!("error: {error}"));
             Exit::Unfinished
         })?;
@@ -116,6 +126,11 @@ impl Run {
 fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
     let rows = report.rows();
     let mut out = table(&rows);
+    let works: Vec<Work> = rows.iter().map(Work::of).collect();
+    let accuracy = pareto_table(&works);
+    if !accuracy.is_empty() {
+        out += &format!("\n{accuracy}");
+    }
     let judged = verdicts(&rows, shown(wanted, Shown::Values.count(&rows)));
     if !judged.is_empty() {
         out += &format!("\n{judged}");
@@ -124,6 +139,10 @@ fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
         // A String takes every write.
         let _ = writeln!(out, "{} not started", plural(report.not_started, "run"));
     }
+    for run in report.references.iter().filter(|r| !r.accepted) {
+        let (row, name) = (&run.row, run.row.outcome.name());
+        let _ = writeln!(out, "{name} {} reference {}: {}", row.scenario, row.key, row.message);
+    }
     for run in &report.finished {
         for note in &run.notes {
             let _ = writeln!(out, "{} {}: {note}", run.row.scenario, run.row.key);
@@ -131,8 +150,11 @@ fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
     }
     let Some(files) = &report.summary else { return out };
     out += "\nwritten:\n";
-    for path in [&files.csv, &files.parquet, &report.runs_log] {
+    for path in [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page) {
         let _ = writeln!(out, "  {}", path.display());
+    }
+    for file in report.references.iter().take(MOST_NAMED).flat_map(|f| &f.files) {
+        let _ = writeln!(out, "  {}", file.display());
     }
     for file in report.finished.iter().take(MOST_NAMED).flat_map(|f| &f.files) {
         let _ = writeln!(out, "  {}", file.display());

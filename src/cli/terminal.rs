@@ -50,3 +50,9 @@ pub fn show(findings: &Findings, least: Severity) {
 pub fn plural(n: usize, word: &str) -> String {
     if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") }
 }
+
+/// `3 runs`, `3 runs and 1 reference run`
+pub fn counted(runs: usize, references: usize) -> String {
+    let runs = plural(runs, "run");
+    if references == 0 { runs } else { format!("{runs} and {}", plural(references, "reference run")) }
+}

@@ -159,13 +159,13 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
         if state == SoleState::FREE {
             continue;
         }
-        let m = margin(p, states, s, solution);
+        let normal = normal_margin(p, state, s, solution);
         // In another state its friction is another; what it lost of its normal load, a smaller pattern may lack as well.
         let suspect = rules.suspect[s] & if state == rules.previous[s] { u8::MAX } else { SUSPECT_NORMAL };
         let floor = |bit: u8| if suspect & bit != 0 { CLEAR } else { -ROUNDING };
         // A face whose pressure rule gave up holds negative forces, wherever its centre of pressure is.
-        if !(m.normal >= floor(SUSPECT_NORMAL)) || !solution.inside[s] {
-            verdict.levels[1] += 1.0 + (-m.normal).max(0.0);
+        if !(normal >= floor(SUSPECT_NORMAL)) || !solution.inside[s] {
+            verdict.levels[1] += 1.0 + (-normal).max(0.0);
             faults.pulling = true;
         }
         let legal = match state.mode {
@@ -173,8 +173,11 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             Mode::Sliding => true,
             Mode::Pivoting(j) => !sole.vertices[j as usize].moving,
         };
-        if !legal || (state.is_dynamic() && !slides) || !(m.friction >= floor(SUSPECT_FRICTION)) {
-            verdict.levels[2] += 1.0 + (-m.friction).clamp(0.0, 1e6) + f64::from(!legal);
+        // Mostly the forces at hand show that the load is carried, and how far it is from slipping need not be known.
+        let certain = suspect & SUSPECT_FRICTION == 0 && carried(p, states, s, solution);
+        let friction = if certain { 0.0 } else { margin(p, states, s, solution).friction };
+        if !legal || (state.is_dynamic() && !slides) || !(friction >= floor(SUSPECT_FRICTION)) {
+            verdict.levels[2] += 1.0 + (-friction).clamp(0.0, 1e6) + f64::from(!legal);
             faults.friction = true;
         }
         verdict.rank[1] += state.normal_rows();
@@ -219,20 +222,7 @@ pub fn margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Ma
     if state.pattern == Pattern::Free {
         return m;
     }
-    m.normal = match state.pattern {
-        Pattern::Free => f64::INFINITY,
-        Pattern::Vertex(i) => n[i as usize],
-        Pattern::Edge(i) => n[i as usize].min(n[(i as usize + 1) % k]),
-        Pattern::Face if state.is_static() => border(sole, w[2], [-w[4], w[3]]),
-        Pattern::Face => {
-            let moment = |axis: usize| sole.vertices.iter().zip(n).map(|(v, n)| v.r[axis] * n).sum::<f64>();
-            border(sole, n.iter().sum(), [moment(0), moment(1)])
-        }
-    } / p.scale;
-    if !solution.inside[s] {
-        // No non-negative pressure carries this load, wherever its centre is.
-        m.normal = m.normal.min(-ROUNDING);
-    }
+    m.normal = normal_margin(p, state, s, solution);
     if group::is_shared(p, states, s)
         && let Some(joint) = group::joint(p, states, s, solution)
     {
@@ -272,6 +262,39 @@ pub fn margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Ma
         }
     } / p.scale;
     m
+}
+
+/// [`Margin::normal`] of one sole in its state.
+fn normal_margin(p: &Problem, state: SoleState, s: usize, solution: &Solution) -> f64 {
+    let sole = &p.soles[s];
+    let k = sole.vertices.len();
+    let n = &solution.normal[s];
+    let w = &solution.wrench[6 * s..6 * s + 6];
+    let margin = match state.pattern {
+        Pattern::Free => f64::INFINITY,
+        Pattern::Vertex(i) => n[i as usize],
+        Pattern::Edge(i) => n[i as usize].min(n[(i as usize + 1) % k]),
+        Pattern::Face if state.is_static() => border(sole, w[2], [-w[4], w[3]]),
+        Pattern::Face => {
+            let moment = |axis: usize| sole.vertices.iter().zip(n).map(|(v, n)| v.r[axis] * n).sum::<f64>();
+            border(sole, n.iter().sum(), [moment(0), moment(1)])
+        }
+    } / p.scale;
+    // No non-negative pressure carries such a load, wherever its centre is.
+    if solution.inside[s] { margin } else { margin.min(-ROUNDING) }
+}
+
+/// Do the vertex forces of a static face show that its friction carries the load? No says nothing.
+pub fn carried(p: &Problem, states: &States, s: usize, solution: &Solution) -> bool {
+    let sole = &p.soles[s];
+    let w = &solution.wrench[6 * s..6 * s + 6];
+    let mut points = [(0.0, Vector2::zeros()); 64];
+    let vertices = sole.vertices.iter().zip(&solution.normal[s]);
+    points.iter_mut().zip(vertices).for_each(|(point, (v, n))| *point = (v.mu_s * n.max(0.0), v.r.xy()));
+    let points = &points[..sole.vertices.len()];
+    states[s] == SoleState::fixed(Pattern::Face)
+        && !group::is_shared(p, states, s)
+        && capacity::carries(points, &solution.tangent[s], &Vector2::new(w[0], w[1]), w[5], sole.radius)
 }
 
 /// The directions in which the vertices of a sole give way whose friction load in `state` is at its limit. Vertices that

@@ -4,6 +4,8 @@
 use super::candidate::Solution;
 use super::exact::Exact;
 use super::judge::Rules;
+use super::lcp::{Lcp, LcpParameters};
+use super::ncp::{Ncp, NcpParameters};
 use super::one_step::OneStep;
 use super::penalty::{Penalty, PenaltyParameters};
 use super::problem::Problem;
@@ -12,7 +14,7 @@ use super::state::{SoleState, States};
 use serde::{Deserialize, Serialize};
 
 /// Names of the methods that [`make`] knows.
-pub const NAMES: [&str; 3] = ["exact", "one-step", "penalty"];
+pub const NAMES: [&str; 5] = ["exact", "one-step", "penalty", "lcp", "ncp"];
 
 /// What the methods can be told; each reads its own part.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -20,6 +22,10 @@ pub const NAMES: [&str; 3] = ["exact", "one-step", "penalty"];
 pub struct Parameters {
     /// Of `penalty`.
     pub penalty: PenaltyParameters,
+    /// Of `lcp`.
+    pub lcp: LcpParameters,
+    /// Of `ncp`.
+    pub ncp: NcpParameters,
 }
 
 /// The method of that name for problems of this size.
@@ -28,6 +34,8 @@ pub fn make(name: &str, parameters: &Parameters, p: &Problem) -> Option<Box<dyn 
         "exact" => Some(Box::new(Exact::new(p))),
         "one-step" => Some(Box::new(OneStep::new(p))),
         "penalty" => Some(Box::new(Penalty::new(p, parameters.penalty))),
+        "lcp" => Some(Box::new(Lcp::new(parameters.lcp, p))),
+        "ncp" => Some(Box::new(Ncp::new(parameters.ncp, p))),
         _ => None,
     }
 }
@@ -53,6 +61,9 @@ pub enum Manner {
     /// Gives forces for the present places and velocities, whatever they are: nothing is clamped, no velocity jumps, its
     /// states are labels.
     Compliant,
+    /// Knows only the velocities at the end of a fixed step and the impulses over it: it has no forces in between, chooses
+    /// no states beforehand, and says itself what each vertex carries.
+    Stepping,
 }
 
 /// Energy that a compliant method holds in its springs.
@@ -76,7 +87,7 @@ pub trait Method: Send {
 
     /// Are the vertex forces of its solutions its own? Else those of static soles are shared out of their wrenches.
     fn gives_vertex_forces(&self) -> bool {
-        self.manner() == Manner::Compliant
+        matches!(self.manner(), Manner::Compliant | Manner::Stepping)
     }
 
     /// Chooses the states at the acceleration level and leaves their wrenches in `out`, which holds the last known

@@ -127,7 +127,7 @@ impl Residual {
     }
 }
 
-/// How far the load of a static pattern is inside what its normal forces can carry, N.
+/// How far the load of a static pattern is inside what its normal forces can carry, N; zero for any that is inside.
 fn static_margin(
     sole: &SoleProblem,
     pattern: Pattern,
@@ -151,7 +151,11 @@ fn static_margin(
             let mut points = [(0.0, Vector2::zeros()); 64];
             (0..k).for_each(|i| points[i] = (carries(i), sole.vertices[i].r.xy()));
             // The wrench acts; its split over the vertices need not exist when nothing presses them down.
-            capacity::face(&points[..k], &Vector2::new(wrench[0], wrench[1]), wrench[5], sole.radius).0
+            let (points, force) = (&points[..k], Vector2::new(wrench[0], wrench[1]));
+            match capacity::carries(points, tangent, &force, wrench[5], sole.radius) {
+                true => 0.0,
+                false => capacity::face(points, &force, wrench[5], sole.radius).0,
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The columns of the summary: names, order and where each value comes from. These names are the user's contract.
 
-use super::{ParamValue, Verdict};
+use super::{Comparison, ParamValue, Repeats, Verdict};
 use crate::sim::{Metrics, Outcome};
 
 /// One run in the summary.
@@ -26,12 +26,16 @@ pub struct SummaryRow {
     pub verdicts: Vec<Verdict>,
     /// What was measured.
     pub metrics: Metrics,
+    /// How far it is from what it was compared with.
+    pub comparison: Comparison,
     /// Wall-clock time, s.
     pub wall_s: f64,
     /// Processor time, s.
     pub cpu_s: f64,
     /// Simulated over wall-clock time.
     pub real_time_factor: f64,
+    /// Times of its repetitions, if there were any.
+    pub repeats: Option<Repeats>,
 }
 
 /// A value of the summary that is a number.
@@ -101,11 +105,11 @@ pub(super) const COLUMNS: &[Column] = columns! {
     "max_lift_m" Real |r| Some(r.metrics.max_lift_m);
     "max_cone_excess" Real |r| Some(r.metrics.max_cone_excess);
     "energy_error_J" Real |r| Some(r.metrics.energy_error_j);
-    // Filled by a comparison with a reference run, and empty in a run of its own.
-    "error_position_rms_m" Real |_r| None;
-    "error_joint_rms_rad" Real |_r| None;
-    "error_force_rms_N" Real |_r| None;
-    "contact_state_agreement" Real |_r| None;
+    // Filled by a comparison with a reference run, and empty without one.
+    "error_position_rms_m" Real |r| r.comparison.error_position_rms_m;
+    "error_joint_rms_rad" Real |r| r.comparison.error_joint_rms_rad;
+    "error_force_rms_N" Real |r| r.comparison.error_force_rms_n;
+    "contact_state_agreement" Real |r| r.comparison.contact_state_agreement;
     "first_touchdown_s" Real |r| r.metrics.first_touchdown_s;
     "first_liftoff_s" Real |r| r.metrics.first_liftoff_s;
     "first_slip_s" Real |r| r.metrics.first_slip_s;
@@ -150,6 +154,12 @@ pub(super) const COLUMNS: &[Column] = columns! {
     "first_impact_speed_ratio" Real |r| r.metrics.first_impact_speed_ratio;
     "max_flight_path_drift_m" Real |r| Some(r.metrics.max_flight_path_drift_m);
     "max_flight_spin_drift_Nms" Real |r| Some(r.metrics.max_flight_spin_drift_nms);
+    "error_final_position_m" Real |r| r.comparison.error_final_position_m;
+    "error_final_rotation_rad" Real |r| r.comparison.error_final_rotation_rad;
+    "timing_wall_min_s" Real |r| r.repeats.map(|t| t.wall_min_s);
+    "timing_wall_median_s" Real |r| r.repeats.map(|t| t.wall_median_s);
+    "timing_cpu_min_s" Real |r| r.repeats.map(|t| t.cpu_min_s);
+    "timing_cpu_median_s" Real |r| r.repeats.map(|t| t.cpu_median_s);
 };
 
 /// Candidates tested per selection; empty when there was no selection.
@@ -168,12 +178,31 @@ pub const NUMERIC_COLUMNS: [&str; COLUMNS.len()] = {
     names
 };
 
-/// The value of a numeric column, by its name in [`NUMERIC_COLUMNS`]; `None` for another name and for an empty cell (a
-/// first-time mark of what never happened).
+/// The value of a numeric column, by its name in [`NUMERIC_COLUMNS`] or in [`truth_columns`]; `None` for another name and
+/// for an empty cell (a first-time mark of what never happened).
 pub fn metric(row: &SummaryRow, column: &str) -> Option<f64> {
-    let column = COLUMNS.iter().find(|c| c.name == column)?;
-    match (column.get)(row) {
+    let Some(fixed) = COLUMNS.iter().find(|c| c.name == column) else { return truth_error(row, column) };
+    match (fixed.get)(row) {
         Number::Count(n) => Some(n as f64),
         Number::Real(x) => x,
     }
+}
+
+/// Names of the columns `error_METRIC` that stand last in the summary, one for each metric of any row whose truth is
+/// known, in the order they are first met.
+pub fn truth_columns(rows: &[SummaryRow]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for truth in rows.iter().flat_map(|r| &r.comparison.truth) {
+        let name = truth.column();
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// The distance from a truth, by the name of its column.
+pub(super) fn truth_error(row: &SummaryRow, column: &str) -> Option<f64> {
+    let metric = column.strip_prefix("error_")?;
+    row.comparison.truth.iter().find(|t| t.metric == metric)?.error
 }

@@ -67,6 +67,22 @@ pub enum RecordError {
         /// The cause.
         source: polars::error::PolarsError,
     },
+    /// A picture of the report could not be drawn.
+    #[error("cannot draw {what}: {reason}")]
+    Plot {
+        /// What it shows.
+        what: String,
+        /// The cause.
+        reason: String,
+    },
+    /// The report could not be put together.
+    #[error("{path}: cannot write the report: {source}")]
+    Report {
+        /// The report.
+        path: PathBuf,
+        /// The cause.
+        source: minijinja::Error,
+    },
 }
 
 impl RecordError {

@@ -2,35 +2,44 @@
 //!
 //! | file | written by |
 //! |---|---|
-//! | `log.mcap` | [`LogWriter`], an [`Observer`](crate::sim::Observer) of one run |
+//! | `log.mcap` | [`LogWriter`], an [`Observer`](crate::sim::Observer) of one run; read by [`Trajectory`] |
 //! | `run.json` | [`RunRecord`] |
 //! | `problems/*.json` | [`ProblemWriter`], when asked for |
 //! | `runs.jsonl` | [`RunsLog`], one line as each run ends |
 //! | `summary.csv`, `summary.parquet` | [`write_summary`] |
+//! | `report.html` | [`write_report`] |
 //!
-//! [`table`] and [`verdicts`] are what a person sees of them. Every file but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is
+//! [`table`], [`verdicts`] and [`pareto::pareto_table`] are what a person sees of them. Every file but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is
 //! whole. Simulated results depend on the run alone; wall-clock figures have columns and an object of their own.
 
 mod atomic;
 mod columns;
+mod comparison;
 mod error;
 mod log;
 mod number;
 mod parameter;
+pub mod pareto;
 mod problems;
+mod reference_motion;
+mod report;
 mod run;
 mod runs_log;
 mod summary;
 mod table;
 mod verdict;
 
-pub use columns::{NUMERIC_COLUMNS, SummaryRow, metric};
+pub use columns::{NUMERIC_COLUMNS, SummaryRow, metric, truth_columns};
+pub use comparison::{Comparison, Repeats, TruthError};
 pub use error::RecordError;
 pub use log::messages;
+pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
-pub use parameter::ParamValue;
+pub use parameter::{ParamValue, is_truth};
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
-pub use run::{InputHash, Machine, RUN_SCHEMA, RunRecord, Timing, hash_input};
+pub use reference_motion::{Comparator, ReferenceMotion};
+pub use report::{Pictured, ReportRun, write_report};
+pub use run::{InputHash, Machine, PROGRAM, RUN_SCHEMA, RunRecord, Timing, hash_input};
 pub use runs_log::RunsLog;
 pub use summary::{SummaryFiles, summary_frame, write_summary};
 pub use table::table;

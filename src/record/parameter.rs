@@ -28,6 +28,11 @@ impl ParamValue {
     }
 }
 
+/// Is a swept parameter a truth that is swept along? It distinguishes no run from another.
+pub fn is_truth(name: &str) -> bool {
+    name.starts_with("expect.") || name.starts_with("compare.truth.")
+}
+
 /// Shortest text that reads back to the same value.
 impl fmt::Display for ParamValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,6 +1,6 @@
 //! `run.json`: what one run was, how it ended and what it measured.
 
-use super::{ParamValue, RecordError, SummaryRow, Verdict, atomic, number};
+use super::{Comparison, ParamValue, RecordError, Repeats, SummaryRow, Verdict, atomic, number};
 use crate::sim::{Metrics, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -9,6 +9,9 @@ use std::path::Path;
 
 /// Format version of `run.json`.
 pub const RUN_SCHEMA: u32 = 1;
+
+/// This program and its version, as records name them.
+pub const PROGRAM: &str = concat!("stiction ", env!("CARGO_PKG_VERSION"));
 
 /// The record of one finished run. Everything but `timing` depends on the run alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,6 +40,12 @@ pub struct RunRecord {
     /// What was measured.
     #[serde(with = "MetricsRecord")]
     pub metrics: Metrics,
+    /// How far it is from what it was compared with.
+    #[serde(default, skip_serializing_if = "Comparison::is_empty")]
+    pub comparison: Comparison,
+    /// What else there is to tell a person.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Program and version.
     pub program: String,
     /// Files the run was made of.
@@ -72,6 +81,9 @@ pub struct Timing {
     pub cpu_s: f64,
     /// Where.
     pub machine: Machine,
+    /// Times of its repetitions, if there were any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeats: Option<Repeats>,
 }
 
 /// The machine a run was made on.
@@ -141,9 +153,11 @@ impl RunRecord {
             parameters: self.parameters.clone(),
             verdicts: self.verdicts.clone(),
             metrics: self.metrics.clone(),
+            comparison: self.comparison.clone(),
             wall_s: self.timing.wall_s,
             cpu_s: self.timing.cpu_s,
             real_time_factor: self.metrics.duration_s / self.timing.wall_s,
+            repeats: self.timing.repeats,
         }
     }
 }

@@ -76,6 +76,9 @@ impl Serialize for Line<'_> {
                 Number::Real(x) => map.serialize_entry(column.name, &x.map(Real))?,
             }
         }
+        for truth in &row.comparison.truth {
+            map.serialize_entry(&truth.column(), &truth.error.map(Real))?;
+        }
         map.serialize_entry("verdicts", &row.verdicts)?;
         map.end()
     }

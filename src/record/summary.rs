@@ -1,6 +1,6 @@
 //! `summary.csv` and `summary.parquet`: one row per run.
 
-use super::columns::{COLUMNS, Number, TEXT_COLUMNS};
+use super::columns::{COLUMNS, Number, TEXT_COLUMNS, truth_columns, truth_error};
 use super::{ParamValue, RecordError, SummaryRow, atomic};
 use polars::prelude::{Column, DataFrame, NamedFrom, PolarsResult, Series};
 use polars_io::SerWriter;
@@ -36,7 +36,7 @@ pub fn write_summary(folder: &Path, rows: &[SummaryRow]) -> Result<SummaryFiles,
 }
 
 /// The summary as a table. Columns: identity and `seed`; the swept parameters of all rows, in the order they are first
-/// met, empty where a row lacks one; then the metrics.
+/// met, empty where a row lacks one; the metrics; the distances from known truths.
 ///
 /// # Errors
 /// A swept parameter has the name of a column.
@@ -45,7 +45,11 @@ pub fn summary_frame(rows: &[SummaryRow]) -> PolarsResult<DataFrame> {
     let seed = Series::new("seed".into(), rows.iter().map(|r| r.seed).collect::<Vec<_>>());
     let parameters = parameter_names(rows).into_iter().map(|name| parameter_series(name, rows));
     let metrics = COLUMNS.iter().map(|column| metric_series(column.name, column.get, rows));
-    let all = texts.chain([seed]).chain(parameters).chain(metrics).map(Column::from).collect();
+    let truths = truth_columns(rows).into_iter().map(|name| {
+        let errors: Vec<Option<f64>> = rows.iter().map(|row| truth_error(row, &name)).collect();
+        Series::new(name.into(), errors)
+    });
+    let all = texts.chain([seed]).chain(parameters).chain(metrics).chain(truths).map(Column::from).collect();
     DataFrame::new(rows.len(), all)
 }
 

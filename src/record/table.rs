@@ -1,6 +1,7 @@
 //! The table a person sees at the end of a batch.
 
 use super::SummaryRow;
+use super::parameter::is_truth;
 use super::summary::{parameter, parameter_names};
 use crate::sim::Outcome;
 use std::fmt::Write;
@@ -30,7 +31,7 @@ pub fn table(rows: &[SummaryRow]) -> String {
 fn lines(rows: &[SummaryRow]) -> String {
     let mut names = parameter_names(rows);
     // Swept truths are told with their verdicts.
-    names.retain(|name| !name.starts_with("expect."));
+    names.retain(|name| !is_truth(name));
     let mut header: Vec<String> = vec!["scenario".into()];
     header.extend(names.iter().map(|n| clip(n)));
     header

@@ -1,6 +1,7 @@
 //! Verdicts: what was expected of a run, what was measured, and how far apart they are.
 
 use super::number;
+use super::parameter::is_truth;
 use super::table::{align, clip};
 use super::{ParamValue, SummaryRow};
 use serde::{Deserialize, Serialize};
@@ -118,7 +119,7 @@ fn parameters(row: &SummaryRow) -> String {
         let dot = name.char_indices().rev().find(|&(i, c)| c == '.' && word(i));
         name[dot.map_or(0, |(i, _)| i + 1)..].to_owned()
     };
-    let named: Vec<_> = row.parameters.iter().filter(|(name, _)| !name.starts_with("expect.")).collect();
+    let named: Vec<_> = row.parameters.iter().filter(|(name, _)| !is_truth(name)).collect();
     let short = |name: &str| {
         let alone = named.iter().filter(|(other, _)| last(other) == last(name)).count() == 1;
         if alone { last(name) } else { name.to_owned() }

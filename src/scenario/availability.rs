@@ -12,8 +12,6 @@ use super::{
 const PLANNED: &[(&str, Option<&str>)] = &[
     ("robot.joint_default.mode", Some("kinematic")),
     ("robot.joint.*.mode", Some("kinematic")),
-    ("contact.method", Some("lcp")),
-    ("contact.method", Some("ncp")),
     ("integrator.method", Some("bs23")),
     ("integrator.method", Some("rk4")),
     ("control.estimator", Some("kinematic")),
@@ -31,11 +29,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("self_collision", None),
     ("sweep.list", None),
     ("sweep.random", None),
-    ("compare", None),
-    ("expect.*.metric", Some("error_position_rms_m")),
-    ("expect.*.metric", Some("error_joint_rms_rad")),
-    ("expect.*.metric", Some("error_force_rms_N")),
-    ("expect.*.metric", Some("contact_state_agreement")),
 ];
 
 /// Is this type of entry (`kind` is `task` or `force`) known but not available.

@@ -7,6 +7,7 @@ use super::{
     scenario::Scenario,
     source::Span,
     spec::{
+        compare::CompareSpec,
         expect::Expect,
         floor::Friction,
         force::ForceSpec,
@@ -15,6 +16,16 @@ use super::{
     },
     tree::Node,
 };
+
+/// Metrics that come of a reference run.
+const COMPARED: [&str; 6] = [
+    "error_position_rms_m",
+    "error_joint_rms_rad",
+    "error_force_rms_N",
+    "contact_state_agreement",
+    "error_final_position_m",
+    "error_final_rotation_rad",
+];
 
 /// A scenario whose single values are sound, its tree, and what is found.
 struct Check<'a> {
@@ -59,6 +70,10 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     }
     for (i, expect) in scenario.expect.iter().enumerate() {
         check.expect(&format!("expect.{i}"), expect);
+        check.compared(&format!("expect.{i}.metric"), expect, scenario.compare.as_ref());
+    }
+    if scenario.compare.as_ref().is_some_and(|compare| *compare == CompareSpec::default()) {
+        check.error("compare", "needs `reference`, `truth` or `timing_repeats`");
     }
 }
 
@@ -132,6 +147,14 @@ impl Check<'_> {
         if start >= end {
             let span = self.place(&format!("{path}.start")).1;
             self.findings.warning(span, format!("`{path}` starts at {start} s, but the run ends at {end} s"), None);
+        }
+    }
+
+    /// Errors against a reference run need one.
+    fn compared(&mut self, path: &str, expect: &Expect, compare: Option<&CompareSpec>) {
+        let reference = compare.is_some_and(|c| c.reference.is_some());
+        if let Some(metric) = expect.metric.as_deref().filter(|m| COMPARED.contains(m) && !reference) {
+            self.error(path, format!("names `{metric}`, which takes a reference run: `[compare]` with `reference`"));
         }
     }
 

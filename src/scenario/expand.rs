@@ -7,13 +7,15 @@ use std::{
 
 use super::{
     availability,
-    diagnostic::{Diagnostic, Diagnostics, Findings},
+    diagnostic::{Diagnostic, Diagnostics, Findings, Severity},
     file::{ScenarioFile, resolve},
     grid::Grid,
     overrides,
     path::Path,
+    reference::Reference,
     scenario::{self, Scenario},
     source::Sources,
+    spec::contact::{ContactMethod, LcpSpec, NcpSpec, PenaltySpec},
     tree::Node,
 };
 
@@ -41,6 +43,8 @@ pub struct Run {
     pub resolved_toml: String,
     /// What is probably not meant. A warning that several runs of a file share stands with the first of them.
     pub warnings: Diagnostics,
+    /// The run it is compared with.
+    pub reference: Option<Box<Run>>,
     /// Where the values come from.
     pub origin: Origin,
 }
@@ -62,15 +66,22 @@ impl Run {
     /// An error about the value at a dotted path (such as `force.0.link`), shown where that value of this run was written,
     /// be it in the file, its sweep or an override. For what can only be told with the robot at hand.
     pub fn error_at(&self, path: &str, message: impl Into<String>, help: Option<String>) -> Diagnostic {
-        self.diagnose(path, false, message.into(), help)
+        self.diagnose(path, Severity::Error, false, message.into(), help)
     }
 
     /// The same, shown at the key: for names that are keys, such as `task.0.joints.knee`.
     pub fn error_at_key(&self, path: &str, message: impl Into<String>, help: Option<String>) -> Diagnostic {
-        self.diagnose(path, true, message.into(), help)
+        self.diagnose(path, Severity::Error, true, message.into(), help)
     }
 
-    fn diagnose(&self, path: &str, at_key: bool, message: String, help: Option<String>) -> Diagnostic {
+    fn diagnose(
+        &self,
+        path: &str,
+        severity: Severity,
+        at_key: bool,
+        message: String,
+        help: Option<String>,
+    ) -> Diagnostic {
         let Origin { sources, base, swept } = &self.origin;
         let mut root = Node::clone(base);
         for (path, value) in swept {
@@ -78,7 +89,7 @@ impl Run {
             let _ = path.set(&mut root, value.clone());
         }
         let (key, value) = Path::internal(path).locate(&root);
-        Diagnostic::error(sources, if at_key { &key } else { &value }, message, help)
+        Diagnostic::new(severity, sources, if at_key { &key } else { &value }, message, help)
     }
 }
 
@@ -146,6 +157,7 @@ fn expand(
         }
         let (scenario, found) = scenario::read(&root);
         let mut warnings = findings.append(found).into_diagnostics(sources);
+        let reference = Reference::read(&root, sources, findings);
         if findings.errors() >= MAX_ERRORS {
             return None;
         }
@@ -153,26 +165,63 @@ fn expand(
         for repetition in 0..grid.repeat {
             let mut scenario = scenario.clone();
             scenario.seed += u64::from(repetition);
-            let resolved_toml = match resolved(&scenario) {
-                Ok(text) => text,
+            let mut make = |scenario: Scenario, values: &[(Path, Node)]| match resolved(&scenario) {
+                Ok(resolved_toml) => Some(Run {
+                    name: file.name(),
+                    file: file.path.clone(),
+                    index: runs.len(),
+                    resolved_toml,
+                    scenario,
+                    parameters: Vec::new(),
+                    warnings: Diagnostics::default(),
+                    reference: None,
+                    origin: Origin {
+                        sources: sources.clone(),
+                        base: base.clone(),
+                        swept: swept.iter().chain(values).cloned().collect(),
+                    },
+                }),
                 Err(message) => {
                     findings.error(Path::internal("seed").locate(&root).1, message, None);
-                    return None;
+                    None
                 }
             };
-            runs.push(Run {
-                name: file.name(),
-                file: file.path.clone(),
-                index: runs.len(),
-                resolved_toml,
-                scenario,
-                parameters: grid.parameters(&swept),
-                warnings: std::mem::take(&mut warnings),
-                origin: Origin { sources: sources.clone(), base: base.clone(), swept: swept.clone() },
-            });
+            let reference = match &reference {
+                Some(reference) => {
+                    let mut scenario = reference.scenario.clone();
+                    scenario.seed += if reference.fixes_seed() { 0 } else { u64::from(repetition) };
+                    Some(Box::new(make(scenario, &reference.values)?))
+                }
+                None => None,
+            };
+            let run = make(scenario, &[])?;
+            let (parameters, warnings) = (grid.parameters(&swept), std::mem::take(&mut warnings));
+            runs.push(Run { parameters, warnings, reference, ..run });
         }
     }
+    warn_of_idle(&mut runs);
     Some(runs)
+}
+
+/// Warns, with the first run, of parameters that are given to a contact method that no run of the file uses.
+fn warn_of_idle(runs: &mut [Run]) {
+    for method in [ContactMethod::Penalty, ContactMethod::Lcp, ContactMethod::Ncp] {
+        let told = |r: &Run| match method {
+            ContactMethod::Penalty => r.scenario.contact.penalty != PenaltySpec::default(),
+            ContactMethod::Lcp => r.scenario.contact.lcp != LcpSpec::default(),
+            ContactMethod::Ncp => r.scenario.contact.ncp != NcpSpec::default(),
+            ContactMethod::Exact | ContactMethod::OneStep => false,
+        };
+        if runs.iter().any(|r| r.scenario.contact.method == method) {
+            continue;
+        }
+        let name = method.name();
+        let Some(run) = runs.iter().find(|r| told(r)) else { continue };
+        let message =
+            format!("`contact.{name}` has no effect: `contact.method` is \"{}\"", run.scenario.contact.method.name());
+        let warning = run.diagnose(&format!("contact.{name}"), Severity::Warning, true, message, None);
+        runs[0].warnings.0.push(warning);
+    }
 }
 
 /// The scenario with every value written out.

@@ -21,6 +21,7 @@ mod overrides;
 mod path;
 mod polygon;
 mod quantity;
+mod reference;
 #[expect(clippy::module_inception)]
 mod scenario;
 mod schema;
@@ -37,14 +38,15 @@ pub use overrides::parse_override;
 pub use scenario::{FORMAT, Scenario};
 pub use schema::schema;
 pub use spec::{
+    compare::{CompareSpec, TruthMetric},
     contact::{
         ContactMethod, ContactSpec, ControlSpec, Estimator, EventHandling, ForcedState, IntegratorMethod,
-        IntegratorSpec,
+        IntegratorSpec, LcpSpec, NcpSpec, PenaltySpec,
     },
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
     force::{ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, Profile, PushForce},
-    planned::{CompareSpec, EventSpec, SelfCollisionSpec},
+    planned::{EventSpec, SelfCollisionSpec},
     robot::{
         BaseSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec, SoleSpec,
     },

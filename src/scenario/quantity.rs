@@ -43,6 +43,11 @@ pub fn count<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
     }
 }
 
+/// The same, where leaving it out means something else.
+pub fn some_count<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
+    count(d).map(Some)
+}
+
 /// Radians, or a string such as `"30 deg"`. For prismatic joints the number is metres.
 struct Angle(f64);
 /// Radians per second, or a string such as `"30 deg/s"`. For prismatic joints the number is metres per second.

@@ -11,11 +11,12 @@ use super::{
     diagnostic::Findings,
     quantity::{json, positive},
     spec::{
+        compare::CompareSpec,
         contact::{ContactSpec, ControlSpec, IntegratorSpec},
         expect::Expect,
         floor::FloorSpec,
         force::ForceSpec,
-        planned::{CompareSpec, EventSpec, SelfCollisionSpec},
+        planned::{EventSpec, SelfCollisionSpec},
         robot::RobotSpec,
         run::{LogSpec, StopSpec},
         sweep::SweepSpec,
@@ -74,7 +75,7 @@ pub struct Scenario {
     /// One file, many runs. A run that came out of an expansion has none.
     #[serde(skip_serializing_if = "SweepSpec::is_single")]
     pub sweep: SweepSpec,
-    /// Accuracy against a reference run.
+    /// Accuracy and cost.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compare: Option<CompareSpec>,
 }

@@ -221,7 +221,7 @@ impl Adaptive {
         })
     }
 
-    /// Logged instants inside the step, from the dense output; physics never waits for the log.
+    /// Logged and sampled instants inside the step, from the dense output; physics never waits for the log.
     fn snapshots(
         &mut self,
         sim: &mut Simulation,
@@ -233,12 +233,18 @@ impl Adaptive {
         // What the log asks for is not part of the run's cost.
         let evaluations = sim.plant.evaluations;
         let mut moved = false;
-        while let Some(t) = sim.next_snapshot().filter(|&t| t < t1) {
+        let due = |next: Option<f64>| next.filter(|&t| t < t1);
+        while let Some(t) = due(sim.next_snapshot()).into_iter().chain(due(sim.next_sample())).reduce(f64::min) {
             self.rk.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
             sim.plant.layout.unpack(t, &self.dense, &mut sim.plant.state);
             sim.plant.evaluate();
             sim.flows = sim.plant.layout.flows(&self.dense);
-            sim.tell(observer)?;
+            if sim.next_sample() == Some(t) {
+                sim.sample_here(observer)?;
+            }
+            if sim.next_snapshot() == Some(t) {
+                sim.tell(observer)?;
+            }
             moved = true;
         }
         if moved {

@@ -2,7 +2,9 @@
 
 use super::patch::Patch;
 use super::setup::{ContactSetup, Floor, Forced, IntegratorSetup, Setup, Start};
+use crate::contact::lcp::LcpParameters;
 use crate::contact::method::Parameters;
+use crate::contact::ncp::NcpParameters;
 use crate::contact::penalty::PenaltyParameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
@@ -14,9 +16,9 @@ use crate::force::wrench::Wrench;
 use crate::robot::adjust::{self, DriveSettings};
 use crate::robot::{Base, DriveMode, JointId, Model, Robot};
 use crate::scenario::{
-    ConstantForce, ContactMethod, Diagnostic, Diagnostics, EventHandling, FloorSpec, ForceFrame, ForceSpec,
-    IntegratorMethod, JointLimits, JointMode, PatchSpec, Profile as ProfileSpec, PushForce, Run, SoleSpec, TaskSpec,
-    suggest,
+    ConstantForce, ContactMethod, ContactSpec, Diagnostic, Diagnostics, EventHandling, FloorSpec, ForceFrame,
+    ForceSpec, IntegratorMethod, JointLimits, JointMode, PatchSpec, Profile as ProfileSpec, PushForce, Run, SoleSpec,
+    TaskSpec, suggest,
 };
 use crate::task::posture::Posture;
 use crate::task::{Command, TaskServer};
@@ -53,7 +55,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     }
     let contact = ContactSetup {
         method: s.contact.method.name().to_owned(),
-        parameters: parameters(run),
+        parameters: parameters(&s.contact),
         tolerances: Tolerances {
             distance: s.contact.distance_tolerance,
             velocity: s.contact.velocity_tolerance,
@@ -83,6 +85,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         let help = "it works with method `exact` and integrator `dopri5`".to_owned();
         errors.push(run.error_at("contact.restitution", message, Some(help)));
     }
+    time_stepping(run, &model, &mut errors);
     if !errors.is_empty() {
         return Err(Diagnostics(errors));
     }
@@ -102,6 +105,55 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     })
 }
 
+fn parameters(spec: &ContactSpec) -> Parameters {
+    let springs = &spec.penalty;
+    Parameters {
+        penalty: PenaltyParameters {
+            stiffness: springs.stiffness,
+            damping: springs.damping,
+            slip_velocity: springs.slip_velocity,
+        },
+        lcp: LcpParameters { facets: spec.lcp.facets },
+        ncp: NcpParameters { iterations: spec.ncp.iterations, tolerance: spec.ncp.tolerance },
+    }
+}
+
+/// Unknowns of an `lcp` problem beyond which its dictionary (8 bytes times their square) takes too much memory.
+const MOST_UNKNOWNS: usize = 4096;
+
+/// What the methods that step in time cannot do.
+fn time_stepping(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
+    let contact = &run.scenario.contact;
+    if !matches!(contact.method, ContactMethod::Lcp | ContactMethod::Ncp) {
+        return;
+    }
+    let (method, integrator) = (contact.method.name(), run.scenario.integrator.method);
+    if integrator != IntegratorMethod::SemiImplicit {
+        let message = format!(
+            "`contact.method` = \"{method}\" knows only impulses over a fixed step and does not run with \
+             `integrator.method` = \"{}\"",
+            integrator.name()
+        );
+        let help = "set `integrator.method` = \"semi-implicit\"".to_owned();
+        errors.push(run.error_at("contact.method", message, Some(help)));
+    }
+    if !contact.forced.is_empty() {
+        let message = format!("`contact.forced` is not available with `contact.method` = \"{method}\"");
+        let help = "this method chooses no states; `exact` and `one-step` can be told theirs".to_owned();
+        errors.push(run.error_at("contact.forced", message, Some(help)));
+    }
+    let vertices = model.soles.iter().map(|s| s.vertices.len()).sum();
+    let unknowns = parameters(contact).lcp.unknowns(vertices);
+    if contact.method == ContactMethod::Lcp && unknowns > MOST_UNKNOWNS {
+        let message = format!(
+            "`contact.lcp.facets` = {} makes {unknowns} unknowns of the {vertices} vertices of the robot's soles; at \
+             most {MOST_UNKNOWNS} are allowed",
+            contact.lcp.facets
+        );
+        errors.push(run.error_at("contact.lcp.facets", message, None));
+    }
+}
+
 /// Cosine of the tilt from which on nothing can be projected onto the floor from above.
 const STEEPEST: f64 = 1e-6;
 
@@ -112,12 +164,6 @@ fn patches(floor: &FloorSpec) -> Vec<Patch> {
         mu_k: p.friction.kinetic,
     };
     floor.patches.iter().map(patch).collect()
-}
-
-fn parameters(run: &Run) -> Parameters {
-    let spec = &run.scenario.contact.penalty;
-    let (stiffness, damping, slip_velocity) = (spec.stiffness, spec.damping, spec.slip_velocity);
-    Parameters { penalty: PenaltyParameters { stiffness, damping, slip_velocity } }
 }
 
 /// Slip speeds that the integrator cannot tell from rest: ten times its absolute tolerance. Fixed steps resolve zero

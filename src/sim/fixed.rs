@@ -13,7 +13,7 @@ use super::error::Stop;
 use super::project::fit_plane;
 use super::report::Observer;
 use super::simulation::Simulation;
-use crate::contact::method::Question;
+use crate::contact::method::{Manner, Question};
 use crate::contact::problem::Level;
 use crate::contact::state::SoleState;
 use crate::dynamics::reduced;
@@ -31,6 +31,16 @@ impl Fixed {
         Fixed { dt, begun: false }
     }
 
+    /// Prepares the run of a method that has no forces outside a step: its states and forces at the start are those of
+    /// the first step.
+    pub fn look_ahead(&mut self, sim: &mut Simulation, observer: &mut dyn Observer) -> Result<(), Stop> {
+        sim.plant.within = sim.plant.state.time + 0.5 * self.dt;
+        self.decide(sim, self.dt, observer)?;
+        sim.plant.solution.scale(1.0 / self.dt);
+        sim.plant.refresh();
+        Ok(())
+    }
+
     /// One step, shortened only to end at `until`.
     pub fn step(&mut self, sim: &mut Simulation, until: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
         let t = sim.plant.state.time;
@@ -40,20 +50,10 @@ impl Fixed {
             self.begun = true;
             sim.snapshot_now(t, observer)?;
         }
+        sim.begin_samples();
         sim.plant.within = t + 0.5 * dt;
-        sim.plant.evaluate_implicit(dt);
-        if let Some(failure) = sim.plant.failure {
-            return Err(sim.diverged(&failure.to_string()));
-        }
-        sim.find_friction(observer)?;
-        sim.audit();
         let stored = sim.plant.stored().energy;
-        self.pose(sim, dt);
-        if sim.plant.is_compliant() {
-            sim.comply_for_step(observer)?
-        } else {
-            sim.choose_impulse(observer)?
-        }
+        self.decide(sim, dt, observer)?;
         // v+ = v + dt M^-1 (tau - h) + M^-1 J^T p
         let plant = &mut sim.plant;
         sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
@@ -76,14 +76,28 @@ impl Fixed {
             sim.creep();
         }
         sim.measure();
+        sim.sample_step(observer)?;
         let now = sim.plant.state.time;
         sim.snapshot_now(now, observer)
+    }
+
+    /// Poses the problem of a step at the present state and solves it.
+    fn decide(&self, sim: &mut Simulation, dt: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
+        sim.plant.evaluate_implicit(dt);
+        if let Some(failure) = sim.plant.failure {
+            return Err(sim.diverged(&failure.to_string()));
+        }
+        sim.find_friction(observer)?;
+        sim.audit();
+        self.pose(sim, dt);
+        if sim.plant.is_compliant() { sim.comply_for_step(observer) } else { sim.choose_impulse(observer) }
     }
 
     /// Turns the reduced problem into the velocity-level one of this step.
     fn pose(&self, sim: &mut Simulation, dt: f64) {
         let tol = sim.tolerances;
         let plant = &mut sim.plant;
+        let manner = plant.method.manner();
         let p = &mut plant.problem;
         (p.level, p.step) = (Level::Velocity, dt);
         for ((b, a), v) in p.b.iter_mut().zip(&plant.reduced.a0).zip(&plant.reduced.velocity) {
@@ -95,8 +109,13 @@ impl Fixed {
             }
             // Only a method that looks where the step leads clamps just what closes its gap within it. One that decides
             // from heights may clamp a vertex a whole distance tolerance up, and stops it there.
-            let closes = plant.method.locates_events();
-            let gap = fit_plane(&p.soles[s], |i| if closes { p.soles[s].vertices[i].height.max(0.0) } else { 0.0 });
+            let closes = matches!(manner, Manner::Searching | Manner::Stepping);
+            let gap = fit_plane(&p.soles[s], |i| match manner {
+                Manner::Searching => p.soles[s].vertices[i].height.max(0.0),
+                Manner::Deciding | Manner::Compliant => 0.0,
+                // What is below the floor comes up again.
+                Manner::Stepping => p.soles[s].vertices[i].height,
+            });
             p.soles[s].target = gap * (-1.0 / dt);
             let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm()).fold(0.0, f64::max);
             for i in 0..p.soles[s].vertices.len() {

@@ -20,6 +20,7 @@ pub mod patch;
 pub mod plant;
 mod project;
 pub mod report;
+mod sample;
 pub mod setup;
 pub mod simulation;
 mod watch;

@@ -45,6 +45,8 @@ pub struct Plant {
     pub stops: Option<Vec<Stop>>,
     /// State of the last evaluation.
     pub state: State,
+    /// The state that the kinematics in `ws` belong to.
+    placed: State,
     /// Dynamics at that state.
     pub ws: Workspace,
     /// W, a0 and sole velocities at that state.
@@ -112,6 +114,7 @@ impl Plant {
             forces: std::mem::take(&mut setup.forces),
             command: setup.tasks.command.clone(),
             stops,
+            placed: state.clone(),
             state,
             reduced: reduced::Reduced::new(&model, &ws),
             solution: Solution::new(&problem),
@@ -141,7 +144,7 @@ impl Plant {
     /// Everything at `self.state` that does not depend on contact: tau, M and its factor, W, a0, the vertices.
     pub fn evaluate_free(&mut self) {
         self.evaluations += 1;
-        kinematics::update(&self.model, &self.state, &mut self.ws);
+        self.move_links();
         self.efforts(None);
         self.shift.fill(0.0);
         self.finish_free();
@@ -151,7 +154,7 @@ impl Plant {
     /// the end of the step, which adds `dt (kd + d) + dt^2 kp` to the diagonal of M.
     pub fn evaluate_implicit(&mut self, dt: f64) {
         self.evaluations += 1;
-        kinematics::update(&self.model, &self.state, &mut self.ws);
+        self.move_links();
         self.efforts(Some(dt));
         let nb = self.model.nb();
         for (j, joint) in self.model.joints.iter().enumerate() {
@@ -161,6 +164,16 @@ impl Plant {
             self.shift[nb + j] = dt * joint.damping + gains;
         }
         self.finish_free();
+    }
+
+    /// Brings the kinematics to `self.state`, unless they are there: a fixed step begins where the last one ended.
+    fn move_links(&mut self) {
+        let (state, at) = (&self.state, &mut self.placed);
+        at.time = state.time;
+        if *at != *state {
+            at.copy_from(state);
+            kinematics::update(&self.model, state, &mut self.ws);
+        }
     }
 
     /// Fills tau with actuators, passive joint efforts and external forces. With a step size the position servo is
@@ -215,7 +228,7 @@ impl Plant {
 
     /// Brings kinematics and vertices to `self.state`; forces stay those of the last step.
     pub fn refresh(&mut self) {
-        kinematics::update(&self.model, &self.state, &mut self.ws);
+        self.move_links();
         reduced::geometry(&self.model, &self.ws, &self.floor.rotation, &mut self.reduced);
         self.place_vertices();
     }

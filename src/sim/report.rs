@@ -4,7 +4,8 @@
 use super::ledger::Balance;
 use crate::contact::frozen::Frozen;
 use crate::contact::residual::Residual;
-use nalgebra::{Isometry3, Vector3};
+use crate::contact::state::SoleState;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 /// The state of a run at one logged instant. World axes, SI units.
 #[derive(Clone, Debug, Default)]
@@ -45,6 +46,25 @@ pub struct Snapshot {
     pub residual: Residual,
     /// The energy balance since the start.
     pub energy: Balance,
+}
+
+/// Motion and contact at an instant of comparison. World axes, SI units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Which instant: `index / rate` seconds, and the run's end as the last.
+    pub index: usize,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Origin of the root link's frame, m.
+    pub position: Vector3<f64>,
+    /// Its orientation.
+    pub rotation: UnitQuaternion<f64>,
+    /// Joint positions, rad or m.
+    pub joints: Vec<f64>,
+    /// Force of the floor on each sole, N.
+    pub forces: Vec<Vector3<f64>>,
+    /// Contact state of each sole.
+    pub states: Vec<SoleState>,
 }
 
 /// One sole at one instant.
@@ -252,6 +272,15 @@ pub trait Observer {
     fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String>;
     /// Called at once for every event, in time order.
     fn event(&mut self, event: &SimEvent) -> Result<(), String>;
+    /// How many samples per simulated second it wants; the same answer throughout a run. 0: none.
+    fn sample_rate(&self) -> f64 {
+        0.0
+    }
+    /// Called with samples in time order: at `k / rate` before the end of the run, and there if it was reached. Unlike
+    /// snapshots they stand at these instants exactly.
+    fn sample(&mut self, _: &Sample) -> Result<(), String> {
+        Ok(())
+    }
     /// Which contact problems it wants to be told of; the same answer throughout a run.
     fn problems(&self) -> Problems {
         Problems::None

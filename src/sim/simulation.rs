@@ -8,11 +8,12 @@ use super::marks::Marks;
 use super::measure::Tally;
 use super::plant::Plant;
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
+use super::sample::Sampler;
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
 use crate::contact::candidate::Solution;
 use crate::contact::frozen::Frozen;
 use crate::contact::judge::TOUCHING;
-use crate::contact::method;
+use crate::contact::method::{self, Manner};
 use crate::contact::problem::{Problem, Tolerances};
 use crate::contact::state::MAX_SOLES;
 use crate::task::{Context, TaskServer};
@@ -66,6 +67,8 @@ pub struct Simulation {
     pub(super) frozen: Option<Box<Frozen>>,
     pub(super) displacement: Vec<f64>,
     pub(super) snapshot: Snapshot,
+    /// None when nobody wants samples.
+    pub(super) sampler: Option<Box<Sampler>>,
     /// Has the first choice of states been made?
     pub(super) started: bool,
     corners: Vec<f64>,
@@ -146,6 +149,7 @@ impl Simulation {
             frozen: None,
             displacement: vec![0.0; model.nv()],
             snapshot,
+            sampler: None,
             started: false,
             corners,
             stepper: Some(stepper),
@@ -189,10 +193,20 @@ impl Simulation {
 
     /// Prepares the first step; [`run`](Self::run) does it by itself.
     pub fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let rate = observer.sample_rate();
+        self.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, self.duration, &self.plant.state)));
         self.run_tasks(observer)?;
         self.plant.within = 0.0;
         self.tell_imposed(observer)?;
-        self.decide(observer)?;
+        let mut stepper = self.stepper.take();
+        let begun = match &mut stepper {
+            Some(Stepper::Fixed(fixed)) if self.plant.method.manner() == Manner::Stepping => {
+                fixed.look_ahead(self, observer)
+            }
+            _ => self.decide(observer),
+        };
+        self.stepper = stepper;
+        begun?;
         self.started = true;
         self.measure();
         Ok(())
@@ -240,6 +254,7 @@ impl Simulation {
 
     fn finish(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         self.plant.evaluate();
+        self.sample_end(observer)?;
         self.tell(observer)
     }
 

@@ -11,6 +11,7 @@ mod hard;
 mod incline;
 mod jump;
 mod landing;
+mod one_step;
 mod painleve;
 mod patches;
 mod penalty;

@@ -26,6 +26,7 @@ fn run(place: &Place, plan: Plan, jobs: usize, body: &stiction::batch::Body<'_>)
         timeout: None,
         fail_fast: false,
         problems: Problems::None,
+        timing: true,
     };
     Batch::new(plan, options).unwrap().run(Progress::Silent, body).unwrap()
 }
@@ -46,7 +47,7 @@ fn break_down(job: &Job, log: &Path) -> End {
     let _writer = LogWriter::create(log, &job.robot.model, &header).unwrap();
     let nothing: Vec<f64> = Vec::new();
     let missing = job.index + nothing.len();
-    End { outcome: Outcome::Passed, message: format!("{}", nothing[missing]), metrics: None, notes: vec![] }
+    End { message: format!("{}", nothing[missing]), ..End::of(Outcome::Passed) }
 }
 
 #[test]
@@ -91,7 +92,7 @@ fn rows_stand_in_the_order_of_the_plan_whatever_ends_first() {
             5 => sender.lock().unwrap().send(()).unwrap(),
             _ => {}
         }
-        End { outcome: Outcome::Passed, message: String::new(), metrics: None, notes: vec![] }
+        End::of(Outcome::Passed)
     };
     let report = run(&place, plan, 2, &body);
     let seeds: Vec<u64> = report.finished.iter().map(|f| f.row.seed).collect();

@@ -11,7 +11,7 @@ use stiction::contact::problem::{Level, Problem};
 use stiction::contact::select::Selection;
 
 /// Velocities before: of the centre of mass up to 2 m/s, downwards 0.2 to 2.2 m/s, turning up to 6 rad/s.
-fn falling(body: &Rigid, velocity: &Vector3<f64>, spin: &Vector3<f64>) -> Problem {
+pub fn falling(body: &Rigid, velocity: &Vector3<f64>, spin: &Vector3<f64>) -> Problem {
     let mut p = body.problem(Level::Velocity, &Vector3::zeros(), &Vector3::zeros());
     let com = Vector3::new(2.0 * velocity.x, 2.0 * velocity.y, velocity.z - 1.2);
     let before = body.motion(&com, &(spin * 6.0));

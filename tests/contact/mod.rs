@@ -8,3 +8,4 @@ mod pairs;
 mod residual;
 mod rest;
 mod rigid;
+mod stepping;

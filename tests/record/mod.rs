@@ -3,6 +3,7 @@
 mod log;
 mod log_values;
 mod problems;
+mod read_log;
 mod run;
 mod sample;
 mod summary;

@@ -1,7 +1,10 @@
 //! `run.json` and `runs.jsonl`, written and read back.
 
 use std::path::Path;
-use stiction::record::{Machine, ParamValue, RUN_SCHEMA, RecordError, RunRecord, RunsLog, Timing, Verdict, hash_input};
+use stiction::record::{
+    Comparison, Machine, ParamValue, RUN_SCHEMA, RecordError, Repeats, RunRecord, RunsLog, Timing, TruthError, Verdict,
+    hash_input,
+};
 use stiction::sim::{Metrics, Outcome};
 
 /// Metrics whose digits would show any rounding on the way.
@@ -92,6 +95,29 @@ pub fn verdicts() -> Vec<Verdict> {
     vec![near, beyond, never]
 }
 
+/// One error that is no number, one that is none, two truths.
+fn comparison() -> Comparison {
+    Comparison {
+        reference: Some("89abcdef01234567".into()),
+        instants: 201,
+        until_s: Some(0.1 + 0.2),
+        error_position_rms_m: Some(1e-9 / 3.0),
+        error_joint_rms_rad: None,
+        error_force_rms_n: Some(f64::INFINITY),
+        contact_state_agreement: Some(2.0 / 3.0),
+        error_final_position_m: Some(4e-10),
+        error_final_rotation_rad: Some(5e-324),
+        truth: vec![
+            TruthError { metric: "final_base_x".into(), error: Some(0.7e-6) },
+            TruthError { metric: "first_slip_s".into(), error: None },
+        ],
+    }
+}
+
+fn repeats() -> Repeats {
+    Repeats { count: 5, wall_min_s: 0.3, wall_median_s: 0.31, cpu_min_s: 0.2, cpu_median_s: 0.1 + 0.11 }
+}
+
 pub fn record() -> RunRecord {
     RunRecord {
         schema: RUN_SCHEMA,
@@ -110,10 +136,12 @@ pub fn record() -> RunRecord {
         ],
         verdicts: verdicts(),
         metrics: metrics(),
+        comparison: comparison(),
+        notes: vec!["told to a person".into()],
         program: "stiction 0.1.0".into(),
         inputs: vec![hash_input("block.urdf", b"abc")],
         resolved: "schema = 1\n[robot]\nmodel = \"größe.urdf\"\n".into(),
-        timing: Timing { wall_s: 0.7, cpu_s: 0.1 + 0.7, machine: Machine::here() },
+        timing: Timing { wall_s: 0.7, cpu_s: 0.1 + 0.7, machine: Machine::here(), repeats: Some(repeats()) },
     }
 }
 
@@ -131,6 +159,15 @@ fn a_record_reads_back_to_the_last_bit() {
     assert_eq!(back, record);
     // Equality of floats does not see the sign of zero.
     assert!(back.metrics.final_base_rpy[1].is_sign_negative());
+}
+
+#[test]
+fn a_record_without_a_comparison_says_nothing_of_one_and_reads_back() {
+    let mut record = RunRecord { comparison: Comparison::default(), ..record() };
+    record.timing.repeats = None;
+    let json = serde_json::to_value(&record).unwrap();
+    assert!(json.get("comparison").is_none() && json["timing"].get("repeats").is_none(), "as older programs wrote it");
+    assert_eq!(read_back(&record), record);
 }
 
 #[test]
@@ -162,7 +199,7 @@ fn inputs_are_hashed_with_blake3() {
 fn timings_and_machine_are_apart_from_results() {
     let json: serde_json::Value = serde_json::to_value(record()).unwrap();
     let timing = json["timing"].as_object().unwrap();
-    assert_eq!(timing.keys().collect::<Vec<_>>(), ["cpu_s", "machine", "wall_s"]);
+    assert_eq!(timing.keys().collect::<Vec<_>>(), ["cpu_s", "machine", "repeats", "wall_s"]);
     assert_eq!(timing["machine"]["os"], std::env::consts::OS);
     assert_eq!(json["outcome"], "fallen");
     assert_eq!(json["metrics"]["energy_error_J"], -4.900_000_000_000_001);
@@ -208,6 +245,8 @@ fn runs_jsonl_has_a_whole_line_at_once_for_every_run() {
     assert_eq!(lines[0]["seed"].as_u64(), Some(u64::MAX));
     assert_eq!(lines[0]["final_base_x"].as_f64(), Some(1.0 / 3.0));
     assert_eq!(lines[0]["first_liftoff_s"], serde_json::Value::Null);
+    assert_eq!(lines[0]["error_final_base_x"].as_f64(), Some(0.7e-6));
+    assert_eq!(lines[0]["error_first_slip_s"], serde_json::Value::Null);
 }
 
 #[test]

@@ -6,7 +6,9 @@ use polars_io::SerReader;
 use polars_io::csv::read::CsvReadOptions;
 use polars_io::parquet::read::ParquetReader;
 use std::fs::File;
-use stiction::record::{NUMERIC_COLUMNS, ParamValue, Shown, SummaryRow, metric, table, verdicts, write_summary};
+use stiction::record::{
+    Comparison, NUMERIC_COLUMNS, ParamValue, Shown, SummaryRow, metric, table, verdicts, write_summary,
+};
 use stiction::sim::Outcome;
 
 /// The contract, typed from the description for users.
@@ -16,7 +18,11 @@ const AFTER: &str = "duration_s, wall_s, cpu_s, real_time_factor, steps, rejecte
     final_base_z, final_base_roll, final_base_pitch, final_base_yaw, final_base_vx, final_base_vy, final_base_vz, \
     max_penetration_m, max_static_creep_m, max_lift_m, max_cone_excess, energy_error_J, error_position_rms_m, \
     error_joint_rms_rad, error_force_rms_N, contact_state_agreement, first_touchdown_s, first_liftoff_s, \
-    first_slip_s, first_stick_s, first_fall_s, max_projection_m, rms_penetration_m, max_tension_N, rms_tension_N, max_signorini_Nm, rms_signorini_Nm, rms_cone_excess_N, max_dissipation_gap_W, rms_dissipation_gap_W, max_creep_speed_m_per_s, rms_creep_speed_m_per_s, max_resultant_gap_N, force_flickers, max_energy_error_J, rms_energy_error_J, energy_change_J, actuator_work_J, external_work_J, joint_loss_J, friction_loss_J, impact_loss_J, final_base_wx_rad_s, final_base_wy_rad_s, final_base_wz_rad_s, final_com_x_m, final_com_y_m, final_com_z_m, final_com_vx_m_s, final_com_vy_m_s, final_com_vz_m_s, final_base_shift_m, final_base_sideways_m, final_normal_force_N, final_cop_offset_m, first_tip_s, last_impact_s, first_impact_speed_ratio, max_flight_path_drift_m, max_flight_spin_drift_Nms";
+    first_slip_s, first_stick_s, first_fall_s, max_projection_m, rms_penetration_m, max_tension_N, rms_tension_N, max_signorini_Nm, rms_signorini_Nm, rms_cone_excess_N, max_dissipation_gap_W, rms_dissipation_gap_W, max_creep_speed_m_per_s, rms_creep_speed_m_per_s, max_resultant_gap_N, force_flickers, max_energy_error_J, rms_energy_error_J, energy_change_J, actuator_work_J, external_work_J, joint_loss_J, friction_loss_J, impact_loss_J, final_base_wx_rad_s, final_base_wy_rad_s, final_base_wz_rad_s, final_com_x_m, final_com_y_m, final_com_z_m, final_com_vx_m_s, final_com_vy_m_s, final_com_vz_m_s, final_base_shift_m, final_base_sideways_m, final_normal_force_N, final_cop_offset_m, first_tip_s, last_impact_s, first_impact_speed_ratio, max_flight_path_drift_m, max_flight_spin_drift_Nms, error_final_position_m, error_final_rotation_rad, \
+    timing_wall_min_s, timing_wall_median_s, timing_cpu_min_s, timing_cpu_median_s";
+
+/// Truths known of some row.
+const TRUTHS: [&str; 2] = ["error_final_base_x", "error_first_slip_s"];
 
 fn row(parameters: &[(&str, ParamValue)]) -> SummaryRow {
     let parameters = parameters.iter().map(|(n, v)| ((*n).to_owned(), v.clone())).collect();
@@ -29,6 +35,7 @@ fn rows() -> Vec<SummaryRow> {
     last.outcome = Outcome::Passed;
     last.message.clear();
     last.metrics.selections = 0;
+    last.comparison = Comparison::default();
     last.metrics.first_liftoff_s = Some(0.1 + 0.2);
     last.metrics.final_base_position[2] = f64::NAN;
     vec![
@@ -73,8 +80,12 @@ fn number(frame: &DataFrame, column: &str, row: usize) -> Option<f64> {
 #[test]
 fn columns_are_those_of_the_contract_with_the_parameters_between() {
     let (csv, parquet, _) = written(&rows());
-    let expected: Vec<&str> =
-        BEFORE.split(", ").chain(["mu", "n", "step", "contact.method"]).chain(AFTER.split(", ")).collect();
+    let expected: Vec<&str> = BEFORE
+        .split(", ")
+        .chain(["mu", "n", "step", "contact.method"])
+        .chain(AFTER.split(", "))
+        .chain(TRUTHS)
+        .collect();
     assert_eq!(names(&csv), expected);
     assert_eq!(names(&parquet), expected);
     assert_eq!(NUMERIC_COLUMNS.to_vec(), AFTER.split(", ").collect::<Vec<_>>());
@@ -85,7 +96,7 @@ fn numbers_read_back_to_the_last_bit_from_both_files() {
     let rows = rows();
     let (csv, parquet, _) = written(&rows);
     for (i, row) in rows.iter().enumerate() {
-        for column in NUMERIC_COLUMNS {
+        for column in NUMERIC_COLUMNS.into_iter().chain(TRUTHS) {
             let expected = metric(row, column).map(f64::to_bits);
             assert_eq!(number(&parquet, column, i).map(f64::to_bits), expected, "parquet {column} {i}");
             // Text keeps every value; of a NaN it keeps that it is one.
@@ -104,7 +115,9 @@ fn what_never_happened_is_empty() {
     let (csv, parquet, text) = written(&rows());
     for frame in [&csv, &parquet] {
         assert_eq!(frame.column("first_stick_s").unwrap().null_count(), 3);
-        assert_eq!(frame.column("error_position_rms_m").unwrap().null_count(), 3);
+        assert_eq!(frame.column("error_position_rms_m").unwrap().null_count(), 1, "nothing to compare with");
+        assert_eq!(frame.column("error_joint_rms_rad").unwrap().null_count(), 3);
+        assert_eq!(frame.column("error_final_base_x").unwrap().null_count(), 1, "a truth that another row knows");
         assert_eq!(number(frame, "first_liftoff_s", 0), None);
         assert_eq!(number(frame, "first_liftoff_s", 2), Some(0.1 + 0.2));
         assert_eq!(number(frame, "first_slip_s", 0), Some(0.0), "happened at the start, not never");
@@ -197,10 +210,10 @@ fn every_column_has_its_own_metric() {
         ("max_lift_m", Some(0.3)),
         ("max_cone_excess", Some(1e-17)),
         ("energy_error_J", Some(-4.900_000_000_000_001)),
-        ("error_position_rms_m", None),
+        ("error_position_rms_m", Some(1e-9 / 3.0)),
         ("error_joint_rms_rad", None),
-        ("error_force_rms_N", None),
-        ("contact_state_agreement", None),
+        ("error_force_rms_N", Some(f64::INFINITY)),
+        ("contact_state_agreement", Some(2.0 / 3.0)),
         ("first_touchdown_s", Some(0.049_999_999_999_999_99)),
         ("first_liftoff_s", None),
         ("first_slip_s", Some(0.0)),
@@ -245,6 +258,12 @@ fn every_column_has_its_own_metric() {
         ("first_impact_speed_ratio", Some(0.75)),
         ("max_flight_path_drift_m", Some(3e-12)),
         ("max_flight_spin_drift_Nms", Some(4e-13)),
+        ("error_final_position_m", Some(4e-10)),
+        ("error_final_rotation_rad", Some(5e-324)),
+        ("timing_wall_min_s", Some(0.3)),
+        ("timing_wall_median_s", Some(0.31)),
+        ("timing_cpu_min_s", Some(0.2)),
+        ("timing_cpu_median_s", Some(0.1 + 0.11)),
     ];
     let found = NUMERIC_COLUMNS.map(|column| (column, metric(&rows()[0], column)));
     assert_eq!(found, expected);

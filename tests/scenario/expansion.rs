@@ -225,7 +225,7 @@ fn overrides_that_lead_nowhere_are_shown() {
         ("force.0.force.9=1", "--set:1:15", "there is no `force.0.force.9`"),
         ("event.0.at=1", "--set:1:1", "the file has no `event`"),
         ("duration.x=1", "--set:1:10", "`duration` is the number 5 and has no `x`"),
-        ("contact.method=lcp", "--set:1:18", "not available yet"),
+        ("control.estimator=inertial", "--set:1:21", "not available yet"),
         ("a b=1", "--set:1:1", "is not a dotted path"),
         ("floor.friction.kinetic=0.9", "--set:1:26", "must not be greater than `static` = 0.8"),
         ("schema=2", "--set:1:10", "schema = 2"),
@@ -284,4 +284,29 @@ fn overrides_of_a_swept_key_and_then_of_its_table() {
     let text = format!("{SMALLEST}[sweep]\ngrid = {{ \"floor.height\" = [0, 1] }}\n");
     let found = wrong(&text, &set(&["floor.height=2", "floor={}"]));
     assert!(found.to_string().contains("overrides leave no such value"), "{found}");
+}
+
+#[test]
+fn parameters_of_a_method_that_no_run_uses_are_warned_of() {
+    let warnings = |text: &str, overrides: &[&str]| -> Vec<String> {
+        let runs = file(&format!("{SMALLEST}{text}")).unwrap().expand(&set(overrides)).unwrap();
+        runs.iter().flat_map(|r| r.warnings.iter()).map(|d| format!("{} {}", d.location(), d.message)).collect()
+    };
+    let idle = |key: &str, method: &str| format!("`contact.{key}` has no effect: `contact.method` is \"{method}\"");
+    assert_eq!(
+        warnings("[contact.lcp]\nfacets = 6\n", &[]),
+        [format!("scenarios/test.toml:3:10 {}", idle("lcp", "exact"))]
+    );
+    assert_eq!(
+        warnings("[contact]\nmethod = \"lcp\"\nncp = { iterations = 3 }\n", &[]),
+        [format!("scenarios/test.toml:5:1 {}", idle("ncp", "lcp"))]
+    );
+    // Not where a sweep or an override selects the method, nor where nothing is changed; once for a swept parameter.
+    let swept = "[sweep.grid]\n\"contact.method\" = [\"exact\", \"lcp\"]\n";
+    assert_eq!(warnings(&format!("[contact.lcp]\nfacets = 6\n{swept}"), &[]), [""; 0]);
+    assert_eq!(warnings("[contact.lcp]\nfacets = 6\n", &["contact.method=lcp"]), [""; 0]);
+    assert_eq!(warnings("[contact.lcp]\nfacets = 8\n", &[]), [""; 0]);
+    assert_eq!(warnings("[contact.penalty]\ndamping = 0\n", &[]).len(), 1);
+    assert_eq!(warnings("[contact.penalty]\ndamping = 0\n", &["contact.method=penalty"]), [""; 0]);
+    assert_eq!(warnings("[sweep.grid]\n\"contact.lcp.facets\" = [4, 6, 10]\n", &[]).len(), 1);
 }

@@ -43,7 +43,8 @@ pub struct Force {
     pub force: Option<Vector3>,
 }
 
-/// Motion of the whole robot at one tick, topic `/state`. Joint arrays follow the channel's metadata entry `joints`.
+/// Motion of the whole robot at one tick, topic `/state`. Joint arrays follow the channel's metadata entry `joints`;
+/// `joint_kinds` beside it says which of them are prismatic.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct State {
     /// Simulated time, s.

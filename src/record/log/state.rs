@@ -5,7 +5,7 @@ use super::messages::{Force, Quaternion, State};
 use super::sink::{Channel, Sink};
 use super::{LogHeader, Topic, ros};
 use crate::record::RecordError;
-use crate::robot::Model;
+use crate::robot::{JointKind, Model};
 use crate::sim::Snapshot;
 use std::collections::BTreeMap;
 
@@ -17,8 +17,19 @@ pub(super) struct StateTopic {
 impl StateTopic {
     pub fn open(sink: &mut Sink, model: &Model) -> Result<Self, RecordError> {
         let names: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
-        let metadata = BTreeMap::from([("joints".to_owned(), serde_json::json!(names).to_string())]);
+        let kinds: Vec<&str> = model.joints.iter().map(|j| kind(j.kind)).collect();
+        let list = |words: &[&str]| serde_json::json!(words).to_string();
+        let metadata = BTreeMap::from([("joints".to_owned(), list(&names)), ("joint_kinds".to_owned(), list(&kinds))]);
         Ok(Self { channel: sink.own("/state", "State", metadata)?, message: State::default() })
+    }
+}
+
+/// The URDF's word for a kind of joint. It says which unit the joint's values have.
+fn kind(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Revolute => "revolute",
+        JointKind::Continuous => "continuous",
+        JointKind::Prismatic => "prismatic",
     }
 }
 

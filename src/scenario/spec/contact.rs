@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use crate::scenario::quantity::{fraction, json, non_negative, positive};
+use crate::scenario::quantity::{count, fraction, json, non_negative, positive};
 
 /// How contact is decided.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -33,6 +33,10 @@ pub struct ContactSpec {
     pub forced: Vec<ForcedState>,
     /// What `penalty` is told.
     pub penalty: PenaltySpec,
+    /// What method `lcp` is told.
+    pub lcp: LcpSpec,
+    /// What method `ncp` is told.
+    pub ncp: NcpSpec,
 }
 
 impl Default for ContactSpec {
@@ -46,6 +50,8 @@ impl Default for ContactSpec {
             events: EventHandling::Locate,
             forced: Vec::new(),
             penalty: PenaltySpec::default(),
+            lcp: LcpSpec::default(),
+            ncp: NcpSpec::default(),
         }
     }
 }
@@ -60,6 +66,10 @@ pub enum ContactMethod {
     OneStep,
     /// Springs and dampers under every vertex, regularised friction.
     Penalty,
+    /// Time stepping with a polyhedral friction cone: a linear complementarity problem a step.
+    Lcp,
+    /// Time stepping on the true friction cone, by projected Gauss-Seidel.
+    Ncp,
 }
 
 impl ContactMethod {
@@ -69,6 +79,8 @@ impl ContactMethod {
             ContactMethod::Exact => "exact",
             ContactMethod::OneStep => "one-step",
             ContactMethod::Penalty => "penalty",
+            ContactMethod::Lcp => "lcp",
+            ContactMethod::Ncp => "ncp",
         }
     }
 }
@@ -94,6 +106,50 @@ pub struct PenaltySpec {
 impl Default for PenaltySpec {
     fn default() -> Self {
         PenaltySpec { stiffness: 1e5, damping: 300.0, slip_velocity: 1e-3 }
+    }
+}
+
+/// What method `lcp` is told.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LcpSpec {
+    /// Number of friction directions, the first along the floor's x axis: even, 4 to 64.
+    #[serde(deserialize_with = "facets")]
+    #[schemars(range(min = 4, max = 64), extend("multipleOf" = 2))]
+    pub facets: u32,
+}
+
+impl Default for LcpSpec {
+    fn default() -> Self {
+        LcpSpec { facets: 8 }
+    }
+}
+
+fn facets<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
+    let n = u32::deserialize(d)?;
+    if n.is_multiple_of(2) && (4..=64).contains(&n) {
+        return Ok(n);
+    }
+    Err(D::Error::custom(format!("must be an even number from 4 to 64, not {n}")))
+}
+
+/// What method `ncp` is told.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct NcpSpec {
+    /// Most sweeps over the contact points a step.
+    #[serde(deserialize_with = "count")]
+    #[schemars(with = "json::Count")]
+    pub iterations: u32,
+    /// Change within a sweep at which sweeping ends, m/s.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub tolerance: f64,
+}
+
+impl Default for NcpSpec {
+    fn default() -> Self {
+        NcpSpec { iterations: 200, tolerance: 1e-9 }
     }
 }
 

@@ -86,6 +86,8 @@ pub const METRICS: &[&str] = &[
     "first_impact_speed_ratio",
     "max_flight_path_drift_m",
     "max_flight_spin_drift_Nms",
+    "error_final_position_m",
+    "error_final_rotation_rad",
 ];
 
 /// One expectation: a metric with `value` and `tolerance` or `relative_tolerance`, or with `min`, `max` or both; or an outcome.

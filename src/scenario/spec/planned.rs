@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use crate::scenario::quantity::{count, json, non_negative, positive};
+use crate::scenario::quantity::{json, non_negative, positive};
 
 /// `[[event]]`: change parameters while running.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -49,21 +49,4 @@ fn up_to_four<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
         n @ 0..=4 => Ok(n as u8),
         n => Err(D::Error::custom(format!("must be from 0 to 4, not {n}"))),
     }
-}
-
-/// `[compare]`: accuracy against a reference run of the same cell.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CompareSpec {
-    /// What differs in the reference run, under dotted names.
-    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
-    pub reference: BTreeMap<String, toml::Value>,
-    /// How often a run is timed.
-    #[serde(default = "five", deserialize_with = "count")]
-    #[schemars(with = "json::Count")]
-    pub timing_repeats: u32,
-}
-
-fn five() -> u32 {
-    5
 }

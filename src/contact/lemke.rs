@@ -1,0 +1,258 @@
+//! Lemke's pivoting algorithm for linear complementarity problems.
+//!
+//! ```text
+//! w = M z + q,    w >= 0,  z >= 0,  w . z = 0
+//! ```
+//!
+//! An artificial variable z0 makes `w = M z + q + z0` feasible. It enters the basis for the most negative row; from then
+//! on the complement of whatever has left enters, until z0 leaves (solved) or nothing blocks (a ray). For copositive M,
+//! as of contact with friction, a ray means that the constraints contradict each other.
+//!
+//! The dictionary, basic variables written in the others, is kept dense: n rows, n + 1 columns and the constants. Ties
+//! of the ratio test, which the singular matrices of four vertices on one sole bring about, are broken lexicographically
+//! by the rows of the inverse basis, so that no basis returns; z0 leaves whenever it can.
+//!
+//! Sources: C. E. Lemke, Bimatrix equilibrium points and mathematical programming, Management Science 11 (1965);
+//! R. W. Cottle, J.-S. Pang and R. E. Stone, The linear complementarity problem (1992), sections 4.4 and 4.9.
+
+/// Coefficients smaller than this do not block: rounding of a singular matrix of entries of order one.
+const BLOCKS: f64 = 1e-11;
+/// Ratios that differ by less than this, relative to the constants, are equal.
+const TIE: f64 = 1e-12;
+
+/// How it ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum End {
+    /// With a solution.
+    Solved,
+    /// On a ray: no solution was reached.
+    Ray,
+    /// Too many pivots.
+    Limit,
+}
+
+/// The dictionary and its scratch, allocated once.
+///
+/// Variables are numbered: w_i is i, z_i is n + i, z0 is 2 n.
+#[derive(Clone, Debug)]
+pub struct Lemke {
+    n: usize,
+    /// n rows of n + 2: coefficients of the nonbasic variables, then the constant.
+    table: Vec<f64>,
+    basic: Vec<usize>,
+    nonbasic: Vec<usize>,
+    /// Where each variable is: row, or n + column.
+    place: Vec<usize>,
+    pivot_row: Vec<f64>,
+    ties: Vec<usize>,
+}
+
+impl Lemke {
+    /// For problems of at most `n` unknowns.
+    pub fn new(n: usize) -> Self {
+        Lemke {
+            n: 0,
+            table: vec![0.0; n * (n + 2)],
+            basic: vec![0; n],
+            nonbasic: vec![0; n + 1],
+            place: vec![0; 2 * n + 1],
+            pivot_row: vec![0.0; n + 2],
+            ties: Vec::with_capacity(n),
+        }
+    }
+
+    /// Begins a problem of `n` unknowns, M and q zero.
+    pub fn begin(&mut self, n: usize) {
+        self.n = n;
+        let stride = n + 2;
+        self.table[..n * stride].fill(0.0);
+        for i in 0..n {
+            self.table[i * stride + n] = 1.0;
+            (self.basic[i], self.nonbasic[i]) = (i, n + i);
+            (self.place[i], self.place[n + i]) = (i, n + i);
+        }
+        self.nonbasic[n] = 2 * n;
+        self.place[2 * n] = 2 * n;
+    }
+
+    /// Row `i` of M, n numbers, to be filled between [`begin`](Self::begin) and [`solve`](Self::solve).
+    pub fn row(&mut self, i: usize) -> &mut [f64] {
+        &mut self.table[i * (self.n + 2)..][..self.n]
+    }
+
+    /// Sets q_i.
+    pub fn set_constant(&mut self, i: usize, q: f64) {
+        self.table[(i + 1) * (self.n + 2) - 1] = q;
+    }
+
+    /// Solves; `z` is the solution, or zero. Returns the number of pivots with the end.
+    pub fn solve(&mut self, z: &mut [f64]) -> (End, usize) {
+        let (n, stride) = (self.n, self.n + 2);
+        z[..n].fill(0.0);
+        let size = (0..n).map(|i| self.constant(i).abs()).fold(0.0, f64::max);
+        // Of equally negative rows the last is lexicographically least.
+        let Some(mut row) = (0..n).min_by(|&i, &j| self.constant(i).total_cmp(&self.constant(j)).then(j.cmp(&i)))
+        else {
+            return (End::Solved, 0);
+        };
+        if self.constant(row) >= 0.0 {
+            return (End::Solved, 0);
+        }
+        let mut column = n;
+        let limit = 50 * n + 100;
+        for pivots in 1..=limit {
+            let left = self.pivot(row, column);
+            if left == 2 * n {
+                for (i, &variable) in self.basic[..n].iter().enumerate() {
+                    if variable >= n {
+                        z[variable - n] = self.table[i * stride + n + 1].max(0.0);
+                    }
+                }
+                return (End::Solved, pivots);
+            }
+            let enters = if left < n { left + n } else { left - n };
+            column = self.place[enters] - n;
+            match self.blocking(column, size) {
+                Some(blocking) => row = blocking,
+                None => return (End::Ray, pivots),
+            }
+        }
+        (End::Limit, limit)
+    }
+
+    fn constant(&self, i: usize) -> f64 {
+        self.table[(i + 1) * (self.n + 2) - 1]
+    }
+
+    /// The row whose variable reaches zero first as the one of `column` grows.
+    fn blocking(&mut self, column: usize, size: f64) -> Option<usize> {
+        let (n, stride) = (self.n, self.n + 2);
+        let mut least = f64::INFINITY;
+        for i in 0..n {
+            let slope = -self.table[i * stride + column];
+            if slope > BLOCKS {
+                least = least.min(self.constant(i).max(0.0) / slope);
+            }
+        }
+        if least == f64::INFINITY {
+            return None;
+        }
+        self.ties.clear();
+        for i in 0..n {
+            let slope = -self.table[i * stride + column];
+            if slope > BLOCKS && self.constant(i).max(0.0) - least * slope <= TIE * size {
+                if self.basic[i] == 2 * n {
+                    return Some(i);
+                }
+                self.ties.push(i);
+            }
+        }
+        // Column by column of the inverse basis the rows that are not least drop out.
+        for j in 0..n {
+            if self.ties.len() == 1 {
+                break;
+            }
+            let ratio = |i: usize| {
+                let inverse = match self.place[j] {
+                    row if row < n => f64::from(row == i),
+                    at => -self.table[i * stride + at - n],
+                };
+                inverse / -self.table[i * stride + column]
+            };
+            let least = self.ties.iter().map(|&i| ratio(i)).fold(f64::INFINITY, f64::min);
+            let mut kept = 0;
+            for at in 0..self.ties.len() {
+                let i = self.ties[at];
+                if ratio(i) <= least + TIE * (1.0 + least.abs()) {
+                    self.ties[kept] = i;
+                    kept += 1;
+                }
+            }
+            self.ties.truncate(kept);
+        }
+        self.ties.first().copied()
+    }
+
+    /// Exchanges the variables of a row and a column; returns the one that leaves the basis.
+    fn pivot(&mut self, row: usize, column: usize) -> usize {
+        let (n, stride) = (self.n, self.n + 2);
+        let factor = 1.0 / self.table[row * stride + column];
+        let pivot_row = &mut self.pivot_row[..stride];
+        let own = &mut self.table[row * stride..(row + 1) * stride];
+        own.iter_mut().for_each(|x| *x *= -factor);
+        own[column] = factor;
+        pivot_row.copy_from_slice(own);
+        for (i, other) in self.table[..n * stride].chunks_exact_mut(stride).enumerate() {
+            let x = std::mem::take(&mut other[column]);
+            if i == row {
+                other[column] = x;
+            } else if x != 0.0 {
+                other.iter_mut().zip(&*pivot_row).for_each(|(a, b)| *a += x * b);
+            }
+        }
+        let (leaves, enters) = (self.basic[row], self.nonbasic[column]);
+        (self.basic[row], self.nonbasic[column]) = (enters, leaves);
+        (self.place[enters], self.place[leaves]) = (row, n + column);
+        leaves
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn solve(m: &[&[f64]], q: &[f64]) -> (End, Vec<f64>, usize) {
+        let mut lemke = Lemke::new(q.len());
+        lemke.begin(q.len());
+        for (i, row) in m.iter().enumerate() {
+            lemke.row(i).copy_from_slice(row);
+            lemke.set_constant(i, q[i]);
+        }
+        let mut z = vec![0.0; q.len()];
+        let (end, pivots) = lemke.solve(&mut z);
+        (end, z, pivots)
+    }
+
+    #[test]
+    fn textbook_problems() {
+        // Positive definite: unique solutions, by hand.
+        let (end, z, _) = solve(&[&[2.0, 1.0], &[1.0, 2.0]], &[-5.0, -6.0]);
+        assert_eq!(end, End::Solved);
+        assert!((z[0] - 4.0 / 3.0).abs() < 1e-15 && (z[1] - 7.0 / 3.0).abs() < 1e-15, "{z:?}");
+        let (end, z, _) = solve(&[&[2.0, 1.0], &[1.0, 2.0]], &[-5.0, 6.0]);
+        assert_eq!((end, z.as_slice()), (End::Solved, &[2.5, 0.0][..]));
+        // Nothing to do.
+        assert_eq!(solve(&[&[2.0, 1.0], &[1.0, 2.0]], &[0.0, 6.0]), (End::Solved, vec![0.0, 0.0], 0));
+        // w1 = -z2 - 1 can never be feasible.
+        assert_eq!(solve(&[&[0.0, -1.0], &[1.0, 0.0]], &[-1.0, 1.0]).0, End::Ray);
+    }
+
+    /// K. G. Murty, Computational complexity of complementary pivot methods, Math. Programming Study 7 (1978): M lower
+    /// triangular, 1 on and 2 below the diagonal, and -q_i = 2^n + 2^(n-1) + .. of i + 1 terms makes Lemke's path visit
+    /// 2^n bases. A rule that chose other rows would take another number.
+    #[test]
+    fn murtys_problem_takes_two_to_the_n_pivots() {
+        for n in 2..=6 {
+            let m: Vec<Vec<f64>> =
+                (0..n).map(|i| (0..n).map(|j| [2.0, 1.0, 0.0][(1 + j.cmp(&i) as i32) as usize]).collect()).collect();
+            let q: Vec<f64> = (0..n).map(|i| -(0..=i).map(|k| f64::powi(2.0, (n - k) as i32)).sum::<f64>()).collect();
+            let rows: Vec<&[f64]> = m.iter().map(Vec::as_slice).collect();
+            let (end, z, pivots) = solve(&rows, &q);
+            let mut truth = vec![0.0; n];
+            truth[0] = f64::powi(2.0, n as i32);
+            assert_eq!((end, z, pivots), (End::Solved, truth, 1 << n));
+        }
+    }
+
+    #[test]
+    fn equal_rows_are_no_trouble() {
+        // Rank one, every ratio a tie: the load of one body on many equal points.
+        for n in [2, 5, 12] {
+            let m = vec![vec![1.0; n]; n];
+            let rows: Vec<&[f64]> = m.iter().map(Vec::as_slice).collect();
+            let (end, z, pivots) = solve(&rows, &vec![-1.0; n]);
+            assert!(end == End::Solved && pivots <= n + 1, "{end:?} {pivots}");
+            assert_eq!(z.iter().sum::<f64>(), 1.0);
+        }
+    }
+}

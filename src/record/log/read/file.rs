@@ -1,0 +1,149 @@
+//! The MCAP file: is it one of ours, is it whole, and what its index names.
+
+use super::series::{Attachment, RunInfo};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{McapError, Message, MessageStream, Summary};
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Why a log cannot be read. Each names the file.
+#[derive(Debug, thiserror::Error)]
+pub enum LogError {
+    /// The file system refused.
+    #[error("{path}: {source}")]
+    Io {
+        /// The log.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// A file of another kind, or of another program.
+    #[error("{path}: no log of this program: {reason}")]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What is missing.
+        reason: &'static str,
+    },
+    /// It begins as a log and ends before its index.
+    #[error("{path}: cut short: after {length} bytes the index at the end of a log is missing; was it copied whole?")]
+    Truncated {
+        /// The log.
+        path: PathBuf,
+        /// Bytes there are.
+        length: usize,
+    },
+    /// A record that its own check sum, length or neighbours contradict.
+    #[error("{path}: damaged: {reason}")]
+    Damaged {
+        /// The log.
+        path: PathBuf,
+        /// What does not fit.
+        reason: String,
+    },
+}
+
+/// A log whose index has been read.
+pub(super) struct LogFile<'a> {
+    path: &'a Path,
+    bytes: &'a [u8],
+    summary: Summary,
+}
+
+impl<'a> LogFile<'a> {
+    pub fn open(path: &'a Path, bytes: &'a [u8]) -> Result<Self, LogError> {
+        if !bytes.starts_with(mcap::MAGIC) {
+            let reason = if bytes.is_empty() { "it is empty" } else { "it does not begin as an MCAP file does" };
+            return Err(LogError::Foreign { path: path.to_owned(), reason });
+        }
+        if bytes.len() < 2 * mcap::MAGIC.len() || !bytes.ends_with(mcap::MAGIC) {
+            return Err(LogError::Truncated { path: path.to_owned(), length: bytes.len() });
+        }
+        verify(bytes).map_err(damaged(path))?;
+        let summary = Summary::read(bytes).map_err(damaged(path))?;
+        let summary = summary.ok_or_else(|| LogError::Foreign { path: path.to_owned(), reason: "it has no index" })?;
+        Ok(Self { path, bytes, summary })
+    }
+
+    /// Which run this is.
+    pub fn info(&self) -> Result<RunInfo, LogError> {
+        let Some(mut run) = self.table("run")? else {
+            return Err(LogError::Foreign { path: self.path.to_owned(), reason: "its metadata have no table `run`" });
+        };
+        let mut word = |key: &str| {
+            run.remove(key).ok_or_else(|| self.damage(format!("the metadata table `run` lacks the entry `{key}`")))
+        };
+        Ok(RunInfo {
+            scenario: word("scenario")?,
+            key: word("key")?,
+            method: word("method")?,
+            program: word("program")?,
+            robot: word("robot")?,
+        })
+    }
+
+    /// Did the run end by itself, and was the log closed then.
+    pub fn is_complete(&self) -> Result<bool, LogError> {
+        let end = self.table("end")?;
+        Ok(end.and_then(|e| e.get("complete").map(|c| c == "true")).unwrap_or(false))
+    }
+
+    /// The texts attached, in file order.
+    pub fn attachments(&self) -> Result<Vec<Attachment>, LogError> {
+        let read = |index| {
+            let found = mcap::read::attachment(self.bytes, index).map_err(damaged(self.path))?;
+            let text = String::from_utf8(found.data.into_owned())
+                .map_err(|_| self.damage(format!("the attachment `{}` is no UTF-8 text", found.name)))?;
+            Ok(Attachment { name: found.name, media_type: found.media_type, text })
+        };
+        self.summary.attachment_indexes.iter().map(read).collect()
+    }
+
+    /// Topics and what their channels say about themselves, in the order they were opened.
+    pub fn channels(&self) -> impl Iterator<Item = (&str, &BTreeMap<String, String>)> {
+        let ordered: BTreeMap<_, _> = self.summary.channels.iter().collect();
+        ordered.into_values().map(|c| (c.topic.as_str(), &c.metadata))
+    }
+
+    /// Every message in file order.
+    pub fn messages(&self) -> Result<impl Iterator<Item = Result<Message<'a>, LogError>>, LogError> {
+        let path = self.path;
+        let stream = MessageStream::new(self.bytes).map_err(damaged(path))?;
+        Ok(stream.map(move |m| m.map_err(damaged(path))))
+    }
+
+    /// A damage of this file.
+    pub fn damage(&self, reason: String) -> LogError {
+        LogError::Damaged { path: self.path.to_owned(), reason }
+    }
+
+    /// A table of words by its name.
+    fn table(&self, name: &str) -> Result<Option<BTreeMap<String, String>>, LogError> {
+        let index = self.summary.metadata_indexes.iter().find(|i| i.name == name);
+        let read = |index| mcap::read::metadata(self.bytes, index).map(|m| m.metadata).map_err(damaged(self.path));
+        index.map(read).transpose()
+    }
+}
+
+/// Goes through the records once and compares the check sums over all of them, index and tables included; those of the
+/// messages alone are not enough to trust a name or an offset by.
+fn verify(bytes: &[u8]) -> Result<(), McapError> {
+    let options = LinearReaderOptions::default()
+        .with_emit_chunks(true)
+        .with_record_length_limit(bytes.len())
+        .with_validate_data_section_crc(true)
+        .with_validate_summary_section_crc(true);
+    let (mut reader, mut rest) = (LinearReader::new_with_options(options), bytes);
+    while let Some(event) = reader.next_event() {
+        if let LinearReadEvent::ReadRequest(wanted) = event? {
+            let read = rest.read(reader.insert(wanted.min(bytes.len())))?;
+            reader.notify_read(read);
+        }
+    }
+    Ok(())
+}
+
+fn damaged(path: &Path) -> impl Fn(McapError) -> LogError {
+    move |e| LogError::Damaged { path: path.to_owned(), reason: e.to_string() }
+}

@@ -1,0 +1,29 @@
+//! Reads a `log.mcap` of ours back into time series.
+//!
+//! A log is read whole: its index says which texts and tables it holds, its messages become a [`Trajectory`]. Topics a
+//! program has no use for (frames, scene, ROS 2) are passed over.
+
+mod file;
+mod series;
+mod ticks;
+
+pub use file::LogError;
+pub use series::{Attachment, JointSeries, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
+
+use file::LogFile;
+use std::path::Path;
+use ticks::Ticks;
+
+impl Trajectory {
+    /// Reads a log.
+    ///
+    /// # Errors
+    /// No such file; a file that is no MCAP or not one of ours; one that was cut short or changed since it was written.
+    pub fn read(path: &Path) -> Result<Self, LogError> {
+        let bytes = std::fs::read(path).map_err(|source| LogError::Io { path: path.to_owned(), source })?;
+        let file = LogFile::open(path, &bytes)?;
+        let (info, complete, attachments) = (file.info()?, file.is_complete()?, file.attachments()?);
+        let ticks = Ticks::read(&file)?;
+        Ok(ticks.into_trajectory(info, complete, attachments))
+    }
+}

@@ -1,0 +1,50 @@
+//! Colours. Those of curves can be told apart with the common kinds of colour blindness, and from each other in grey.
+
+use plotters::style::RGBColor;
+
+/// A colour as SVG writes it. The style sheet knows each by this very text and has another for dark pages.
+pub(super) type Colour = &'static str;
+
+/// What is drawn upon.
+pub(super) const PAPER: Colour = "#FFFFFF";
+/// Words.
+pub(super) const INK: Colour = "#1F2933";
+/// Words of less weight.
+pub(super) const FAINT: Colour = "#52606D";
+/// Axes.
+pub(super) const AXIS: Colour = "#8895A4";
+/// Lines at labelled values.
+pub(super) const GRID: Colour = "#DDE2E8";
+/// Lines between.
+pub(super) const FINE: Colour = "#EEF1F4";
+
+/// Curves of what has no colour of its own.
+const CURVES: [Colour; 6] = ["#0B62A4", "#D55E00", "#00795A", "#9C3587", "#8A6A00", "#5B6770"];
+
+/// A sole that sticks.
+pub(super) const STATIC: Colour = "#0B62A4";
+/// A sole that slides.
+pub(super) const DYNAMIC: Colour = "#D55E00";
+/// A state of another name.
+pub(super) const OTHER: Colour = "#5B6770";
+
+/// All there are, for the test that the style sheet knows them.
+#[cfg(test)]
+pub(super) const ALL: [&[Colour]; 2] = [&[PAPER, INK, FAINT, AXIS, GRID, FINE], &CURVES];
+
+/// The colour of a contact method: the same in every picture.
+pub(super) fn method(name: &str) -> Colour {
+    let known = ["exact", "one-step", "penalty", "lcp", "ncp"];
+    CURVES[known.iter().position(|k| *k == name).unwrap_or(CURVES.len() - 1)]
+}
+
+/// The colour of the curve at a place, starting anew after the last.
+pub(super) fn curve(place: usize) -> Colour {
+    CURVES[place % CURVES.len()]
+}
+
+/// As plotters wants it.
+pub(super) fn rgb(colour: Colour) -> RGBColor {
+    let part = |at: usize| colour.get(at..at + 2).and_then(|hex| u8::from_str_radix(hex, 16).ok()).unwrap_or(0);
+    RGBColor(part(1), part(3), part(5))
+}

@@ -1,0 +1,92 @@
+//! The reference run of a cell: its scenario with the values of `compare.reference` put over it.
+
+use super::{
+    diagnostic::Findings,
+    path::Path,
+    scenario::{self, Scenario},
+    source::Sources,
+    spec::run::LogSpec,
+    tree::{Node, Value},
+};
+
+/// Parts of a scenario that say what is done with a run and not what it is.
+const NOT_OF_A_REFERENCE: [&str; 6] = ["schema", "description", "sweep", "log", "expect", "compare"];
+
+/// A reference before its seed is known.
+pub(super) struct Reference {
+    /// Every value, defaults included.
+    pub scenario: Scenario,
+    /// What was put over the cell, and where it was written.
+    pub values: Vec<(Path, Node)>,
+}
+
+impl Reference {
+    /// Reads the reference of a cell's tree; none when it asks for none, or when something is wrong, which then is among the
+    /// findings.
+    pub fn read(cell: &Node, sources: &Sources, findings: &mut Findings) -> Option<Reference> {
+        // What is no table is told of where `[compare]` is read.
+        let table = cell.get("compare")?.get("reference").filter(|node| matches!(node.value, Value::Table(_)))?;
+        let mut tree = cell.clone();
+        let mut values: Vec<(Path, Node)> = Vec::new();
+        let mut sound = true;
+        for entry in table.entries() {
+            let set = Path::parse(&entry.key, &entry.key_span, sources)
+                .map_err(|e| (e.span, e.message, None))
+                .and_then(|path| {
+                    refuse(&path, &entry.node, &values)
+                        .map_err(|(message, help)| (entry.key_span.clone(), message, help))?;
+                    path.set(&mut tree, entry.node.clone()).map_err(|e| (e.span, e.message, None))?;
+                    Ok(path)
+                });
+            match set {
+                Ok(path) => values.push((path, entry.node.clone())),
+                Err((span, message, help)) => {
+                    findings.error(span, message, help);
+                    sound = false;
+                }
+            }
+        }
+        for part in NOT_OF_A_REFERENCE {
+            tree.remove(part);
+        }
+        let (scenario, found) = scenario::read(&tree);
+        findings.append(found);
+        let log = sampled(cell);
+        scenario.filter(|_| sound).map(|scenario| Reference { scenario: Scenario { log, ..scenario }, values })
+    }
+
+    /// Does the reference have a seed of its own?
+    pub fn fixes_seed(&self) -> bool {
+        self.values.iter().any(|(path, _)| path.segments[0].0 == "seed")
+    }
+}
+
+/// What cannot stand in `compare.reference`: message and help.
+fn refuse(path: &Path, value: &Node, earlier: &[(Path, Node)]) -> Result<(), (String, Option<String>)> {
+    let first = path.segments[0].0.as_str();
+    if NOT_OF_A_REFERENCE.contains(&first) {
+        return Err((format!("`{first}` is no part of a reference run"), None));
+    }
+    if earlier.iter().any(|(other, _)| other.overlaps(path)) {
+        return Err((format!("`{first}` is given twice in the reference"), None));
+    }
+    match value.entries().first() {
+        // It would replace the whole section, the rest of which would fall back to its defaults.
+        Some(inner) if path.segments.len() == 1 => {
+            let help = format!("a path is written as one key in quotes: \"{first}.{}\" = ...", inner.key);
+            Err((format!("`{first}` cannot be replaced as a whole in a reference"), Some(help)))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The instants at which a cell is compared are those of its log; without a log they are those of the default one. What is
+/// logged is no part of a reference.
+fn sampled(cell: &Node) -> LogSpec {
+    let rate = match cell.get("log").and_then(|log| log.get("rate")).map(|rate| &rate.value) {
+        Some(Value::Float(rate)) if *rate > 0.0 => *rate,
+        Some(Value::Integer(rate)) if *rate > 0 => *rate as f64,
+        _ => LogSpec::default().rate,
+    };
+    LogSpec { rate, ..LogSpec::default() }
+}

@@ -1,0 +1,123 @@
+//! The time-stepping methods on random impacts: their own conditions, checked from forces and motions alone.
+
+use super::impact::falling;
+use super::pair::{JOINTS, pair};
+use super::rigid::{body_on, rules, triple};
+use nalgebra::Vector2;
+use proptest::prelude::*;
+use stiction::contact::candidate::Solution;
+use stiction::contact::lcp::LcpParameters;
+use stiction::contact::method::{self, Parameters, Question};
+use stiction::contact::ncp::NcpParameters;
+use stiction::contact::problem::Problem;
+use stiction::contact::select::Selection;
+
+/// One answer, starting from nothing.
+fn answer(name: &str, parameters: &Parameters, p: &mut Problem) -> (Selection, Solution) {
+    let (mut method, mut out) = (method::make(name, parameters, p).expect("it is there"), Solution::new(p));
+    let rules = rules();
+    let question = Question { rules: &rules, event: false, allowed: &|_, _| true };
+    let selection = method.impulse(p, &question, &mut out);
+    (selection, out)
+}
+
+/// The greatest violation of the conditions of `lcp` with m directions (of the round cone without): motions are m = b + W w
+/// with the wrenches of the vertex forces; Signorini; friction within its cone and of greatest dissipation. Relative to the
+/// greatest velocity and impulse.
+fn missed(p: &Problem, out: &Solution, facets: Option<u32>) -> f64 {
+    let speed = p.b.iter().map(|b| b.abs()).fold(0.0, f64::max);
+    let load = out.normal.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let mut miss: f64 = 0.0;
+    let n = p.dim();
+    let mut wrench = vec![0.0; n];
+    for (s, sole) in p.soles.iter().enumerate() {
+        for (i, v) in sole.vertices.iter().enumerate() {
+            let f = out.tangent[s][i].push(out.normal[s][i]);
+            let m = v.r.cross(&f);
+            [f.x, f.y, f.z, m.x, m.y, m.z].iter().enumerate().for_each(|(c, x)| wrench[6 * s + c] += x);
+        }
+    }
+    for r in 0..n {
+        let m: f64 = p.b[r] + (0..n).map(|c| p.w[n * r + c] * wrench[c]).sum::<f64>();
+        miss = miss.max((m - out.motion[r]).abs() / speed);
+    }
+    for (s, sole) in p.soles.iter().enumerate() {
+        for (i, v) in sole.vertices.iter().enumerate() {
+            let (normal, t) = (out.normal[s][i], out.tangent[s][i]);
+            let motion = p.vertex_motion(&out.motion, s, i);
+            let (gap, slip) = (motion.z - sole.vertex_target(i), motion.xy());
+            // Support of the cone's section in a direction: how much it can oppose there.
+            let support = |d: &Vector2<f64>| match facets {
+                Some(m) => directions(m).map(|e| e.dot(d)).fold(0.0, f64::max),
+                None => d.norm(),
+            };
+            miss = miss.max(-normal / load).max(-gap / speed).max((normal * gap).abs() / (load * speed));
+            // Within the cone: no more in the direction of any facet than its distance from the axis.
+            let outside = match facets {
+                Some(m) => {
+                    let half = std::f64::consts::PI / f64::from(m);
+                    let facets = directions(m).map(|e| nalgebra::Rotation2::new(half) * e);
+                    facets.map(|n| n.dot(&t) - v.mu_k * normal * half.cos()).fold(0.0, f64::max)
+                }
+                None => t.norm() - v.mu_k * normal,
+            };
+            let opposed = v.mu_k * normal * support(&-slip) + t.dot(&slip);
+            miss = miss.max(outside / load).max(opposed.abs() / (load * speed));
+        }
+    }
+    miss
+}
+
+fn directions(m: u32) -> impl Iterator<Item = Vector2<f64>> {
+    (0..m).map(move |j| {
+        let (s, c) = (f64::from(j) * std::f64::consts::TAU / f64::from(m)).sin_cos();
+        Vector2::new(c, s)
+    })
+}
+
+fn told(facets: u32) -> Parameters {
+    Parameters { lcp: LcpParameters { facets }, ..Parameters::default() }
+}
+
+fn config() -> ProptestConfig {
+    ProptestConfig {
+        cases: 400,
+        failure_persistence: None,
+        rng_seed: proptest::test_runner::RngSeed::Fixed(23),
+        ..ProptestConfig::default()
+    }
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn lcp_solves_its_problem(body in body_on(1, 8), velocity in triple(), spin in triple(), half in 2u32..9) {
+        let mut p = falling(&body, &velocity, &spin);
+        let before = p.b.clone();
+        let (selection, out) = answer("lcp", &told(2 * half), &mut p);
+        prop_assert!(selection.consistent);
+        // Rounding of some tens of pivots.
+        prop_assert!(missed(&p, &out, Some(2 * half)) < 1e-10, "{:.3e}", missed(&p, &out, Some(2 * half)));
+        prop_assert!(body.energy(&out.motion) <= body.energy(&before) * (1.0 + 1e-10));
+    }
+
+    #[test]
+    fn lcp_solves_its_problem_on_two_bodies_however_they_are_joined(
+        pair in pair(JOINTS), fall in [triple(), triple()], spin in [triple(), triple()], half in 2u32..6
+    ) {
+        let fall = fall.map(|v| nalgebra::Vector3::new(2.0 * v.x, 2.0 * v.y, v.z - 1.2));
+        let mut p = pair.falling(&fall, &spin.map(|s| s * 6.0));
+        let (selection, out) = answer("lcp", &told(2 * half), &mut p);
+        prop_assert!(selection.consistent);
+        prop_assert!(missed(&p, &out, Some(2 * half)) < 1e-10, "{:.3e}", missed(&p, &out, Some(2 * half)));
+    }
+
+    #[test]
+    fn ncp_comes_to_the_round_cone(body in body_on(1, 8), velocity in triple(), spin in triple()) {
+        let mut p = falling(&body, &velocity, &spin);
+        let ncp = NcpParameters { iterations: 100_000, tolerance: 1e-12 };
+        let (_, out) = answer("ncp", &Parameters { ncp, ..Parameters::default() }, &mut p);
+        prop_assert!(missed(&p, &out, None) < 1e-8, "{:.3e}", missed(&p, &out, None));
+    }
+}
