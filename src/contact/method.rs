@@ -7,18 +7,21 @@ use super::judge::Rules;
 use super::lcp::{Lcp, LcpParameters};
 use super::ncp::{Ncp, NcpParameters};
 use super::one_step::OneStep;
+use super::penalty::{Penalty, PenaltyParameters};
 use super::problem::Problem;
 use super::select::Selection;
 use super::state::{SoleState, States};
 use serde::{Deserialize, Serialize};
 
 /// Names of the methods that [`make`] knows.
-pub const NAMES: [&str; 4] = ["exact", "one-step", "lcp", "ncp"];
+pub const NAMES: [&str; 5] = ["exact", "one-step", "penalty", "lcp", "ncp"];
 
 /// What the methods can be told; each reads its own part.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Parameters {
+    /// Of `penalty`.
+    pub penalty: PenaltyParameters,
     /// Of `lcp`.
     pub lcp: LcpParameters,
     /// Of `ncp`.
@@ -30,6 +33,7 @@ pub fn make(name: &str, parameters: &Parameters, p: &Problem) -> Option<Box<dyn 
     match name {
         "exact" => Some(Box::new(Exact::new(p))),
         "one-step" => Some(Box::new(OneStep::new(p))),
+        "penalty" => Some(Box::new(Penalty::new(p, parameters.penalty))),
         "lcp" => Some(Box::new(Lcp::new(parameters.lcp, p))),
         "ncp" => Some(Box::new(Ncp::new(parameters.ncp, p))),
         _ => None,
@@ -54,9 +58,21 @@ pub enum Manner {
     Searching,
     /// Decides from what is at hand at the start of each step, and then holds what it decided.
     Deciding,
+    /// Gives forces for the present places and velocities, whatever they are: nothing is clamped, no velocity jumps, its
+    /// states are labels.
+    Compliant,
     /// Knows only the velocities at the end of a fixed step and the impulses over it: it has no forces in between, chooses
     /// no states beforehand, and says itself what each vertex carries.
     Stepping,
+}
+
+/// Energy that a compliant method holds in its springs.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Stored {
+    /// The energy, J.
+    pub energy: f64,
+    /// How fast it grows with the present velocities, W.
+    pub power: f64,
 }
 
 /// A contact method: decides states, answers with wrenches.
@@ -71,7 +87,7 @@ pub trait Method: Send {
 
     /// Are the vertex forces of its solutions its own? Else those of static soles are shared out of their wrenches.
     fn gives_vertex_forces(&self) -> bool {
-        self.manner() == Manner::Stepping
+        matches!(self.manner(), Manner::Compliant | Manner::Stepping)
     }
 
     /// Chooses the states at the acceleration level and leaves their wrenches in `out`, which holds the last known
@@ -83,4 +99,9 @@ pub trait Method: Send {
 
     /// Wrenches for states held fixed, with the directions that stand in the problem: called at every evaluation.
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution);
+
+    /// What its springs hold with the vertices where they are.
+    fn stored(&self, _: &Problem) -> Stored {
+        Stored::default()
+    }
 }

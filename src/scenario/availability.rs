@@ -12,7 +12,6 @@ use super::{
 const PLANNED: &[(&str, Option<&str>)] = &[
     ("robot.joint_default.mode", Some("kinematic")),
     ("robot.joint.*.mode", Some("kinematic")),
-    ("contact.method", Some("penalty")),
     ("integrator.method", Some("bs23")),
     ("integrator.method", Some("rk4")),
     ("control.estimator", Some("kinematic")),

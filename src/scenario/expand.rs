@@ -15,7 +15,7 @@ use super::{
     reference::Reference,
     scenario::{self, Scenario},
     source::{Sources, Span},
-    spec::contact::{ContactMethod, LcpSpec, NcpSpec},
+    spec::contact::{ContactMethod, LcpSpec, NcpSpec, PenaltySpec},
     tree::Node,
 };
 
@@ -213,8 +213,9 @@ fn expand(
 
 /// Warns, with the first run, of parameters that are given to a contact method that no run of the file uses.
 fn warn_of_idle(runs: &mut [Run]) {
-    for method in [ContactMethod::Lcp, ContactMethod::Ncp] {
+    for method in [ContactMethod::Penalty, ContactMethod::Lcp, ContactMethod::Ncp] {
         let told = |r: &Run| match method {
+            ContactMethod::Penalty => r.scenario.contact.penalty != PenaltySpec::default(),
             ContactMethod::Lcp => r.scenario.contact.lcp != LcpSpec::default(),
             ContactMethod::Ncp => r.scenario.contact.ncp != NcpSpec::default(),
             ContactMethod::Exact | ContactMethod::OneStep => false,

@@ -43,7 +43,7 @@ pub use spec::{
     compare::{CompareSpec, TruthMetric},
     contact::{
         ContactMethod, ContactSpec, ControlSpec, Estimator, EventHandling, ForcedState, IntegratorMethod,
-        IntegratorSpec, LcpSpec, NcpSpec,
+        IntegratorSpec, LcpSpec, NcpSpec, PenaltySpec,
     },
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},

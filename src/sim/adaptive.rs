@@ -135,7 +135,7 @@ impl Adaptive {
             self.watch.values(sim, &mut self.right);
         }
         let mut event = self.right.iter().any(|g| *g < 0.0);
-        let located = event && sim.locates();
+        let located = event && (sim.locates() || sim.locates_surface());
         if located {
             h = self.locate(sim, t0, h);
         }
@@ -149,6 +149,15 @@ impl Adaptive {
             sim.plant.evaluate();
         }
         sim.check_finite()?;
+        if sim.plant.is_compliant() {
+            if located {
+                sim.metrics.events += 1;
+                sim.count_in_place()?;
+            }
+            sim.comply(observer)?;
+            sim.measure();
+            return Ok(());
+        }
         sim.project();
         event |= doubtful || !sim.locates() || self.watch.tolerated_too_much(sim);
         if event {

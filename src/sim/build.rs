@@ -5,6 +5,7 @@ use super::setup::{ContactSetup, Floor, Forced, IntegratorSetup, Setup, Start};
 use crate::contact::lcp::LcpParameters;
 use crate::contact::method::Parameters;
 use crate::contact::ncp::NcpParameters;
+use crate::contact::penalty::PenaltyParameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
 use crate::dynamics::{State, Workspace, kinematics};
@@ -73,6 +74,11 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         },
         IntegratorMethod::SemiImplicit => IntegratorSetup::SemiImplicit { step: s.integrator.step },
     };
+    if s.contact.method == ContactMethod::Penalty && !s.contact.forced.is_empty() {
+        let message = "`contact.forced` does not work with method `penalty`, whose vertices are never clamped";
+        let help = "it works with the methods `exact` and `one-step`".to_owned();
+        errors.push(run.error_at("contact.forced", message, Some(help)));
+    }
     let bounces = contact.method == "exact" && s.integrator.method == IntegratorMethod::Dopri5;
     if s.contact.restitution > 0.0 && !bounces {
         let message = "`contact.restitution` is not available yet with this method and integrator";
@@ -100,7 +106,13 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
 }
 
 fn parameters(spec: &ContactSpec) -> Parameters {
+    let springs = &spec.penalty;
     Parameters {
+        penalty: PenaltyParameters {
+            stiffness: springs.stiffness,
+            damping: springs.damping,
+            slip_velocity: springs.slip_velocity,
+        },
         lcp: LcpParameters { facets: spec.lcp.facets },
         ncp: NcpParameters { iterations: spec.ncp.iterations, tolerance: spec.ncp.tolerance },
     }

@@ -22,6 +22,10 @@ impl Simulation {
     /// Chooses the contact states at the plant's present state, with impacts where something hits the floor, and leaves
     /// the plant evaluated.
     pub(super) fn decide(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        if self.plant.is_compliant() {
+            self.plant.evaluate();
+            return self.comply(observer);
+        }
         self.plant.evaluate_free();
         self.find_friction(observer)?;
         self.plant.point_directions();

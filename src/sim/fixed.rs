@@ -52,6 +52,7 @@ impl Fixed {
         }
         sim.begin_samples();
         sim.plant.within = t + 0.5 * dt;
+        let stored = sim.plant.stored().energy;
         self.decide(sim, dt, observer)?;
         // v+ = v + dt M^-1 (tau - h) + M^-1 J^T p
         let plant = &mut sim.plant;
@@ -67,8 +68,13 @@ impl Fixed {
         plant.state.displace(&sim.displacement);
         plant.state.time = if dt == remaining { until } else { t + dt };
         plant.refresh();
+        // What the springs have taken is not lost.
+        sim.work += plant.stored().energy - stored;
         sim.metrics.steps += 1;
         sim.check_finite()?;
+        if sim.plant.is_compliant() {
+            sim.creep();
+        }
         sim.measure();
         sim.sample_step(observer)?;
         let now = sim.plant.state.time;
@@ -84,7 +90,7 @@ impl Fixed {
         sim.find_friction(observer)?;
         sim.audit();
         self.pose(sim, dt);
-        sim.choose_impulse(observer)
+        if sim.plant.is_compliant() { sim.comply_for_step(observer) } else { sim.choose_impulse(observer) }
     }
 
     /// Turns the reduced problem into the velocity-level one of this step.
@@ -103,10 +109,10 @@ impl Fixed {
             }
             // Only a method that looks where the step leads clamps just what closes its gap within it. One that decides
             // from heights may clamp a vertex a whole distance tolerance up, and stops it there.
-            let closes = manner != Manner::Deciding;
+            let closes = matches!(manner, Manner::Searching | Manner::Stepping);
             let gap = fit_plane(&p.soles[s], |i| match manner {
                 Manner::Searching => p.soles[s].vertices[i].height.max(0.0),
-                Manner::Deciding => 0.0,
+                Manner::Deciding | Manner::Compliant => 0.0,
                 // What is below the floor comes up again.
                 Manner::Stepping => p.soles[s].vertices[i].height,
             });

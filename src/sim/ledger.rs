@@ -4,27 +4,29 @@
 //! E(t) - E(0) = W_actuators + W_external - L_joints - L_friction - L_impacts + error
 //! ```
 //!
-//! E is kinetic and potential energy. W_actuators is the work of the servos, W_external that of external forces, L_joints
+//! E is kinetic and potential energy, that in the springs of a compliant method included. W_actuators is the work of the servos, W_external that of external forces, L_joints
 //! what damping, friction and stops of the joints take (a stop gives some back), L_friction what contact friction takes,
 //! from the vertex forces and velocities themselves, and L_impacts what velocity jumps take: impacts, jams, and the
-//! little normal motion and slip that a new contact state ends. Flows are integrated with the state; jumps are added as
+//! little normal motion and slip that a new contact state ends; with a compliant method it is what the floor takes out of
+//! the normal motion and its springs do not hold. Flows are integrated with the state; jumps are added as
 //! they happen. What is left, drift projections and work of normal forces included, is the error.
 
 use super::simulation::Simulation;
 use crate::dynamics::body;
 
 /// Energies that flow with time.
-pub const FLOWS: usize = 4;
+pub const FLOWS: usize = 5;
 
-/// Work of actuators, of external forces, loss in joints, loss by contact friction since the start, J; or their powers, W.
+/// Work of actuators, of external forces, loss in joints, loss by contact friction, by the dampers of a compliant floor
+/// since the start, J; or their powers, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flows(pub [f64; FLOWS]);
 
 impl Flows {
     /// What flowed in less what flowed out.
     pub fn net(&self) -> f64 {
-        let [actuators, external, joints, friction] = self.0;
-        actuators + external - joints - friction
+        let [actuators, external, joints, friction, dampers] = self.0;
+        actuators + external - joints - friction - dampers
     }
 
     /// Adds the flows of a step.
@@ -46,7 +48,7 @@ pub struct Balance {
     pub joint_loss: f64,
     /// Taken by friction at the soles.
     pub friction_loss: f64,
-    /// Taken by velocity jumps.
+    /// Taken by velocity jumps, or by the dampers of a compliant floor.
     pub impact_loss: f64,
 }
 
@@ -61,7 +63,7 @@ impl Balance {
 impl Simulation {
     /// The balance at the plant's present state. Needs kinematics at it.
     pub(super) fn balance(&self) -> Balance {
-        let [actuators, external, joint_loss, friction_loss] = self.flows.0;
+        let [actuators, external, joint_loss, friction_loss, dampers] = self.flows.0;
         Balance {
             change: self.plant.energy() - self.start_energy,
             actuators,
@@ -69,7 +71,7 @@ impl Simulation {
             joint_loss,
             friction_loss,
             // Not `-work`, which is -0 when nothing was lost.
-            impact_loss: 0.0 - self.work,
+            impact_loss: dampers - self.work,
         }
     }
 }
@@ -77,7 +79,8 @@ impl Simulation {
 impl super::plant::Plant {
     /// Kinetic and potential energy at the state of the last evaluation or refresh, J.
     pub fn energy(&self) -> f64 {
-        body::kinetic_energy(&self.model, &self.ws) + body::potential_energy(&self.ws, &self.gravity)
+        let stored = self.stored().energy;
+        body::kinetic_energy(&self.model, &self.ws) + body::potential_energy(&self.ws, &self.gravity) + stored
     }
 
     /// Powers at the last evaluation.
@@ -85,13 +88,22 @@ impl super::plant::Plant {
         let v = &self.state.v;
         let joints = &v[self.model.nb()..];
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mut friction = 0.0;
-        for (s, sole) in self.problem.soles.iter().enumerate().filter(|(s, _)| self.states[*s].is_dynamic()) {
+        // What sticks does no work, unless it gives way.
+        let (mut friction, mut dampers) = (0.0, 0.0);
+        let compliant = self.is_compliant();
+        for (s, sole) in
+            self.problem.soles.iter().enumerate().filter(|(s, _)| compliant || self.states[*s].is_dynamic())
+        {
             for (vertex, t) in sole.vertices.iter().zip(&self.solution.tangent[s]) {
                 friction += t.dot(&vertex.velocity.xy());
             }
+            if compliant {
+                let normal = sole.vertices.iter().zip(&self.solution.normal[s]);
+                dampers -= normal.map(|(vertex, n)| n * vertex.velocity.z).sum::<f64>();
+            }
         }
-        Flows([dot(&self.efforts, joints), dot(&self.external, v), -dot(&self.passive, joints), -friction])
+        dampers -= self.stored().power;
+        Flows([dot(&self.efforts, joints), dot(&self.external, v), -dot(&self.passive, joints), -friction, dampers])
     }
 
     /// Flows of a velocity-level step of size `dt` that changed the velocity by `dv`, and the work of its contact
@@ -119,6 +131,6 @@ impl super::plant::Plant {
         }
         let pairs = self.reduced.velocity.iter().zip(&self.solution.motion);
         let contact: f64 = self.solution.wrench.iter().zip(pairs).map(|(w, (a, b))| 0.5 * w * (a + b)).sum();
-        (Flows([actuators, external, joints, -friction]), contact - friction)
+        (Flows([actuators, external, joints, -friction, 0.0]), contact - friction)
     }
 }

@@ -3,6 +3,7 @@
 pub mod actuator;
 mod adaptive;
 pub mod build;
+mod comply;
 mod decide;
 mod drive;
 pub mod error;

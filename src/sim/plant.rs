@@ -12,7 +12,7 @@ use super::layout::Layout;
 use super::setup::{Floor, Setup};
 use super::zones::Place;
 use crate::contact::candidate::{Solution, share_static};
-use crate::contact::method::Method;
+use crate::contact::method::{Manner, Method, Stored};
 use crate::contact::problem::{Level, Problem};
 use crate::contact::state::States;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, factor, kinematics, reduced, rnea};
@@ -299,6 +299,16 @@ impl Plant {
         self.point_directions();
         self.method.respond(&self.problem, &self.states, &mut self.solution);
         self.close();
+    }
+
+    /// Do springs stand in for the rigid floor?
+    pub fn is_compliant(&self) -> bool {
+        self.method.manner() == Manner::Compliant
+    }
+
+    /// What the springs of a compliant method hold at the state of the last evaluation or refresh.
+    pub fn stored(&self) -> Stored {
+        self.method.stored(&self.problem)
     }
 
     /// Splits the wrenches of static soles over their vertices, unless the method has done so.

@@ -327,6 +327,11 @@ impl Simulation {
         self.contact.locate && self.plant.method.locates_events()
     }
 
+    /// Are the instants located at which vertices enter and leave a compliant floor?
+    pub(super) fn locates_surface(&self) -> bool {
+        self.contact.locate && self.plant.is_compliant()
+    }
+
     /// A `diverged` stop at the present time.
     pub(super) fn diverged(&self, what: &str) -> Stop {
         Stop::new(Outcome::Diverged, format!("{what} at {:.6} s", self.plant.state.time))
@@ -355,7 +360,6 @@ impl Simulation {
             self.window = (t, 0);
         }
         self.window.1 += 1;
-        self.in_place = if t - self.in_place.0 > 1e-12 { (t, 1) } else { (self.in_place.0, self.in_place.1 + 1) };
         if self.window.1 > STALL_RATE {
             return Err(Stop::new(
                 Outcome::Stalled,
@@ -365,6 +369,13 @@ impl Simulation {
                 ),
             ));
         }
+        self.count_in_place()
+    }
+
+    /// Ends the run when there are too many events at one instant.
+    pub(super) fn count_in_place(&mut self) -> Result<(), Stop> {
+        let t = self.plant.state.time;
+        self.in_place = if t - self.in_place.0 > 1e-12 { (t, 1) } else { (self.in_place.0, self.in_place.1 + 1) };
         if self.in_place.1 > STALL_IN_PLACE {
             return Err(Stop::new(Outcome::Stalled, format!("{STALL_IN_PLACE} events without progress at {t:.9} s")));
         }

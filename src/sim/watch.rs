@@ -7,11 +7,12 @@
 //! | normal margin of a clamped pattern | lift-off, or the centre of pressure leaves it |
 //! | friction margin of a static pattern or a pivot | slip onset |
 //! | sliding velocity along the reference direction | stick, or turning round |
+//! | height of a vertex over a compliant floor, or its depth | entering or leaving it |
 //! | distance of a sliding vertex to the border of its zone | other friction |
 
 use super::simulation::Simulation;
-use crate::contact::candidate::share_static;
 use crate::contact::judge::{CLEAR, SUSPECT_FRICTION, SUSPECT_NORMAL, TOUCHING, margin};
+use crate::contact::penalty;
 use crate::contact::state::{MAX_SOLES, Mode, SoleState};
 use nalgebra::Vector2;
 
@@ -23,6 +24,8 @@ enum Item {
     Height(usize, usize),
     /// With the depth to which it may go: d, or twice where it is already.
     Band(usize, usize, f64),
+    /// Of a compliant floor, and whether the vertex is in it.
+    Surface(usize, usize, bool),
     Normal(usize),
     Friction(usize),
     Slide(usize, usize),
@@ -43,6 +46,13 @@ impl Watch {
         self.items.clear();
         self.overlooked.clear();
         let p = &sim.plant.problem;
+        if sim.plant.is_compliant() {
+            for (s, sole) in p.soles.iter().enumerate() {
+                let item = |(i, v)| Item::Surface(s, i, penalty::is_inside(v));
+                self.items.extend(sole.vertices.iter().enumerate().map(item));
+            }
+            return;
+        }
         for (s, sole) in p.soles.iter().enumerate() {
             let state = sim.plant.states[s];
             let k = sole.vertices.len();
@@ -86,7 +96,7 @@ impl Watch {
     pub fn fill(&self, sim: &mut Simulation, out: &mut [f64]) {
         let tol = sim.tolerances;
         let plant = &mut sim.plant;
-        share_static(&plant.problem, &plant.states, &mut plant.solution);
+        plant.share_forces();
         let p = &plant.problem;
         let mut margins = [None; MAX_SOLES];
         let mut of = |s: usize| *margins[s].get_or_insert_with(|| margin(p, &plant.states, s, &plant.solution));
@@ -96,6 +106,10 @@ impl Watch {
                 Item::Band(s, i, depth) => {
                     let v = &p.soles[s].vertices[i];
                     (v.height + depth).min(v.velocity.z + tol.velocity)
+                }
+                Item::Surface(s, i, inside) => {
+                    let height = p.soles[s].vertices[i].height;
+                    penalty::SURFACE + if inside { -height } else { height }
                 }
                 Item::Normal(s) => of(s).normal,
                 Item::Friction(s) => of(s).friction,

@@ -14,6 +14,7 @@ mod landing;
 mod one_step;
 mod painleve;
 mod patches;
+mod penalty;
 pub mod pendulum;
 pub mod planar;
 mod spin;

@@ -32,6 +32,8 @@ fn stepping_allocates_nothing() {
         ("one-step", "method = \"semi-implicit\", step = 1e-3"),
         ("lcp", "method = \"semi-implicit\", step = 1e-3"),
         ("ncp", "method = \"semi-implicit\", step = 1e-3"),
+        ("penalty", "method = \"dopri5\""),
+        ("penalty", "method = \"semi-implicit\", step = 1e-3"),
     ] {
         let mut sim = simulation(&pushed(method, integrator));
         sim.begin(&mut Blind).expect("it begins");

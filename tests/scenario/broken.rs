@@ -26,7 +26,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[floor]\nrpy = [0, \"30 dge\", 0]", (4, 11), "`floor.rpy.1` must be a number of radians", ""),
     Broken("posture = { knee = true }", (3, 20), "`robot.posture.knee` must be", ""),
     Broken("[task]\ntype = \"posture\"", (3, 1), "`task` must be an array of tables", "[[task]]"),
-    Broken("[contact]\nmethod = 3", (4, 10), "must be \"exact\" or \"one-step\"", ""),
+    Broken("[contact]\nmethod = 3", (4, 10), "must be \"exact\" or \"one-step\" or \"penalty\"", ""),
     Broken("[[force]]\ntype = 7", (4, 8), "`force.0.type` must be a string", ""),
     Broken(
         "[floor]\nfriction = { static = 1, kinetic = \"é\", x = 1 }",
@@ -48,6 +48,8 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[floor]\nfriction = { static = 0.5, kinetic = 0.6 }", (4, 38), "greater than `static` = 0.5", ""),
     Broken("[contact]\ndistance_tolerance = 0", (4, 22), "must be greater than 0", ""),
     Broken("[contact]\nrestitution = 1.5", (4, 15), "must be between 0 and 1", ""),
+    Broken("[contact.penalty]\nstiffness = 0", (4, 13), "`contact.penalty.stiffness` must be greater than 0", ""),
+    Broken("[contact.penalty]\nstifness = 1", (4, 1), "unknown key `stifness` in `contact.penalty`", "`stiffness`"),
     Broken("[contact.lcp]\nfacets = 5", (4, 10), "`contact.lcp.facets` must be an even number from 4 to 64, not 5", ""),
     Broken("[contact.lcp]\nfacets = 2", (4, 10), "an even number from 4 to 64, not 2", ""),
     Broken("[contact.lcp]\nfacets = 66", (4, 10), "an even number from 4 to 64, not 66", ""),

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use stiction::contact::penalty::PenaltyParameters;
 use stiction::scenario::{
     ContactMethod, Estimator, EventHandling, ForceFrame, ForceSpec, Friction, IntegratorMethod, JointLimits, JointMode,
     LogTopic, Profile, TaskSpec,
@@ -41,6 +42,10 @@ fn the_smallest_scenario_has_the_documented_defaults() {
     assert_eq!((c.distance_tolerance, c.velocity_tolerance, c.acceleration_tolerance), (1e-3, 0.1, 0.1));
     assert_eq!((c.restitution, c.events), (0.0, EventHandling::Locate));
     assert!(c.forced.is_empty());
+    let springs = (c.penalty.stiffness, c.penalty.damping, c.penalty.slip_velocity);
+    let kept = PenaltyParameters::default();
+    assert_eq!(springs, (1e5, 300.0, 1e-3));
+    assert_eq!(springs, (kept.stiffness, kept.damping, kept.slip_velocity));
 
     let i = &s.integrator;
     assert_eq!(i.method, IntegratorMethod::Dopri5);

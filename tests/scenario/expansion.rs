@@ -306,5 +306,7 @@ fn parameters_of_a_method_that_no_run_uses_are_warned_of() {
     assert_eq!(warnings(&format!("[contact.lcp]\nfacets = 6\n{swept}"), &[]), [""; 0]);
     assert_eq!(warnings("[contact.lcp]\nfacets = 6\n", &["contact.method=lcp"]), [""; 0]);
     assert_eq!(warnings("[contact.lcp]\nfacets = 8\n", &[]), [""; 0]);
+    assert_eq!(warnings("[contact.penalty]\ndamping = 0\n", &[]).len(), 1);
+    assert_eq!(warnings("[contact.penalty]\ndamping = 0\n", &["contact.method=penalty"]), [""; 0]);
     assert_eq!(warnings("[sweep.grid]\n\"contact.lcp.facets\" = [4, 6, 10]\n", &[]).len(), 1);
 }

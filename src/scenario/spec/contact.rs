@@ -31,6 +31,8 @@ pub struct ContactSpec {
     pub events: EventHandling,
     /// Contact states imposed for a time.
     pub forced: Vec<ForcedState>,
+    /// What `penalty` is told.
+    pub penalty: PenaltySpec,
     /// What method `lcp` is told.
     pub lcp: LcpSpec,
     /// What method `ncp` is told.
@@ -47,6 +49,7 @@ impl Default for ContactSpec {
             restitution: 0.0,
             events: EventHandling::Locate,
             forced: Vec::new(),
+            penalty: PenaltySpec::default(),
             lcp: LcpSpec::default(),
             ncp: NcpSpec::default(),
         }
@@ -61,6 +64,8 @@ pub enum ContactMethod {
     Exact,
     /// One decision per vertex from present quantities, no trial.
     OneStep,
+    /// Springs and dampers under every vertex, regularised friction.
+    Penalty,
     /// Time stepping with a polyhedral friction cone: a linear complementarity problem a step.
     Lcp,
     /// Time stepping on the true friction cone, by projected Gauss-Seidel.
@@ -73,9 +78,34 @@ impl ContactMethod {
         match self {
             ContactMethod::Exact => "exact",
             ContactMethod::OneStep => "one-step",
+            ContactMethod::Penalty => "penalty",
             ContactMethod::Lcp => "lcp",
             ContactMethod::Ncp => "ncp",
         }
+    }
+}
+
+/// The springs of `penalty`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PenaltySpec {
+    /// Stiffness of the floor under each vertex, N/m.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub stiffness: f64,
+    /// Damping of the floor under each vertex, N s/m.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub damping: f64,
+    /// Speed below which friction has not its full size, m/s.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub slip_velocity: f64,
+}
+
+impl Default for PenaltySpec {
+    fn default() -> Self {
+        PenaltySpec { stiffness: 1e5, damping: 300.0, slip_velocity: 1e-3 }
     }
 }
 
