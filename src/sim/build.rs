@@ -1,5 +1,6 @@
 //! From a scenario's run and a loaded robot to a [`Setup`]: the place where names meet what they name.
 
+use super::pairing;
 use super::patch::Patch;
 use super::setup::{ContactSetup, Floor, Forced, IntegratorSetup, Setup, Start};
 use crate::contact::lcp::LcpParameters;
@@ -13,12 +14,13 @@ use crate::force::Force;
 use crate::force::friction::{Joint, JointFriction, SLIP_SPEED};
 use crate::force::profile::{Profile, Shape};
 use crate::force::wrench::Wrench;
+use crate::integrate::{BS23, DOPRI5, RK4};
 use crate::robot::adjust::{self, DriveSettings};
 use crate::robot::{Base, DriveMode, JointId, Model, Robot};
 use crate::scenario::{
     ConstantForce, ContactMethod, ContactSpec, Diagnostic, Diagnostics, EventHandling, FloorSpec, ForceFrame,
-    ForceSpec, IntegratorMethod, JointLimits, JointMode, PatchSpec, Profile as ProfileSpec, PushForce, Run, SoleSpec,
-    TaskSpec, suggest,
+    ForceSpec, IntegratorMethod, IntegratorSpec, JointLimits, JointMode, PatchSpec, Profile as ProfileSpec, PushForce,
+    Run, SoleSpec, TaskSpec, suggest,
 };
 use crate::task::posture::Posture;
 use crate::task::{Command, TaskServer};
@@ -66,26 +68,9 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         locate: s.contact.events == EventHandling::Locate,
         forced: forced(run, &model, &mut errors),
     };
-    let integrator = match s.integrator.method {
-        IntegratorMethod::Dopri5 => IntegratorSetup::Dopri5 {
-            relative: s.integrator.relative_tolerance,
-            absolute: s.integrator.absolute_tolerance,
-            max_step: s.integrator.max_step,
-        },
-        IntegratorMethod::SemiImplicit => IntegratorSetup::SemiImplicit { step: s.integrator.step },
-    };
-    if s.contact.method == ContactMethod::Penalty && !s.contact.forced.is_empty() {
-        let message = "`contact.forced` does not work with method `penalty`, whose vertices are never clamped";
-        let help = "it works with the methods `exact` and `one-step`".to_owned();
-        errors.push(run.error_at("contact.forced", message, Some(help)));
-    }
-    let bounces = contact.method == "exact" && s.integrator.method == IntegratorMethod::Dopri5;
-    if s.contact.restitution > 0.0 && !bounces {
-        let message = "`contact.restitution` is not available yet with this method and integrator";
-        let help = "it works with method `exact` and integrator `dopri5`".to_owned();
-        errors.push(run.error_at("contact.restitution", message, Some(help)));
-    }
-    time_stepping(run, &model, &mut errors);
+    let integrator = integrator(&s.integrator);
+    pairing::check(run, &mut errors);
+    facets(run, &model, &mut errors);
     if !errors.is_empty() {
         return Err(Diagnostics(errors));
     }
@@ -121,27 +106,9 @@ fn parameters(spec: &ContactSpec) -> Parameters {
 /// Unknowns of an `lcp` problem beyond which its dictionary (8 bytes times their square) takes too much memory.
 const MOST_UNKNOWNS: usize = 4096;
 
-/// What the methods that step in time cannot do.
-fn time_stepping(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
+/// Refuses more facets than memory holds.
+fn facets(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
     let contact = &run.scenario.contact;
-    if !matches!(contact.method, ContactMethod::Lcp | ContactMethod::Ncp) {
-        return;
-    }
-    let (method, integrator) = (contact.method.name(), run.scenario.integrator.method);
-    if integrator != IntegratorMethod::SemiImplicit {
-        let message = format!(
-            "`contact.method` = \"{method}\" knows only impulses over a fixed step and does not run with \
-             `integrator.method` = \"{}\"",
-            integrator.name()
-        );
-        let help = "set `integrator.method` = \"semi-implicit\"".to_owned();
-        errors.push(run.error_at("contact.method", message, Some(help)));
-    }
-    if !contact.forced.is_empty() {
-        let message = format!("`contact.forced` is not available with `contact.method` = \"{method}\"");
-        let help = "this method chooses no states; `exact` and `one-step` can be told theirs".to_owned();
-        errors.push(run.error_at("contact.forced", message, Some(help)));
-    }
     let vertices = model.soles.iter().map(|s| s.vertices.len()).sum();
     let unknowns = parameters(contact).lcp.unknowns(vertices);
     if contact.method == ContactMethod::Lcp && unknowns > MOST_UNKNOWNS {
@@ -166,13 +133,32 @@ fn patches(floor: &FloorSpec) -> Vec<Patch> {
     floor.patches.iter().map(patch).collect()
 }
 
-/// Slip speeds that the integrator cannot tell from rest: ten times its absolute tolerance. Fixed steps resolve zero
-/// itself, because friction there is an impulse that may stop a vertex within the step.
-fn rest_speed(run: &Run) -> f64 {
-    match run.scenario.integrator.method {
-        IntegratorMethod::Dopri5 => (10.0 * run.scenario.integrator.absolute_tolerance).clamp(1e-10, 1e-4),
-        IntegratorMethod::SemiImplicit => 1e-9,
+fn integrator(spec: &IntegratorSpec) -> IntegratorSetup {
+    let controlled = |pair| IntegratorSetup::Controlled {
+        pair,
+        relative: spec.relative_tolerance,
+        absolute: spec.absolute_tolerance,
+        max_step: spec.max_step,
+    };
+    match spec.method {
+        IntegratorMethod::Dopri5 => controlled(&DOPRI5),
+        IntegratorMethod::Bs23 => controlled(&BS23),
+        IntegratorMethod::Rk4 => IntegratorSetup::Stepped { method: &RK4, step: spec.step },
+        IntegratorMethod::SemiImplicit => IntegratorSetup::SemiImplicit { step: spec.step },
     }
+}
+
+/// Slip speeds that the integrator cannot tell from rest: ten times its absolute tolerance; for steps h without control
+/// 1e3 h^4, the error of order 4 in velocities that change within some tenths of a second. Velocity-level steps
+/// resolve zero itself, because friction there is an impulse that may stop a vertex within the step.
+fn rest_speed(run: &Run) -> f64 {
+    let spec = &run.scenario.integrator;
+    let unresolved = match spec.method {
+        IntegratorMethod::Dopri5 | IntegratorMethod::Bs23 => 10.0 * spec.absolute_tolerance,
+        IntegratorMethod::Rk4 => 1e3 * spec.step.powi(4),
+        IntegratorMethod::SemiImplicit => return 1e-9,
+    };
+    unresolved.clamp(1e-10, 1e-4)
 }
 
 /// The robot's model with the scenario's changes.

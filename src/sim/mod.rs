@@ -1,12 +1,12 @@
 //! One run: state, coupling of the physics rooms, outcome.
 
 pub mod actuator;
-mod adaptive;
 pub mod build;
 mod comply;
 mod decide;
 mod drive;
 pub mod error;
+mod explicit;
 mod fixed;
 mod freeze;
 mod imposed;
@@ -16,6 +16,7 @@ mod ledger;
 mod marks;
 mod measure;
 pub mod observe;
+mod pairing;
 pub mod patch;
 pub mod plant;
 mod project;

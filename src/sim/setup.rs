@@ -5,6 +5,7 @@ use crate::contact::method::Parameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
 use crate::force::Force;
+use crate::integrate::Tableau;
 use crate::robot::Model;
 use crate::task::TaskServer;
 use nalgebra::{Matrix3, Vector3};
@@ -70,14 +71,23 @@ pub struct ContactSetup {
 /// How time is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IntegratorSetup {
-    /// Dormand-Prince 5(4) with error control.
-    Dopri5 {
+    /// An embedded Runge-Kutta pair with error control.
+    Controlled {
+        /// The pair.
+        pair: &'static Tableau,
         /// Relative tolerance.
         relative: f64,
         /// Absolute tolerance.
         absolute: f64,
         /// Largest step, s.
         max_step: f64,
+    },
+    /// A Runge-Kutta method in fixed steps, shortened where they end at an event.
+    Stepped {
+        /// The method.
+        method: &'static Tableau,
+        /// Step, s.
+        step: f64,
     },
     /// Semi-implicit Euler at the velocity level, joint damping and servo gains implicit.
     SemiImplicit {

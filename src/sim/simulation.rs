@@ -1,7 +1,7 @@
 //! One run from start to end.
 
-use super::adaptive::Adaptive;
 use super::error::Stop;
+use super::explicit::{Explicit, Sizes};
 use super::fixed::Fixed;
 use super::ledger::Flows;
 use super::marks::Marks;
@@ -16,6 +16,7 @@ use crate::contact::judge::TOUCHING;
 use crate::contact::method::{self, Manner};
 use crate::contact::problem::{Problem, Tolerances};
 use crate::contact::state::MAX_SOLES;
+use crate::integrate::StepControl;
 use crate::task::{Context, TaskServer};
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,7 +32,7 @@ const SENSIBLE: f64 = 1e6;
 const SINKING: f64 = 1e-3;
 
 enum Stepper {
-    Adaptive(Box<Adaptive>),
+    Explicit(Box<Explicit>),
     Fixed(Box<Fixed>),
 }
 
@@ -120,8 +121,13 @@ impl Simulation {
         corners.dedup();
         let n = plant.layout.size();
         let stepper = match setup.integrator {
-            IntegratorSetup::Dopri5 { relative, absolute, max_step } => {
-                Stepper::Adaptive(Box::new(Adaptive::new(n, relative, absolute, max_step)))
+            IntegratorSetup::Controlled { pair, relative, absolute, max_step } => {
+                let control = StepControl::new(pair.order);
+                let sizes = Sizes::Controlled { control, relative, absolute, max_step, h: max_step.min(1e-3) };
+                Stepper::Explicit(Box::new(Explicit::new(pair, n, sizes)))
+            }
+            IntegratorSetup::Stepped { method, step } => {
+                Stepper::Explicit(Box::new(Explicit::new(method, n, Sizes::Fixed(step))))
             }
             IntegratorSetup::SemiImplicit { step } => Stepper::Fixed(Box::new(Fixed::new(step))),
         };
@@ -233,7 +239,7 @@ impl Simulation {
         let until = stops.into_iter().flatten().fold(self.duration, f64::min);
         let mut stepper = self.stepper.take().expect("put back below");
         let result = match &mut stepper {
-            Stepper::Adaptive(adaptive) => adaptive.step(self, until, jump, observer),
+            Stepper::Explicit(explicit) => explicit.step(self, until, jump, observer),
             Stepper::Fixed(fixed) => fixed.step(self, until, observer),
         };
         self.stepper = Some(stepper);

@@ -2,10 +2,9 @@
 //! falls.
 
 use super::body::{Body, G};
-use super::support::{finish, root, run, simulation, watch};
+use super::support::{finish, run, simulation, watch};
 use std::f64::consts::PI;
-use stiction::scenario;
-use stiction::sim::{Blind, Metrics, build};
+use stiction::sim::{Blind, Metrics};
 
 const FINE: &str = "relative_tolerance = 1e-10, absolute_tolerance = 1e-12";
 
@@ -243,25 +242,5 @@ fn a_robot_stands_on_its_springs_with_its_weight() {
         assert!((m.final_normal_force_n.expect("at its end") / weight - 1.0).abs() < 1e-3, "{m:?}");
         assert!(m.max_penetration_m > 0.5 * weight / 8e5 && m.max_penetration_m < 5.0 * weight / 8e5, "{m:?}");
         assert!(m.max_static_creep_m > 0.0 && m.max_cone_excess == 0.0, "{m:?}");
-    }
-}
-
-#[test]
-fn what_it_cannot_do_is_refused_at_its_line() {
-    for (line, says) in [
-        ("contact.restitution = 0.5", "`contact.restitution` is not available"),
-        (
-            "contact.forced = [{ sole = \"bottom\", state = \"face-static\" }]",
-            "`contact.forced` does not work with method `penalty`",
-        ),
-    ] {
-        let text =
-            format!("[robot]\nmodel = \"robots/block/block.toml\"\n[contact]\nmethod = \"penalty\"\n{}\n", &line[8..]);
-        let file = scenario::parse(&root().join("test.toml"), &text).expect("it reads");
-        let run = file.expand(&[]).expect("a single run").remove(0);
-        let robot = stiction::robot::load(&run.resolve(&run.scenario.robot.model)).expect("our own robot");
-        let Err(errors) = build::setup(&run, &robot) else { panic!("{line} is taken") };
-        let errors = errors.to_string();
-        assert!(errors.contains(says) && errors.contains("test.toml:5:"), "{errors}");
     }
 }

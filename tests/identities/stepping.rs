@@ -27,6 +27,8 @@ fn pushed(method: &str, integrator: &str) -> String {
 fn stepping_allocates_nothing() {
     for (method, integrator) in [
         ("exact", "method = \"dopri5\""),
+        ("exact", "method = \"bs23\""),
+        ("exact", "method = \"rk4\", step = 1e-3"),
         ("exact", "method = \"semi-implicit\", step = 1e-3"),
         ("one-step", "method = \"dopri5\""),
         ("one-step", "method = \"semi-implicit\", step = 1e-3"),

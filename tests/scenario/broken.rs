@@ -93,7 +93,6 @@ const BELOW_ROBOT: &[Broken] = &[
     ),
     // Known, not available.
     Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
-    Broken("[integrator]\nmethod = \"rk4\"", (4, 10), "integrator.method `rk4` is not available yet", ""),
     Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
     Broken("[[task]]\ntype = \"sine\"", (4, 8), "task type `sine` is not available yet", ""),
     Broken("[[force]]\ntype = \"spring\"", (4, 8), "force type `spring` is not available yet", ""),

@@ -243,6 +243,10 @@ impl Default for IntegratorSpec {
 pub enum IntegratorMethod {
     /// Dormand and Prince's embedded Runge-Kutta pair of order 5(4), adaptive.
     Dopri5,
+    /// Bogacki and Shampine's embedded Runge-Kutta pair of order 3(2), adaptive.
+    Bs23,
+    /// The classical Runge-Kutta method of order 4, fixed step.
+    Rk4,
     /// Semi-implicit Euler, fixed step.
     SemiImplicit,
 }
@@ -252,6 +256,8 @@ impl IntegratorMethod {
     pub fn name(self) -> &'static str {
         match self {
             IntegratorMethod::Dopri5 => "dopri5",
+            IntegratorMethod::Bs23 => "bs23",
+            IntegratorMethod::Rk4 => "rk4",
             IntegratorMethod::SemiImplicit => "semi-implicit",
         }
     }

@@ -1,4 +1,4 @@
-//! Adaptive stepping with located events.
+//! Explicit Runge-Kutta stepping with located events, in steps sized by error control or fixed.
 //!
 //! A step integrates with the contact states held. Event functions, all positive while those states stay true, are
 //! watched at the end of the step; when one has changed sign, the first crossing is located on the dense output, the
@@ -9,7 +9,7 @@ use super::error::Stop;
 use super::simulation::{Jump, Simulation};
 use super::watch::{MAX_WATCHED, Watch};
 use crate::integrate::event::first_crossing;
-use crate::integrate::{Dopri5, StepControl};
+use crate::integrate::{RungeKutta, StepControl, Tableau};
 use crate::sim::Observer;
 
 /// Width to which an event is located, relative to its step.
@@ -24,14 +24,63 @@ const CRAWL: f64 = 1e-6;
 /// Times a step is shortened to end where a vertex has gone over a narrow patch.
 const PASSAGES: usize = 8;
 
-/// The adaptive integrator of one run.
-pub struct Adaptive {
-    rk: Dopri5,
-    control: StepControl,
-    relative: f64,
-    absolute: f64,
-    max_step: f64,
-    h: f64,
+/// How long steps are.
+pub enum Sizes {
+    /// As long as the error of each allows.
+    Controlled {
+        /// Chooses the next size.
+        control: StepControl,
+        /// Relative tolerance.
+        relative: f64,
+        /// Absolute tolerance.
+        absolute: f64,
+        /// Longest step, s.
+        max_step: f64,
+        /// The next step, s.
+        h: f64,
+    },
+    /// All of this length, s, but where they are shortened to end at an instant.
+    Fixed(f64),
+}
+
+impl Sizes {
+    /// Size of the next step, with so much time left before a stop.
+    fn next(&self, remaining: f64) -> f64 {
+        let h = match self {
+            Sizes::Controlled { max_step, h, .. } => h.min(*max_step),
+            Sizes::Fixed(step) => *step,
+        };
+        let h = h.min(remaining);
+        // Do not leave a sliver before the stop.
+        if remaining - h < 0.01 * h { remaining } else { h }
+    }
+
+    /// None if the step of size `h` just tried is good enough; else what to multiply its size with.
+    fn shorten(&mut self, rk: &RungeKutta, controlled: usize, h: f64, remaining: f64) -> Option<f64> {
+        let Sizes::Controlled { control, relative, absolute, h: next, .. } = self else { return None };
+        let error = rk.error(*relative, *absolute, controlled);
+        let factor = control.factor(error);
+        if error <= 1.0 {
+            if h < remaining || factor < 1.0 {
+                *next = h * factor;
+            }
+            return None;
+        }
+        Some(factor)
+    }
+
+    /// Forgets how long the last step was.
+    fn restart(&mut self) {
+        if let Sizes::Controlled { max_step, h, .. } = self {
+            *h = max_step.min(1e-3);
+        }
+    }
+}
+
+/// The explicit integrator of one run.
+pub struct Explicit {
+    rk: RungeKutta,
+    sizes: Sizes,
     /// Have the states been chosen at the time where the next step starts?
     fresh: bool,
     /// The integrator's vector.
@@ -45,16 +94,12 @@ pub struct Adaptive {
     scratch: Vec<f64>,
 }
 
-impl Adaptive {
-    /// For vectors of this length.
-    pub fn new(n: usize, relative: f64, absolute: f64, max_step: f64) -> Self {
-        Adaptive {
-            rk: Dopri5::new(n),
-            control: StepControl::new(5),
-            relative,
-            absolute,
-            max_step,
-            h: max_step.min(1e-3),
+impl Explicit {
+    /// For vectors of length `n`.
+    pub fn new(method: &'static Tableau, n: usize, sizes: Sizes) -> Self {
+        Explicit {
+            rk: RungeKutta::new(method, n),
+            sizes,
             fresh: true,
             y: vec![0.0; n],
             dense: vec![0.0; n],
@@ -78,11 +123,7 @@ impl Adaptive {
         let t0 = sim.plant.state.time;
         let layout = sim.plant.layout;
         let remaining = until - t0;
-        let mut h = self.h.min(self.max_step).min(remaining);
-        // Do not leave a sliver before the stop.
-        if remaining - h < 0.01 * h {
-            h = remaining;
-        }
+        let mut h = self.sizes.next(remaining);
         sim.plant.within = t0 + 0.5 * h;
         if sim.locates() && jump == Jump::Corner {
             sim.decide(observer)?;
@@ -101,14 +142,8 @@ impl Adaptive {
         self.scratch.resize(self.start.len(), 0.0);
         loop {
             sim.plant.within = t0 + 0.5 * h;
-            let error = self.rk.attempt(&mut sim.plant, t0, h, self.relative, self.absolute, layout.controlled());
-            let factor = self.control.factor(error);
-            if error <= 1.0 {
-                if h < remaining || factor < 1.0 {
-                    self.h = h * factor;
-                }
-                break;
-            }
+            self.rk.attempt(&mut sim.plant, t0, h);
+            let Some(factor) = self.sizes.shorten(&self.rk, layout.controlled(), h, remaining) else { break };
             sim.metrics.rejected_steps += 1;
             h *= factor;
             if !(h > SMALLEST * (1.0 + t0)) {
@@ -119,7 +154,8 @@ impl Adaptive {
                     // Whatever crawls has come to rest: its direction turns faster than it can be followed.
                     let rest = if burst { 0.0 } else { CRAWL };
                     sim.decide_with_rest(rest, observer)?;
-                    (self.fresh, self.h) = (true, self.max_step.min(1e-3));
+                    self.fresh = true;
+                    self.sizes.restart();
                     sim.measure();
                     return Ok(());
                 }
@@ -131,7 +167,7 @@ impl Adaptive {
         for _ in 0..PASSAGES {
             let Some(part) = self.watch.passed_over(sim, &self.right).filter(|_| sim.locates()) else { break };
             h *= part;
-            self.rk.attempt(&mut sim.plant, t0, h, self.relative, self.absolute, 0);
+            self.rk.attempt(&mut sim.plant, t0, h);
             self.watch.values(sim, &mut self.right);
         }
         let mut event = self.right.iter().any(|g| *g < 0.0);
@@ -184,8 +220,8 @@ impl Adaptive {
 
     /// Shortens the step just tried to its first event; returns its new size. The plant is left at the event.
     ///
-    /// The dense output is of order 4, the step itself of order 5, so an event located on the dense output is missed by
-    /// the step taken to it. A second step that ends just beyond the event, where its dense output is as good as its
+    /// The dense output is of lower order than the step itself (4 and 5, 3 and 4) or another solution of the same, so an
+    /// event located on it is missed by the step taken to it. A second step that ends just beyond the event, where its dense output is as good as its
     /// end, settles the difference.
     fn locate(&mut self, sim: &mut Simulation, t0: f64, full: f64) -> f64 {
         let mut h = full;
@@ -207,7 +243,7 @@ impl Adaptive {
     }
 
     fn attempt(&mut self, sim: &mut Simulation, t0: f64, h: f64) {
-        self.rk.attempt(&mut sim.plant, t0, h, self.relative, self.absolute, 0);
+        self.rk.attempt(&mut sim.plant, t0, h);
         self.watch.values(sim, &mut self.scratch);
         // At the final step the values only tell which functions fired, so those located stay.
         if self.scratch.iter().any(|g| *g < 0.0) {

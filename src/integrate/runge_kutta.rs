@@ -1,0 +1,222 @@
+//! Explicit Runge-Kutta methods with dense output, one step at a time.
+//!
+//! ```text
+//! k_i = f(t + c_i h, y + h sum_j a_ij k_j)      y1 = y + h sum_j a_nj k_j      error = h sum_j e_j k_j
+//! ```
+//!
+//! A method is a [`Tableau`]. Its last row are the weights, so its last stage is evaluated at the end of the step: whoever
+//! evaluates has then been there. (It could serve as the first stage of the next step, "first same as last"; whoever
+//! changes the state between steps, as a projection does, evaluates again.)
+
+use super::System;
+
+/// The numbers of a method, source in the file of each.
+#[derive(Debug, PartialEq)]
+pub struct Tableau {
+    /// Word in files.
+    pub name: &'static str,
+    /// Order of the solution.
+    pub order: u32,
+    /// Order of the dense output.
+    pub dense_order: u32,
+    /// Times of the stages, parts of the step.
+    pub c: &'static [f64],
+    /// What each stage takes of those before it; the last row are the weights of the solution.
+    pub a: &'static [&'static [f64]],
+    /// Weights of the error estimate; none for a method without.
+    pub error: &'static [f64],
+    /// How the solution between the ends is found.
+    pub dense: Dense,
+}
+
+/// Solution between the ends of a step.
+#[derive(Debug, PartialEq)]
+pub enum Dense {
+    /// The cubic that meets value and slope at both ends, of order 3.
+    Hermite,
+    /// The same and `h theta^2 (1 - theta)^2 sum_i d_i k_i`.
+    Quartic(&'static [f64]),
+}
+
+/// A method with its scratch; allocated once.
+#[derive(Clone, Debug)]
+pub struct RungeKutta {
+    tableau: &'static Tableau,
+    k: Vec<Vec<f64>>,
+    stage: Vec<f64>,
+    /// Solution at the end of the last attempt.
+    pub end: Vec<f64>,
+    start: Vec<f64>,
+    h: f64,
+}
+
+impl RungeKutta {
+    /// For systems of `n` equations.
+    pub fn new(tableau: &'static Tableau, n: usize) -> Self {
+        RungeKutta {
+            tableau,
+            k: vec![vec![0.0; n]; tableau.c.len()],
+            stage: vec![0.0; n],
+            end: vec![0.0; n],
+            start: vec![0.0; n],
+            h: 0.0,
+        }
+    }
+
+    /// Evaluates the derivative at the start of a step; needed before [`attempt`](Self::attempt) whenever t or y changed.
+    pub fn begin(&mut self, system: &mut impl System, t: f64, y: &[f64]) {
+        self.start.copy_from_slice(y);
+        system.derivative(t, y, &mut self.k[0]);
+    }
+
+    /// Tries a step of size `h` from the point given to [`begin`](Self::begin): an evaluation for every stage but the
+    /// first, the last one at the end point. The result is in `end`.
+    pub fn attempt(&mut self, system: &mut impl System, t: f64, h: f64) {
+        self.h = h;
+        let last = self.k.len() - 1;
+        for s in 1..=last {
+            let (done, rest) = self.k.split_at_mut(s);
+            let target = if s == last { &mut self.end } else { &mut self.stage };
+            for (i, (x, y)) in target.iter_mut().zip(&self.start).enumerate() {
+                let mut sum = 0.0;
+                for (a, k) in self.tableau.a[s].iter().zip(done.iter()) {
+                    sum += a * k[i];
+                }
+                *x = y + h * sum;
+            }
+            system.derivative(t + self.tableau.c[s] * h, target, &mut rest[0]);
+        }
+    }
+
+    /// Largest component of the error estimate of the last attempt over `absolute + relative * max(|y|, |y1|)`, over the
+    /// first `controlled` components; infinite where it is not a number, zero for a method without an estimate.
+    pub fn error(&self, relative: f64, absolute: f64, controlled: usize) -> f64 {
+        let mut worst: f64 = 0.0;
+        for i in 0..controlled {
+            let e: f64 = self.tableau.error.iter().zip(&self.k).map(|(e, k)| e * k[i]).sum();
+            let scale = absolute + relative * self.start[i].abs().max(self.end[i].abs());
+            worst = worst.max((self.h * e).abs() / scale);
+            if !e.is_finite() {
+                return f64::INFINITY;
+            }
+        }
+        worst
+    }
+
+    /// Dense output at `t + theta h` of the last attempt.
+    pub fn interpolate(&self, theta: f64, out: &mut [f64]) {
+        let rest = 1.0 - theta;
+        let slope = &self.k[self.k.len() - 1];
+        for (i, y) in out.iter_mut().enumerate() {
+            let difference = self.end[i] - self.start[i];
+            let bulge = self.h * self.k[0][i] - difference;
+            let skew = difference - self.h * slope[i] - bulge;
+            let quartic = match self.tableau.dense {
+                Dense::Hermite => 0.0,
+                Dense::Quartic(d) => d.iter().zip(&self.k).map(|(d, k)| d * k[i]).sum::<f64>() * self.h,
+            };
+            *y = self.start[i] + theta * (difference + rest * (bulge + theta * (skew + rest * quartic)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::{BS23, DOPRI5, RK4};
+
+    struct Oscillator;
+    impl System for Oscillator {
+        fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) {
+            dy[0] = y[1] + t.cos();
+            dy[1] = -y[0];
+        }
+    }
+
+    /// y'' = -y + ..., y(0) = (0, 1): y0 = sin t + (t cos t + sin t) / 2, y1 = cos t - t sin t / 2.
+    fn exact(t: f64) -> [f64; 2] {
+        [t.sin() + 0.5 * (t * t.cos() + t.sin()), t.cos() - 0.5 * t * t.sin()]
+    }
+
+    fn apart(y: &[f64], t: f64) -> f64 {
+        let truth = exact(t);
+        (y[0] - truth[0]).abs().max((y[1] - truth[1]).abs())
+    }
+
+    /// Errors after `n` steps to t = 2 at its end, greatest within a step that starts from the truth, and of the estimate.
+    fn errors(tableau: &'static Tableau, n: usize) -> [f64; 3] {
+        let h = 2.0 / n as f64;
+        let mut rk = RungeKutta::new(tableau, 2);
+        let mut y = vec![0.0, 1.0];
+        let (mut within, mut estimate): (f64, f64) = (0.0, 0.0);
+        for i in 0..n {
+            let t = i as f64 * h;
+            rk.begin(&mut Oscillator, t, &exact(t));
+            rk.attempt(&mut Oscillator, t, h);
+            for theta in [0.2, 0.37, 0.5, 0.8] {
+                let mut mid = [0.0; 2];
+                rk.interpolate(theta, &mut mid);
+                within = within.max(apart(&mid, t + theta * h));
+            }
+            rk.begin(&mut Oscillator, t, &y);
+            rk.attempt(&mut Oscillator, t, h);
+            estimate = estimate.max(rk.error(0.0, 1.0, 2));
+            y.copy_from_slice(&rk.end);
+        }
+        [apart(&y, 2.0), within, estimate]
+    }
+
+    #[test]
+    fn every_method_has_its_orders() {
+        for tableau in [&DOPRI5, &BS23, &RK4] {
+            let (coarse, fine) = (errors(tableau, 40), errors(tableau, 80));
+            let order = |i: usize| (coarse[i] / fine[i]).log2();
+            let whole = f64::from(tableau.order);
+            // The next order is h = 1/20 smaller.
+            assert!((order(0) - whole).abs() < 0.15, "{}: {}", tableau.name, order(0));
+            // Within one step the error is of the order plus one.
+            let dense = f64::from(tableau.dense_order) + 1.0;
+            assert!((order(1) - dense).abs() < 0.25, "{} within: {}", tableau.name, order(1));
+            if !tableau.error.is_empty() {
+                // The estimate is the error of the lower method in one step.
+                assert!((order(2) - whole).abs() < 0.25, "{} estimate: {}", tableau.name, order(2));
+            } else {
+                assert_eq!(fine[2], 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn rows_add_up_to_their_times_and_weights_to_one() {
+        for tableau in [&DOPRI5, &BS23, &RK4] {
+            assert_eq!(tableau.a.len(), tableau.c.len());
+            for (row, c) in tableau.a.iter().zip(tableau.c) {
+                assert!((row.iter().sum::<f64>() - c).abs() < 1e-14, "{}", tableau.name);
+            }
+            assert!(tableau.error.iter().sum::<f64>().abs() < 1e-15, "{}", tableau.name);
+        }
+    }
+
+    #[test]
+    fn the_dense_output_meets_both_ends_with_their_slopes() {
+        for tableau in [&DOPRI5, &BS23, &RK4] {
+            let mut rk = RungeKutta::new(tableau, 2);
+            rk.begin(&mut Oscillator, 0.0, &[0.3, -0.2]);
+            rk.attempt(&mut Oscillator, 0.0, 0.3);
+            let at = |theta: f64| {
+                let mut y = [0.0; 2];
+                rk.interpolate(theta, &mut y);
+                y
+            };
+            assert_eq!(at(0.0), [0.3, -0.2]);
+            let y = at(1.0);
+            assert!((y[0] - rk.end[0]).abs() < 1e-15 && (y[1] - rk.end[1]).abs() < 1e-15);
+            // One-sided difference over 1e-6 of the step: its curvature, some 1e-6.
+            for (theta, k) in [(0.0, &rk.k[0]), (1.0, &rk.k[rk.k.len() - 1])] {
+                let inside = if theta == 0.0 { 1e-6 } else { -1e-6 };
+                let slope = (at(theta + inside)[0] - at(theta)[0]) / (inside * 0.3);
+                assert!((slope - k[0]).abs() < 1e-5, "{} {slope} {}", tableau.name, k[0]);
+            }
+        }
+    }
+}

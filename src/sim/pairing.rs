@@ -1,0 +1,72 @@
+//! What goes with what: contact methods, integrators, and what not every one of them can do.
+//!
+//! | | `dopri5` | `bs23` | `rk4` | `semi-implicit` | `restitution` | `forced` |
+//! |---|---|---|---|---|---|---|
+//! | `exact` | x | x | x | x | where events are located | x |
+//! | `one-step` | x | x | x | x | | x |
+//! | `penalty` | x | x | x | x | | |
+//! | `lcp`, `ncp` | | | | x | | |
+
+use crate::scenario::{ContactMethod, Diagnostic, IntegratorMethod, Run};
+
+/// Every integrator.
+const ALL: &[IntegratorMethod] =
+    &[IntegratorMethod::Dopri5, IntegratorMethod::Bs23, IntegratorMethod::Rk4, IntegratorMethod::SemiImplicit];
+/// Those that integrate accelerations.
+const EXPLICIT: &[IntegratorMethod] = &[IntegratorMethod::Dopri5, IntegratorMethod::Bs23, IntegratorMethod::Rk4];
+
+/// The integrators that a method runs with, and if not with all of them the reason.
+fn integrators(method: ContactMethod) -> (&'static [IntegratorMethod], &'static str) {
+    match method {
+        ContactMethod::Exact | ContactMethod::OneStep | ContactMethod::Penalty => (ALL, ""),
+        ContactMethod::Lcp | ContactMethod::Ncp => {
+            (&[IntegratorMethod::SemiImplicit], "knows only impulses over a fixed step")
+        }
+    }
+}
+
+/// The integrators with which a method makes its impacts by themselves and can let bodies bounce.
+fn bouncing(method: ContactMethod) -> &'static [IntegratorMethod] {
+    if method == ContactMethod::Exact { EXPLICIT } else { &[] }
+}
+
+/// Why a method cannot be told states, if it cannot.
+fn unforced(method: ContactMethod) -> Option<&'static str> {
+    match method {
+        ContactMethod::Exact | ContactMethod::OneStep => None,
+        ContactMethod::Penalty => Some("clamps no vertices"),
+        ContactMethod::Lcp | ContactMethod::Ncp => Some("chooses no states"),
+    }
+}
+
+/// Finds what does not go together, each at its place in the file.
+pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
+    let contact = &run.scenario.contact;
+    let (method, integrator) = (contact.method.name(), run.scenario.integrator.method);
+    let (works, reason) = integrators(contact.method);
+    if !works.contains(&integrator) {
+        let message = format!(
+            "`contact.method` = \"{method}\" {reason} and does not run with `integrator.method` = \"{}\"",
+            integrator.name()
+        );
+        let help = format!("set `integrator.method` = {}", named(works));
+        errors.push(run.error_at("contact.method", message, Some(help)));
+    }
+    if contact.restitution > 0.0 && !bouncing(contact.method).contains(&integrator) {
+        let message = format!(
+            "`contact.restitution` does not work with `contact.method` = \"{method}\" and `integrator.method` = \"{}\"",
+            integrator.name()
+        );
+        let help = format!("it works with method \"exact\" and integrator {}", named(EXPLICIT));
+        errors.push(run.error_at("contact.restitution", message, Some(help)));
+    }
+    if let Some(reason) = unforced(contact.method).filter(|_| !contact.forced.is_empty()) {
+        let message = format!("`contact.forced` does not work with `contact.method` = \"{method}\", which {reason}");
+        let help = "methods \"exact\" and \"one-step\" can be told theirs".to_owned();
+        errors.push(run.error_at("contact.forced", message, Some(help)));
+    }
+}
+
+fn named(integrators: &[IntegratorMethod]) -> String {
+    integrators.iter().map(|i| format!("\"{}\"", i.name())).collect::<Vec<_>>().join(" or ")
+}

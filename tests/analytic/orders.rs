@@ -1,0 +1,123 @@
+//! Integrators converge with their orders: on smooth motion of robots, and through a landing, because events are located.
+
+use super::body::{Body, G};
+use super::support::{finish, run, simulation};
+use stiction::sim::{Blind, Metrics};
+
+/// Integrator tables for steps of `h`, each with its order; controlled ones with tolerances that nothing reaches. Their
+/// first steps are shorter, as they begin with 1 ms.
+fn integrators(h: f64) -> [(String, f64); 4] {
+    let loose = "relative_tolerance = 1e6, absolute_tolerance = 1e6";
+    [
+        (format!("method = \"dopri5\", {loose}, max_step = {h}"), 5.0),
+        (format!("method = \"bs23\", {loose}, max_step = {h}"), 3.0),
+        (format!("method = \"rk4\", step = {h}"), 4.0),
+        (format!("method = \"semi-implicit\", step = {h}"), 1.0),
+    ]
+}
+
+const REFERENCE: &str = "relative_tolerance = 1e-13, absolute_tolerance = 1e-14, max_step = 1e-3";
+
+/// Positions and velocities at the end.
+fn end(scenario: &str, integrator: &str) -> (Vec<f64>, Metrics) {
+    let mut sim = simulation(&format!("integrator = {{ {integrator} }}\nlog = {{ rate = 0 }}\n{scenario}"));
+    let metrics = finish(&mut sim, &mut Blind);
+    let state = &sim.plant().state;
+    let turned = state.rotation.scaled_axis();
+    let parts = [state.position.as_slice(), turned.as_slice(), &state.joints, &state.v];
+    (parts.concat(), metrics)
+}
+
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Observed orders of the integrators between steps of `h` and `h / 2`, less their own.
+fn excess(scenario: &str, steps: [f64; 4]) -> [f64; 4] {
+    let truth = end(scenario, REFERENCE).0;
+    std::array::from_fn(|i| {
+        let error = |h: f64| {
+            let (integrator, order) = integrators(h)[i].clone();
+            (apart(&end(scenario, &integrator).0, &truth), order)
+        };
+        let ((coarse, order), (fine, _)) = (error(steps[i]), error(0.5 * steps[i]));
+        eprintln!("{i}: {coarse:e} {fine:e}");
+        (coarse / fine).log2() - order
+    })
+}
+
+#[test]
+fn a_double_pendulum_converges_with_the_order_of_its_integrator() {
+    let found = excess(
+        "duration = 1.0
+        [robot]
+        model = \"robots/pendulum/pendulum.urdf\"
+        soles = []
+        joint_default = { mode = \"passive\" }
+        posture = { shoulder = 1.2, elbow = 0.6 }
+        velocity = { shoulder = 1.0, elbow = -0.5 }\n",
+        [0.01, 0.01, 4e-3, 1e-3],
+    );
+    // The next order, at some 0.1 to 0.2 rad a step; controlled steps begin shorter, at most by two of fifty.
+    assert!(found.iter().all(|x| x.abs() < 0.3), "{found:?}");
+}
+
+#[test]
+fn a_humanoid_in_flight_converges_with_the_order_of_its_integrator() {
+    let found = excess(
+        "duration = 0.1
+        [robot]
+        model = \"robots/hoap2/hoap2.toml\"
+        base = { position = [0, 0, 2], linear_velocity = [0.7, -0.3, 2.0], angular_velocity = [0.3, 0.6, 0.2] }
+        velocity = { left_knee = 0.2, right_shoulder_pitch = -0.3 }\n",
+        [1e-3, 1e-3, 1e-3, 2e-4],
+    );
+    // No drive is at its limit, where its effort would have a kink. Servos make rates of some 300 1/s: the next order is a
+    // tenth to a third.
+    assert!(found.iter().all(|x| x.abs() < 0.3), "{found:?}");
+}
+
+#[test]
+fn a_landing_on_a_corner_converges_with_the_order_of_its_integrator() {
+    let body = Body::new([0.1, 0.08, 0.05], 1.3);
+    let base =
+        "position = [0, 0, 0.2], rpy = [0.5, 0.4, 0], linear_velocity = [0.5, 0.2, -1], angular_velocity = [2, -3, 1]";
+    let scenario = format!(
+        "duration = 0.1\nfloor = {{ friction = 3.0 }}\ncontact = {{ velocity_tolerance = 1e-6 }}\n{}",
+        body.robot(base)
+    );
+    let (_, m) = end(&scenario, REFERENCE);
+    assert_eq!((m.impacts, m.state_changes, m.inconsistent), (1, 1, 0), "{m:?}");
+    let found = excess(&scenario, [0.01, 0.01, 0.01, 2e-4]);
+    // Flight and swing about the corner turn by 0.05 rad a step. The velocity-level step meets the floor somewhere within
+    // a step, so its error is of first order, but not smoothly: only that is asked.
+    assert!(found[..3].iter().all(|x| x.abs() < 0.5), "{found:?}");
+    assert!(found[3] > -1.0, "{found:?}");
+}
+
+#[test]
+fn a_slide_ends_where_it_must_with_every_integrator_that_locates_events() {
+    // Constant deceleration is exact for all of them, so what is left is the location of the stop.
+    for (integrator, _) in &integrators(7e-3)[..3] {
+        let m = run(&format!(
+            "duration = 1.0\nrobot = {{ model = \"robots/block/block.toml\", base = {{ linear_velocity = [2, 0, 0] }} }}\n\
+             floor = {{ friction = 0.5 }}\nintegrator = {{ {integrator} }}\n"
+        ));
+        let (time, way) = (2.0 / (0.5 * G), 2.0 / (0.5 * G));
+        // Rounding over 150 steps.
+        assert!((m.first_stick_s.expect("it stops") - time).abs() < 1e-12, "{integrator} {m:?}");
+        assert!((m.final_base_position[0] - way).abs() < 1e-12, "{integrator} {m:?}");
+        assert_eq!((m.events, m.state_changes, m.rejected_steps), (1, 1, 0), "{integrator}");
+    }
+}
+
+#[test]
+fn an_unstable_step_is_found_out() {
+    // The spring of the end stop swings at sqrt(k / I), far beyond 2.8 / h; the run ends by what it does, not by hanging.
+    let mut sim = simulation(
+        "duration = 10.0\nrobot = { model = \"robots/hoap2/hoap2.toml\" }\ncontact = { method = \"penalty\", \
+         penalty = { stiffness = 1e9 } }\nintegrator = { method = \"rk4\", step = 0.02 }\nlog = { rate = 0 }\n",
+    );
+    let (outcome, message) = sim.run(&mut Blind, &std::sync::atomic::AtomicBool::new(false));
+    assert_eq!(outcome, stiction::sim::Outcome::Diverged, "{message}");
+}
