@@ -109,7 +109,7 @@ fn references_are_no_rows_and_errors_end_in_a_pareto_table() {
     place.block(
         "slide.toml",
         "base = { linear_velocity = [1, 0, 0] }\n[integrator]\nmethod = \"semi-implicit\"\n[compare]\nreference = \
-         { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\" }\ntiming_repeats = 2\n[sweep]\ngrid = \
+         { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\", \"integrator.step\" = 1e-3 }\ntiming_repeats = 2\n[sweep]\ngrid = \
          { \"floor.friction\" = [0.5, 0.9], \"integrator.step\" = [1e-2, 1e-3] }\n",
     );
     let done = place.runner(&["slide.toml", "--set", "duration=0.3"]).exits(0);
