@@ -102,3 +102,33 @@ fn a_folder_without_records_is_an_error() {
     let done = place.runner(&["report", "nowhere"]).exits(2);
     assert!(done.stderr.contains("error: nowhere: "), "{}", done.stderr);
 }
+
+#[test]
+fn references_are_no_rows_and_errors_end_in_a_pareto_table() {
+    let place = Place::new();
+    place.block(
+        "slide.toml",
+        "base = { linear_velocity = [1, 0, 0] }\n[integrator]\nmethod = \"semi-implicit\"\n[compare]\nreference = \
+         { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\", \"integrator.step\" = 1e-3 }\ntiming_repeats = 2\n[sweep]\ngrid = \
+         { \"floor.friction\" = [0.5, 0.9], \"integrator.step\" = [1e-2, 1e-3] }\n",
+    );
+    let done = place.runner(&["slide.toml", "--set", "duration=0.3"]).exits(0);
+    for group in ["slide  floor.friction=0.5\n", "slide  floor.friction=0.9\n"] {
+        assert!(done.stdout.contains(group), "{}", done.stdout);
+    }
+    let header = "method  integrator     parameters  error_position_rms_m";
+    assert_eq!(done.stdout.lines().filter(|l| l.starts_with(header)).count(), 2, "{}", done.stdout);
+    let names = ["summary.csv", "report.html"];
+    let read = || names.map(|name| fs::read(place.path("results").join(name)).unwrap());
+    let first = read();
+    let again = place.runner(&["report", "results"]).exits(0);
+    assert!(again.stderr.contains("6 records read, 0 passed over"), "four runs, two references: {}", again.stderr);
+    assert!(first == read(), "a file differs");
+    assert_eq!(place.summary("results").rows.len(), 4);
+    let table = |text: &str| text.split("\nslide  floor").nth(1).unwrap().split("\nwritten").next().unwrap().to_owned();
+    assert_eq!(table(&format!("\n{}", again.stdout)), table(&done.stdout), "the same table");
+    let html = String::from_utf8(read()[1].clone()).unwrap();
+    assert!(html.contains("<h3>References</h3>") && html.contains("slide&#x2f;references&#x2f;"), "they are told");
+    // One picture per error and friction: position, force, end of position and rotation; the block has no joints.
+    assert_eq!(html.matches("over cost, slide").count(), 8);
+}

@@ -167,7 +167,7 @@ mod tests {
     fn chatter_becomes_the_state_that_prevails() {
         // 9 of 10 instants on the face in the first half, in the air in the second.
         let times: Vec<f64> = (0..20_000).map(|i| f64::from(i) * 1e-3).collect();
-        let state = |i: usize| if (i % 10 == 0) == (i < 10_000) { "free" } else { "face-static" };
+        let state = |i: usize| if i.is_multiple_of(10) == (i < 10_000) { "free" } else { "face-static" };
         let states: Vec<String> = (0..20_000).map(|i| state(i).to_owned()).collect();
         let merged = merge(stays(&times, &states), 0.0, times[19_999]);
         assert_eq!(merged.iter().map(|s| s.state.as_str()).collect::<Vec<_>>(), ["face-static", "free"]);

@@ -34,12 +34,15 @@ pub(super) fn legend(history: &History) -> Vec<(String, String)> {
     soles.map(|(i, sole)| (sole.name.clone(), swatch(None, palette::curve(i)))).collect()
 }
 
+/// A colour, and values over time, s.
+type Line = (Colour, Vec<(f64, f64)>);
+
 /// Curves of one quantity, or the states.
 struct Part {
     height: u32,
     words: &'static str,
-    /// Colour and points; none for the states.
-    curves: Option<Vec<(Colour, Vec<(f64, f64)>)>>,
+    /// None for the states.
+    curves: Option<Vec<Line>>,
     /// Least span of the axis, in its unit.
     least: f64,
 }
