@@ -1,10 +1,10 @@
 //! The time-stepping methods `lcp` and `ncp`: where they agree with `exact`, and the flaws each is known for, as predicted.
 
 use super::body::{Body, G};
-use super::support::{finish, root, run, simulation, watch};
+use super::support::{root, run, simulation, watch};
 use nalgebra::{Rotation2, Vector2};
 use std::f64::consts::{PI, TAU};
-use stiction::sim::{Blind, Metrics, build};
+use stiction::sim::{Metrics, build};
 
 const STEP: f64 = 1e-3;
 
@@ -156,10 +156,10 @@ fn ncp_holds_on_the_circle_but_creeps_near_it_as_long_as_sweeps_are_few() {
             let contact = format!("method = \"ncp\", ncp = {{ iterations = {sweeps}, tolerance = 1e-12 }}");
             pushed(&body, &at(heading, part * circle), &contact)
         };
-        let [below, above] = [speed(0.999, 200), speed(1.001, 200)];
+        let [below, above] = [speed(0.999, 200), speed(1.001, 1000)];
         // Its tolerance, 1e-12 m/s, is reached in 200 sweeps.
         assert!(below < 1e-11, "{below:.2e}");
-        // 1e-3 mu g for 0.2 s.
+        // 1e-3 mu g for 0.2 s, less what the sweeps of the first step miss.
         assert!((above / (1e-3 * 0.5 * G * 0.2) - 1.0).abs() < 1e-4, "{above:.2e}");
         // A thousand times nearer to the limit sweeping hardly gets on.
         let near = speed(1.0 - 1e-6, 200);
@@ -167,11 +167,15 @@ fn ncp_holds_on_the_circle_but_creeps_near_it_as_long_as_sweeps_are_few() {
     }
 }
 
-/// HOAP-2 stands on `sweeps` sweeps a step: creep and penetration at the end of half a second, and the part of its weight
-/// that the floor does not carry in the mean of the last tenth.
+const HOAP2: &str = "robot = { model = \"robots/hoap2/hoap2.toml\" }
+    floor = { friction = 0.8 }
+    integrator = { method = \"semi-implicit\", step = 1e-3 }\n";
+
+/// HOAP-2 stands on `sweeps` sweeps a step for a second: its creep (m/s, root mean square), greatest penetration (m), and the
+/// part of its weight that the floor does not carry at the end.
 fn cut_short(sweeps: u32) -> [f64; 3] {
     let (m, told) = watch(&format!(
-        "{HOAP2}contact = {{ method = \"ncp\", ncp = {{ iterations = {sweeps}, tolerance = 1e-15 }} }}\n"
+        "duration = 1.0\n{HOAP2}contact = {{ method = \"ncp\", ncp = {{ iterations = {sweeps}, tolerance = 1e-15 }} }}\n"
     ));
     let end = told.snapshots.last().expect("the end is told");
     let weight = simulation(HOAP2).plant().model.mass() * G;
@@ -197,7 +201,7 @@ fn stepping_methods_say_what_they_do_not_run_with() {
     let refused = |text: &str| {
         let file = stiction::scenario::parse(
             &root().join("test.toml"),
-            &format!("robot.model = \"robots/block/block.toml\"\n{text}"),
+            format!("robot.model = \"robots/block/block.toml\"\n{text}"),
         );
         let run = file.and_then(|f| f.expand(&[])).unwrap_or_else(|e| panic!("{e}")).remove(0);
         let robot = stiction::robot::load(&run.resolve(&run.scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"));
@@ -223,4 +227,81 @@ fn stepping_methods_say_what_they_do_not_run_with() {
         contact = {{ method = \"lcp\", lcp = {{ facets = 64 }} }}"
     ));
     assert!(many.contains("`contact.lcp.facets` = 64 makes 4158 unknowns of the 63 vertices"), "{many}");
+}
+
+#[test]
+fn a_slope_holds_below_the_least_of_the_polygon_whatever_its_heading() {
+    for (m, part, holds) in [(4.0, 0.999, true), (4.0, 1.001, false), (8.0, 0.999, true), (8.0, 1.001, false)] {
+        // Down the slope is between the first two directions.
+        let angle = part * f64::atan(0.5 * f64::cos(PI / m));
+        let (s, c) = f64::sin_cos(PI / m);
+        let axis = nalgebra::Unit::new_unchecked(nalgebra::Vector3::new(-s, c, 0.0));
+        let (roll, pitch, yaw) = nalgebra::UnitQuaternion::from_axis_angle(&axis, angle).euler_angles();
+        let told = run(&format!(
+            "duration = 0.5
+            robot = {{ model = \"robots/block/block.toml\", base = {{ rpy = [{roll}, {pitch}, {yaw}] }} }}
+            floor = {{ friction = 0.5, rpy = [{roll}, {pitch}, {yaw}] }}
+            contact = {{ method = \"lcp\", lcp = {{ facets = {m} }} }}
+            integrator = {{ method = \"semi-implicit\", step = {STEP} }}\n"
+        ));
+        let speed = nalgebra::Vector3::from(told.final_base_velocity).norm();
+        let free = G * (angle.sin() - 0.5 * f64::cos(PI / m) * angle.cos()) * 0.5;
+        if holds {
+            assert!(speed < 1e-12, "{m} {speed}");
+        } else {
+            assert!((speed - free).abs() < 1e-10 && free > 1e-3, "{m} {speed} {free}");
+        }
+    }
+}
+
+#[test]
+fn a_block_falls_and_lands_as_with_exact() {
+    for (tilt, height) in [("[0.0, 0.0, 0.0]", 0.15), ("[0.2, 0.1, 0.3]", 0.3)] {
+        let fall = |method: &str| {
+            let m = run(&format!(
+                "duration = 1.5
+                robot = {{ model = \"robots/block/block.toml\", base = {{ position = [0, 0, {height}], rpy = {tilt} }} }}
+                floor = {{ friction = 0.6 }}
+                contact = {{ method = \"{method}\", lcp = {{ facets = 32 }} }}
+                integrator = {{ method = \"semi-implicit\", step = {STEP} }}\n"
+            ));
+            println!("{tilt} {method} {:?} {:?}", m.final_base_position, m.final_base_rpy);
+            m
+        };
+        let [exact, lcp, ncp] = ["exact", "lcp", "ncp"].map(fall);
+        for m in [&lcp, &ncp] {
+            assert_eq!((m.inconsistent, m.first_touchdown_s), (0, exact.first_touchdown_s));
+            // It rests on the floor: what is below it comes up in the next step.
+            assert!((m.final_base_position[2] - 0.05).abs() < 1e-9, "{}", m.final_base_position[2]);
+            assert!(m.max_penetration_m < 1e-5, "{}", m.max_penetration_m);
+            // All that it falls is lost, but for the error of steps of 1 ms.
+            let lost = G * (height - 0.05);
+            assert!(((m.impact_loss_j + m.friction_loss_j) / lost - 1.0).abs() < 0.02, "{} {lost}", m.impact_loss_j);
+        }
+    }
+}
+
+#[test]
+fn a_humanoid_stands_as_with_exact_and_the_floor_carries_it() {
+    let standing = |contact: &str| {
+        let (m, told) = watch(&format!("duration = 1.0\n{HOAP2}contact = {{ {contact} }}\n"));
+        let end = told.snapshots.last().expect("the end is told").clone();
+        let load: f64 = end.soles.iter().flat_map(|s| &s.forces).map(|f| f.z).sum();
+        let states = end.soles.iter().map(|s| s.state.clone()).collect::<Vec<_>>();
+        (m, load, states)
+    };
+    let weight = simulation(HOAP2).plant().model.mass() * G;
+    let (exact, load, states) = standing("method = \"exact\"");
+    assert_eq!(states, ["face-static", "face-static"]);
+    for contact in ["method = \"lcp\"", "method = \"lcp\", lcp = { facets = 4 }", "method = \"ncp\""] {
+        let (m, carried, same) = standing(contact);
+        assert_eq!((m.inconsistent, m.state_changes, same), (0, 0, states.clone()), "{contact}");
+        for axis in 0..3 {
+            // exact leaves what is below the floor there, 2e-8 m after the swaying; these bring it up.
+            assert!((m.final_base_position[axis] - exact.final_base_position[axis]).abs() < 5e-8, "{contact}");
+        }
+        // The same sway; what is left of it after a second accelerates the weight by as much.
+        assert!((carried / load - 1.0).abs() < 1e-6, "{contact}: {carried} {load}");
+        assert!((carried / weight - 1.0).abs() < 1e-3, "{contact}: {carried} {weight}");
+    }
 }

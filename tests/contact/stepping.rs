@@ -124,7 +124,7 @@ proptest! {
 
 #[test]
 fn ncp_converges_at_a_geometric_rate() {
-    // A box of friction 0.5 comes down on one corner side and slides: four points, unequally loaded.
+    // A box of friction 0.5 comes down on its sole and slides: four points, unequally loaded.
     let body = Rigid {
         sole: [(0.1, 0.06), (-0.1, 0.06), (-0.1, -0.06), (0.1, -0.06)].map(|(x, y)| Vector2::new(x, y)).to_vec(),
         mass: 2.0,
@@ -140,6 +140,9 @@ fn ncp_converges_at_a_geometric_rate() {
         missed(&p, &out, None)
     };
     let misses = [4, 8, 12, 16, 20, 24, 28, 32].map(miss);
-    println!("{misses:.3?} {:?}", misses.windows(2).map(|w| w[1] / w[0]).collect::<Vec<_>>());
-    assert!(miss(400) < 1e-14);
+    let rates: Vec<f64> = misses.windows(2).map(|w| w[1] / w[0]).collect();
+    println!("{misses:?} {rates:?}");
+    // Over eight powers of ten, about a tenth for every four sweeps; then rounding.
+    assert!(rates.iter().all(|r| (0.04..0.16).contains(r)), "{rates:?}");
+    assert!(misses[0] > 1e-3 && misses[7] < 1e-9 && miss(400) < 1e-14, "{misses:?}");
 }
