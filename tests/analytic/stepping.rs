@@ -201,7 +201,7 @@ fn stepping_methods_say_what_they_do_not_run_with() {
     let refused = |text: &str| {
         let file = stiction::scenario::parse(
             &root().join("test.toml"),
-            &format!("robot.model = \"robots/block/block.toml\"\n{text}"),
+            format!("robot.model = \"robots/block/block.toml\"\n{text}"),
         );
         let run = file.and_then(|f| f.expand(&[])).unwrap_or_else(|e| panic!("{e}")).remove(0);
         let robot = stiction::robot::load(&run.resolve(&run.scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"));
