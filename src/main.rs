@@ -11,6 +11,9 @@ fn main() -> Exit {
         Command::Check(check) => check.execute(),
         Command::List(list) => list.execute(),
         Command::Inspect(inspect) => inspect.execute(),
+        Command::Report(report) => report.execute(),
+        Command::Compare(compare) => compare.execute(),
+        Command::Export(export) => export.execute(),
         Command::Schema(schema) => schema.execute(),
     };
     done.unwrap_or_else(|failed| failed)

@@ -111,6 +111,7 @@ impl<'a> Dispatcher<'a> {
             let mut record = RunRecord::read(&path)?;
             record.timing.repeats = clock::repeats(laps);
             finished.row.repeats = record.timing.repeats;
+            record.notes.clone_from(&finished.notes);
             record.write(&path)?;
         }
         Ok(Collected {

@@ -203,7 +203,7 @@ impl Batch {
         let collected = dispatcher.collect()?;
         let rows: Vec<SummaryRow> = collected.finished.iter().map(|f| f.row.clone()).collect();
         let summary = if rows.is_empty() { None } else { Some(write_summary(&self.options.output, &rows)?) };
-        let page = if rows.is_empty() { None } else { Some(write_page(&self.options.output, &collected.finished)?) };
+        let page = if rows.is_empty() { None } else { Some(write_page(&self.options.output, &collected)?) };
         Ok(Report {
             not_started: self.plan.jobs.len() - collected.finished.len(),
             finished: collected.finished,
@@ -217,14 +217,21 @@ impl Batch {
 }
 
 /// Writes `report.html`.
-fn write_page(output: &Path, finished: &[Finished]) -> Result<PathBuf, RecordError> {
+fn write_page(output: &Path, collected: &dispatch::Collected) -> Result<PathBuf, RecordError> {
     let (page, machine) = (output.join("report.html"), Machine::here());
-    let runs: Vec<ReportRun> = finished
-        .iter()
-        .map(|f| ReportRun { row: &f.row, program: PROGRAM, machine: &machine, notes: &f.notes, files: &f.files })
-        .collect();
-    write_report(&page, output, &runs, &Pictured::Few)?;
+    write_report(
+        &page,
+        output,
+        &as_reported(&collected.finished, &machine),
+        &as_reported(&collected.references, &machine),
+        &Pictured::Few,
+    )?;
     Ok(page)
+}
+
+fn as_reported<'a>(finished: &'a [Finished], machine: &'a Machine) -> Vec<ReportRun<'a>> {
+    let run = |f: &'a Finished| ReportRun { row: &f.row, program: PROGRAM, machine, notes: &f.notes, files: &f.files };
+    finished.iter().map(run).collect()
 }
 
 /// What a run shall leave besides its record.

@@ -1,11 +1,14 @@
 //! What is typed, and what is shown for it: one file per command.
 
 mod check;
+mod compare;
 mod exit;
+mod export;
 mod inputs;
 mod inspect;
 mod list;
 mod prepare;
+mod report;
 mod run;
 mod schema;
 mod terminal;
@@ -39,6 +42,13 @@ pub enum Command {
     List(list::List),
     /// Describe a robot: degrees of freedom, masses, joints, soles, what was ignored
     Inspect(inspect::Inspect),
+    /// Write summary and report.html anew from the records of a folder of results
+    Report(report::Report),
+    /// Say what differs between two results
+    #[command(after_help = compare::HELP)]
+    Compare(compare::Compare),
+    /// Write a log's time series as CSV, Parquet or columns of text
+    Export(export::Export),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
 }

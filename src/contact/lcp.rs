@@ -40,6 +40,10 @@ use serde::{Deserialize, Serialize};
 /// What an answer may miss of its conditions, relative to the greatest velocity.
 const MISSED: f64 = 1e-9;
 
+/// Ties of Lemke's ratio test, tried in turn. Of 40 000 impacts of one and two bodies the first leaves 46 unsolved, the
+/// second none.
+const TIES: [f64; 3] = [1e-12, 1e-10, 1e-8];
+
 /// Sweeps and their tolerance, relative to the greatest velocity, where there is no answer.
 const FALLBACK: (u32, f64) = (1000, 1e-9);
 
@@ -92,15 +96,21 @@ impl Lcp {
     fn answer(&mut self, p: &Problem, question: &Question, out: &mut Solution) -> Selection {
         let tol = &question.rules.tolerances;
         self.points.gather(p, tol.velocity);
-        let unit = self.pose(p);
         let count = self.points.list().len();
         let n = count * (self.directions.len() + 2);
-        let (end, _) = self.lemke.solve(&mut self.z[..n]);
-        self.read(unit);
-        self.points.deliver(p, &self.impulses[..count], out);
-        let fastest = (0..count).map(|c| self.points.velocity(c, &p.b).norm()).fold(0.0, f64::max);
-        let miss = self.miss(out) / fastest.max(f64::MIN_POSITIVE);
-        let consistent = end == End::Solved && miss <= MISSED;
+        let fastest = (0..count).map(|c| self.points.velocity(c, &p.b).norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let (mut load, mut consistent) = (0.0, false);
+        for tie in TIES {
+            let unit = self.pose(p);
+            load = unit * fastest;
+            let (end, _) = self.lemke.solve(&mut self.z[..n], tie);
+            self.read(unit);
+            self.points.deliver(p, &self.impulses[..count], out);
+            consistent = end == End::Solved && self.miss(out, load) <= MISSED * fastest;
+            if consistent {
+                break;
+            }
+        }
         if !consistent {
             self.fallback.start(p, &self.points, None);
             self.fallback.run(&self.points, FALLBACK.0, FALLBACK.1 * fastest);
@@ -108,7 +118,7 @@ impl Lcp {
             self.points.deliver(p, &self.impulses[..count], out);
         }
         let states = self.points.states(p, out, |c| self.points.velocity(c, &out.motion).xy().norm() > tol.rest);
-        let levels = if consistent { [0.0; 3] } else { [0.0, self.miss(out) / tol.velocity, 0.0] };
+        let levels = if consistent { [0.0; 3] } else { [0.0, self.miss(out, load) / tol.velocity, 0.0] };
         Selection { states, tested: 1, consistent, verdict: plain(levels) }
     }
 
@@ -162,16 +172,16 @@ impl Lcp {
     }
 
     /// The greatest violation of the normal and friction conditions by delivered impulses, m/s: what approaches, what
-    /// carries and yet leaves, what sliding is not opposed by friction to the full.
-    fn miss(&self, out: &Solution) -> f64 {
-        let most = out.normal.iter().flatten().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    /// carries and yet leaves, what sliding is not opposed by friction to the full. Products are divided by the impulse
+    /// `load`.
+    fn miss(&self, out: &Solution, load: f64) -> f64 {
         let mut miss: f64 = 0.0;
         for (c, (point, impulse)) in self.points.list().iter().zip(&self.impulses).enumerate() {
             let v = self.points.velocity(c, &out.motion);
             let gap = v.z - point.target;
             let speed = self.directions.iter().map(|e| -e.dot(&v.xy())).fold(0.0, f64::max);
             let opposed = point.mu * impulse.z * speed + impulse.xy().dot(&v.xy());
-            miss = miss.max(-gap).max(gap.abs() * impulse.z / most).max(opposed.abs() / most);
+            miss = miss.max(-gap).max(gap.abs() * impulse.z / load).max(opposed.abs() / load);
         }
         miss
     }

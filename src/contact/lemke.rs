@@ -15,11 +15,9 @@
 //! Sources: C. E. Lemke, Bimatrix equilibrium points and mathematical programming, Management Science 11 (1965);
 //! R. W. Cottle, J.-S. Pang and R. E. Stone, The linear complementarity problem (1992), sections 4.4 and 4.9.
 
-/// Coefficients smaller than this do not block: rounding of a singular matrix of entries of order one.
-const BLOCKS: f64 = 1e-11;
-/// Ratios that differ by less than this, relative to the constants, are equal.
-const TIE: f64 = 1e-12;
-
+/// Coefficients smaller than this do not block: rounding of a singular matrix with entries of order one, as it grows over
+/// some hundred pivots.
+const BLOCKS: f64 = 1e-9;
 /// How it ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum End {
@@ -45,6 +43,8 @@ pub struct Lemke {
     place: Vec<usize>,
     pivot_row: Vec<f64>,
     ties: Vec<usize>,
+    /// What makes a tie: between entries of the inverse basis, and between constants.
+    tie: [f64; 2],
 }
 
 impl Lemke {
@@ -58,6 +58,7 @@ impl Lemke {
             place: vec![0; 2 * n + 1],
             pivot_row: vec![0.0; n + 2],
             ties: Vec::with_capacity(n),
+            tie: [0.0; 2],
         }
     }
 
@@ -85,11 +86,13 @@ impl Lemke {
         self.table[(i + 1) * (self.n + 2) - 1] = q;
     }
 
-    /// Solves; `z` is the solution, or zero. Returns the number of pivots with the end.
-    pub fn solve(&mut self, z: &mut [f64]) -> (End, usize) {
+    /// Solves; `z` is the solution, or zero. Ratios that differ by less than `tie`, relative to the constants, count as
+    /// equal: small is accurate, large survives rounding. Returns the number of pivots with the end. M and q are used up.
+    pub fn solve(&mut self, z: &mut [f64], tie: f64) -> (End, usize) {
         let (n, stride) = (self.n, self.n + 2);
         z[..n].fill(0.0);
         let size = (0..n).map(|i| self.constant(i).abs()).fold(0.0, f64::max);
+        self.tie = [tie, tie * size];
         // Of equally negative rows the last is lexicographically least.
         let Some(mut row) = (0..n).min_by(|&i, &j| self.constant(i).total_cmp(&self.constant(j)).then(j.cmp(&i)))
         else {
@@ -112,7 +115,7 @@ impl Lemke {
             }
             let enters = if left < n { left + n } else { left - n };
             column = self.place[enters] - n;
-            match self.blocking(column, size) {
+            match self.blocking(column) {
                 Some(blocking) => row = blocking,
                 None => return (End::Ray, pivots),
             }
@@ -125,7 +128,7 @@ impl Lemke {
     }
 
     /// The row whose variable reaches zero first as the one of `column` grows.
-    fn blocking(&mut self, column: usize, size: f64) -> Option<usize> {
+    fn blocking(&mut self, column: usize) -> Option<usize> {
         let (n, stride) = (self.n, self.n + 2);
         let mut least = f64::INFINITY;
         for i in 0..n {
@@ -140,7 +143,7 @@ impl Lemke {
         self.ties.clear();
         for i in 0..n {
             let slope = -self.table[i * stride + column];
-            if slope > BLOCKS && self.constant(i).max(0.0) - least * slope <= TIE * size {
+            if slope > BLOCKS && self.constant(i).max(0.0) - least * slope <= self.tie[1] {
                 if self.basic[i] == 2 * n {
                     return Some(i);
                 }
@@ -163,7 +166,7 @@ impl Lemke {
             let mut kept = 0;
             for at in 0..self.ties.len() {
                 let i = self.ties[at];
-                if ratio(i) <= least + TIE * (1.0 + least.abs()) {
+                if ratio(i) <= least + self.tie[0] * (1.0 + least.abs()) {
                     self.ties[kept] = i;
                     kept += 1;
                 }
@@ -209,7 +212,7 @@ mod tests {
             lemke.set_constant(i, q[i]);
         }
         let mut z = vec![0.0; q.len()];
-        let (end, pivots) = lemke.solve(&mut z);
+        let (end, pivots) = lemke.solve(&mut z, 1e-12);
         (end, z, pivots)
     }
 

@@ -67,6 +67,14 @@ pub enum RecordError {
         /// The cause.
         source: polars::error::PolarsError,
     },
+    /// A record of a run that has been read already.
+    #[error("{path}: the same run as {other}")]
+    Twice {
+        /// The record.
+        path: PathBuf,
+        /// The one read before it.
+        other: PathBuf,
+    },
     /// A picture of the report could not be drawn.
     #[error("cannot draw {what}: {reason}")]
     Plot {

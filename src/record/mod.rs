@@ -9,18 +9,22 @@
 //! | `summary.csv`, `summary.parquet` | [`write_summary`] |
 //! | `report.html` | [`write_report`] |
 //!
-//! [`table`], [`verdicts`] and [`pareto::pareto_table`] are what a person sees of them. Every file but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is
-//! whole. Simulated results depend on the run alone; wall-clock figures have columns and an object of their own.
+//! [`export`] writes what a log holds as tables. [`table`], [`verdicts`] and [`pareto::pareto_table`] are what a person sees of all this. Every file
+//! but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is whole. Simulated
+//! results depend on the run alone; wall-clock figures have columns and an object of their own.
 
 mod atomic;
+pub mod changes;
 mod columns;
 mod comparison;
 mod error;
+pub mod export;
 mod log;
 mod number;
 mod parameter;
 pub mod pareto;
 mod problems;
+mod rebuild;
 mod reference_motion;
 mod report;
 mod run;
@@ -37,6 +41,7 @@ pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, S
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
 pub use parameter::{ParamValue, is_truth};
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
+pub use rebuild::{FoundRun, Records, read_records};
 pub use reference_motion::{Comparator, ReferenceMotion};
 pub use report::{Pictured, ReportRun, write_report};
 pub use run::{InputHash, Machine, PROGRAM, RUN_SCHEMA, RunRecord, Timing, hash_input};

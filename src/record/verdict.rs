@@ -73,7 +73,7 @@ pub fn verdicts(rows: &[SummaryRow], shown: Shown) -> String {
     let mut lines = vec![header.map(String::from).to_vec()];
     for row in rows {
         // The run is named once.
-        let mut name = (clip(&row.scenario), parameters(row));
+        let mut name = (clip(&row.scenario), brief_parameters(row, |_| true));
         for verdict in row.verdicts.iter().filter(|v| shown.shows(v)) {
             let (scenario, parameters) = std::mem::take(&mut name);
             lines.push(cells(scenario, parameters, verdict));
@@ -111,15 +111,16 @@ fn cells(scenario: String, parameters: String, verdict: &Verdict) -> Vec<String>
     ]
 }
 
-/// The swept values by the last word of their names, unless two share it; of a path its end alone. Swept truths stand in a column of their own.
-fn parameters(row: &SummaryRow) -> String {
+/// The swept values that are wanted, by the last word of their names, unless two share it; of a path its end alone. Swept
+/// truths stand in a column of their own.
+pub(super) fn brief_parameters(row: &SummaryRow, wanted: impl Fn(&str) -> bool) -> String {
     // `rpy.1` of `floor.rpy.1`, `force` of `force.0.force`.
     let last = |name: &str| {
         let word = |i: usize| !name[i + 1..].starts_with(|d: char| d.is_ascii_digit());
         let dot = name.char_indices().rev().find(|&(i, c)| c == '.' && word(i));
         name[dot.map_or(0, |(i, _)| i + 1)..].to_owned()
     };
-    let named: Vec<_> = row.parameters.iter().filter(|(name, _)| !is_truth(name)).collect();
+    let named: Vec<_> = row.parameters.iter().filter(|(name, _)| !is_truth(name) && wanted(name)).collect();
     let short = |name: &str| {
         let alone = named.iter().filter(|(other, _)| last(other) == last(name)).count() == 1;
         if alone { last(name) } else { name.to_owned() }

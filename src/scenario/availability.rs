@@ -25,8 +25,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("force.*.type", Some("script")),
     ("event", None),
     ("self_collision", None),
-    ("sweep.list", None),
-    ("sweep.random", None),
 ];
 
 /// Is this type of entry (`kind` is `task` or `force`) known but not available.

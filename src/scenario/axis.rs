@@ -45,9 +45,14 @@ fn whole_numbers(node: &Node) -> Option<()> {
 }
 
 /// One column holds one kind of number: a list with a fraction in it is a list of fractions.
-fn alike(mut items: Vec<Node>) -> Vec<Node> {
-    if items.iter().any(|i| matches!(i.value, Value::Float(_))) {
-        for item in &mut items {
+pub fn alike(items: Vec<Node>) -> Vec<Node> {
+    alike_where_given(items.into_iter().map(Some).collect()).into_iter().flatten().collect()
+}
+
+/// The same, where not every place has a value.
+pub fn alike_where_given(mut items: Vec<Option<Node>>) -> Vec<Option<Node>> {
+    if items.iter().flatten().any(|i| matches!(i.value, Value::Float(_))) {
+        for item in items.iter_mut().flatten() {
             if let Value::Integer(number) = item.value {
                 item.value = Value::Float(number as f64);
             }

@@ -201,6 +201,15 @@ impl Findings {
         new
     }
 
+    /// Adds to the help of what stands at a place what there is to say about that place.
+    pub fn explain(&mut self, more: impl Fn(&Span) -> Option<String>) {
+        for (span, _, _, help) in &mut self.found {
+            if let Some(more) = more(span) {
+                *help = Some(help.take().map_or_else(|| more.clone(), |help| format!("{help}; {more}")));
+            }
+        }
+    }
+
     pub fn into_diagnostics(mut self, sources: &Sources) -> Diagnostics {
         self.found.sort_by_key(|f| (f.0.start, f.0.end));
         let shown =

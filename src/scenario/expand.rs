@@ -14,7 +14,7 @@ use super::{
     path::Path,
     reference::Reference,
     scenario::{self, Scenario},
-    source::Sources,
+    source::{Sources, Span},
     spec::contact::{ContactMethod, LcpSpec, NcpSpec, PenaltySpec},
     tree::Node,
 };
@@ -36,7 +36,8 @@ pub struct Run {
     pub index: usize,
     /// Every value, defaults included.
     pub scenario: Scenario,
-    /// The swept values, under their dotted names as written, in the order of the file. Repetitions differ in
+    /// The swept values, under their dotted names as written, in the order of the file; a key that only other runs sweep
+    /// (`list`) has the value it has here, and is left out where that is a table of defaults. Repetitions differ in
     /// `scenario.seed` and are not listed.
     pub parameters: Vec<(String, toml::Value)>,
     /// `scenario` as TOML; it reads back to the same.
@@ -102,8 +103,8 @@ impl ScenarioFile {
         self.expand_at_most(overrides, DEFAULT_MAX_RUNS)
     }
 
-    /// The runs of the file in a fixed order: the grid's keys are nested in the order of the file, the last one changing
-    /// fastest, and repetitions change faster still.
+    /// The runs of the file in a fixed order: the dimensions of the sweep (each key of `grid`, each table of `zip`, `list`,
+    /// `random`) are nested in the order of the file, the last one changing fastest, and repetitions change faster still.
     ///
     /// `overrides` are values under dotted paths that replace those of the file, as `--set` gives them. A swept key that
     /// is overridden keeps that one value.
@@ -148,14 +149,18 @@ fn expand(
     let base = Arc::new(base);
     let mut runs = Vec::with_capacity(grid.runs());
     for cell in 0..grid.cells() {
-        let swept = grid.cell(cell);
+        let cell = grid.cell(cell);
+        let swept = cell.values();
         let mut root = Node::clone(&base);
+        let mut found = Findings::default();
         for (path, value) in &swept {
             if let Err(error) = path.set(&mut root, value.clone()) {
-                findings.error(error.span, error.message, None);
+                found.error(error.span, error.message, None);
             }
         }
-        let (scenario, found) = scenario::read(&root);
+        let (scenario, read) = scenario::read(&root);
+        found.append(read);
+        found.explain(|span| other_place(span, &swept, &base, sources));
         let mut warnings = findings.append(found).into_diagnostics(sources);
         let reference = Reference::read(&root, sources, findings);
         if findings.errors() >= MAX_ERRORS {
@@ -166,21 +171,24 @@ fn expand(
             let mut scenario = scenario.clone();
             scenario.seed += u64::from(repetition);
             let mut make = |scenario: Scenario, values: &[(Path, Node)]| match resolved(&scenario) {
-                Ok(resolved_toml) => Some(Run {
-                    name: file.name(),
-                    file: file.path.clone(),
-                    index: runs.len(),
-                    resolved_toml,
-                    scenario,
-                    parameters: Vec::new(),
-                    warnings: Diagnostics::default(),
-                    reference: None,
-                    origin: Origin {
-                        sources: sources.clone(),
-                        base: base.clone(),
-                        swept: swept.iter().chain(values).cloned().collect(),
+                Ok((resolved_toml, table)) => Some((
+                    Run {
+                        name: file.name(),
+                        file: file.path.clone(),
+                        index: runs.len(),
+                        resolved_toml,
+                        scenario,
+                        parameters: Vec::new(),
+                        warnings: Diagnostics::default(),
+                        reference: None,
+                        origin: Origin {
+                            sources: sources.clone(),
+                            base: base.clone(),
+                            swept: swept.iter().chain(values).cloned().collect(),
+                        },
                     },
-                }),
+                    table,
+                )),
                 Err(message) => {
                     findings.error(Path::internal("seed").locate(&root).1, message, None);
                     None
@@ -190,12 +198,12 @@ fn expand(
                 Some(reference) => {
                     let mut scenario = reference.scenario.clone();
                     scenario.seed += if reference.fixes_seed() { 0 } else { u64::from(repetition) };
-                    Some(Box::new(make(scenario, &reference.values)?))
+                    Some(Box::new(make(scenario, &reference.values)?.0))
                 }
                 None => None,
             };
-            let run = make(scenario, &[])?;
-            let (parameters, warnings) = (grid.parameters(&swept), std::mem::take(&mut warnings));
+            let (run, table) = make(scenario, &[])?;
+            let (parameters, warnings) = (cell.parameters(&root, &table), std::mem::take(&mut warnings));
             runs.push(Run { parameters, warnings, reference, ..run });
         }
     }
@@ -224,10 +232,28 @@ fn warn_of_idle(runs: &mut [Run]) {
     }
 }
 
-/// The scenario with every value written out.
-fn resolved(scenario: &Scenario) -> Result<String, String> {
+/// What stands in the file where a swept value that is wrong was put: the other half of the mistake.
+fn other_place(span: &Span, swept: &[(Path, Node)], base: &Node, sources: &Sources) -> Option<String> {
+    let within = |outer: &Span| outer.start <= span.start && span.end <= outer.end;
+    let (path, _) =
+        swept.iter().find(|(path, value)| within(&value.span) || path.segments.iter().any(|s| within(&s.1)))?;
+    let name = |count: usize| path.segments[..count].iter().map(|s| s.0.as_str()).collect::<Vec<_>>().join(".");
+    let there = (1..=path.segments.len()).rev().find(|count| path.first(*count).get(base).is_some());
+    let Some(count) = there else {
+        return Some(format!("the file itself has no `{}`", name(1)));
+    };
+    let (key, value) = path.first(count).locate(base);
+    let place = Diagnostic::error(sources, &key, "", None).location();
+    // An overridden key is shown where it was overridden, and that is all there is to say.
+    let one_place = within(&value);
+    (!one_place).then(|| format!("`{}` is at {place}", name(count)))
+}
+
+/// The scenario with every value written out, as a text and as a table.
+fn resolved(scenario: &Scenario) -> Result<(String, toml::Table), String> {
     if i64::try_from(scenario.seed).is_err() {
         return Err(format!("`seed` with its repetitions reaches {}, which TOML cannot hold", scenario.seed));
     }
-    toml::to_string(scenario).map_err(|error| format!("the scenario cannot be written out: {error}"))
+    let wrong = |error: toml::ser::Error| format!("the scenario cannot be written out: {error}");
+    Ok((toml::to_string(scenario).map_err(wrong)?, toml::Table::try_from(scenario).map_err(wrong)?))
 }

@@ -13,6 +13,7 @@ mod axis;
 mod checks;
 mod decode;
 mod diagnostic;
+mod dimensions;
 mod expand;
 mod file;
 mod grid;
@@ -21,6 +22,7 @@ mod overrides;
 mod path;
 mod polygon;
 mod quantity;
+mod random;
 mod reference;
 #[expect(clippy::module_inception)]
 mod scenario;
@@ -47,6 +49,7 @@ pub use spec::{
     floor::{FloorSpec, Friction, PatchSpec},
     force::{ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, Profile, PushForce},
     planned::{EventSpec, SelfCollisionSpec},
+    random::{Distribution, RandomSpec, Sampling},
     robot::{
         BaseSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec, SoleSpec,
     },

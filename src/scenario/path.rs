@@ -53,6 +53,16 @@ impl Path {
         self.segments.iter().zip(&other.segments).all(|(a, b)| a.0 == b.0)
     }
 
+    /// Its first segments.
+    pub fn first(&self, count: usize) -> Path {
+        Path { segments: self.segments[..count].to_vec() }
+    }
+
+    /// Do the two lead to the same value.
+    pub fn is(&self, other: &Path) -> bool {
+        self.segments.len() == other.segments.len() && self.overlaps(other)
+    }
+
     /// Put a value where the path leads, in place of what is there. Tables that are missing on the way are made; entries
     /// of arrays must exist.
     pub fn set(&self, root: &mut Node, value: Node) -> Result<(), PathError> {
@@ -107,6 +117,15 @@ impl Path {
         self.segments.iter().try_fold(root, |node, (key, _)| match &node.value {
             Value::Array(items) => items.get(key.parse::<usize>().ok()?),
             _ => node.get(key),
+        })
+    }
+
+    /// The same in a table without places.
+    pub fn look_up<'a>(&self, table: &'a toml::Table) -> Option<&'a toml::Value> {
+        let ((first, _), rest) = self.segments.split_first()?;
+        rest.iter().try_fold(table.get(first)?, |value, (key, _)| match value {
+            toml::Value::Array(items) => items.get(key.parse::<usize>().ok()?),
+            other => other.get(key),
         })
     }
 

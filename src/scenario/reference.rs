@@ -33,7 +33,7 @@ impl Reference {
             let set = Path::parse(&entry.key, &entry.key_span, sources)
                 .map_err(|e| (e.span, e.message, None))
                 .and_then(|path| {
-                    refuse(&path, &entry.node, &values)
+                    refuse(&entry.key, &path, &entry.node, &values)
                         .map_err(|(message, help)| (entry.key_span.clone(), message, help))?;
                     path.set(&mut tree, entry.node.clone()).map_err(|e| (e.span, e.message, None))?;
                     Ok(path)
@@ -62,13 +62,13 @@ impl Reference {
 }
 
 /// What cannot stand in `compare.reference`: message and help.
-fn refuse(path: &Path, value: &Node, earlier: &[(Path, Node)]) -> Result<(), (String, Option<String>)> {
+fn refuse(key: &str, path: &Path, value: &Node, earlier: &[(Path, Node)]) -> Result<(), (String, Option<String>)> {
     let first = path.segments[0].0.as_str();
     if NOT_OF_A_REFERENCE.contains(&first) {
         return Err((format!("`{first}` is no part of a reference run"), None));
     }
     if earlier.iter().any(|(other, _)| other.overlaps(path)) {
-        return Err((format!("`{first}` is given twice in the reference"), None));
+        return Err((format!("`{key}` sets what another key of the reference sets"), None));
     }
     match value.entries().first() {
         // It would replace the whole section, the rest of which would fall back to its defaults.

@@ -70,6 +70,24 @@ impl Simulation {
         Ok(())
     }
 
+    /// As [`decide`](Self::decide), but what is slower than `speed` (m/s) rests.
+    pub(super) fn decide_with_rest(&mut self, speed: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let kept = (self.plant.rest, self.tolerances.rest);
+        (self.plant.rest, self.tolerances.rest) = (kept.0.max(speed), kept.1.max(speed));
+        let decided = self.decide(observer);
+        (self.plant.rest, self.tolerances.rest) = kept;
+        decided
+    }
+
+    /// Does a vertex slide slower than `speed`, m/s?
+    pub(super) fn crawls(&self, speed: f64) -> bool {
+        self.plant.problem.soles.iter().enumerate().any(|(s, sole)| {
+            let (state, k) = (self.plant.states[s], sole.vertices.len());
+            let slow = |i: usize| sole.vertices[i].velocity.xy().norm() <= speed;
+            state.is_dynamic() && (0..k).any(|i| state.clamps(i, k) && slow(i))
+        })
+    }
+
     /// Does an unclamped vertex touch the floor and approach it, or come faster than v_t within d of it?
     fn hits(&self) -> bool {
         let tol = &self.tolerances;

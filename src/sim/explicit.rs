@@ -17,6 +17,10 @@ const LOCATE: f64 = 1e-13;
 /// Smallest step relative to the time scale of the run, s.
 const SMALLEST: f64 = 1e-13;
 
+/// Speed of a sliding vertex, m/s, at which steps may collapse over the turning of its direction: ten times that from which
+/// on the direction is no longer followed.
+const CRAWL: f64 = 1e-6;
+
 /// Times a step is shortened to end where a vertex has gone over a narrow patch.
 const PASSAGES: usize = 8;
 
@@ -145,8 +149,11 @@ impl Explicit {
             if !(h > SMALLEST * (1.0 + t0)) {
                 layout.unpack(t0, &self.y, &mut sim.plant.state);
                 sim.plant.evaluate_free();
-                if sim.locates() && sim.burst(observer)? {
-                    sim.decide(observer)?;
+                let burst = sim.locates() && sim.burst(observer)?;
+                if burst || sim.locates() && sim.crawls(CRAWL) {
+                    // Whatever crawls has come to rest: its direction turns faster than it can be followed.
+                    let rest = if burst { 0.0 } else { CRAWL };
+                    sim.decide_with_rest(rest, observer)?;
                     self.fresh = true;
                     self.sizes.restart();
                     sim.measure();

@@ -150,3 +150,23 @@ fn a_state_is_found_for_a_humanoid_shoved_hard() {
         assert!(m.max_cone_excess < 1e-9 && m.energy_error_j.abs() < 1e-7, "{force} {mu}: {m:?}");
     }
 }
+
+/// HOAP-2 in the last rockings of a landing. At 0.306 s a corner that carries 30 N slides at 1e-7 m/s, below which its
+/// direction is no longer followed, and turns by a radian while it does. It ended in `diverged`, the step collapsed.
+#[test]
+fn a_corner_that_crawls_round_comes_to_rest() {
+    let (m, _) = watch(
+        "duration = 0.31
+        robot = { model = \"robots/hoap2/hoap2.toml\", base = { position = [0, 0, 0.3065838], rpy = [\"2 deg\", \"3 deg\", 0] } }
+        contact = { distance_tolerance = 1e-5, velocity_tolerance = 1e-6, acceleration_tolerance = 1e-4 }
+        integrator = { relative_tolerance = 1e-8, absolute_tolerance = 1e-12 }
+        [[force]]
+        type = \"push\"
+        link = \"torso\"
+        force = [0, 0, 0]
+        start = 0.2
+        duration = 0.1
+        profile = \"half-sine\"\n",
+    );
+    assert_eq!((m.duration_s, m.inconsistent), (0.31, 0));
+}

@@ -22,5 +22,6 @@ pub mod planar;
 mod spin;
 mod stall;
 mod standing;
+mod stepping;
 pub mod support;
 mod tipping;

@@ -82,6 +82,15 @@ fn table() -> Vec<Broken> {
         scenario("no such joint", "posture = { knee = 1.0 } #@@"),
         scenario("no such link", "[[force]]\ntype = \"push\"\nlink = \"torso\" #@@\nforce = [1, 0, 0]\nduration = 0.1"),
         scenario("no such sole", "[contact]\nforced = [{ sole = \"left\", state = \"face-static\", to = 1 }] #@@"),
+        scenario("stepping method, adaptive integrator", "[contact]\nmethod = \"lcp\" #@@"),
+        scenario(
+            "stepping method, restitution",
+            "[integrator]\nmethod = \"semi-implicit\"\n[contact]\nmethod = \"ncp\"\nrestitution = 0.5 #@@",
+        ),
+        scenario(
+            "stepping method, imposed state",
+            "[integrator]\nmethod = \"semi-implicit\"\n[contact]\nmethod = \"ncp\"\nforced = [{ sole = \"bottom\", state = \"face-static\" }] #@@",
+        ),
         scenario("no such state", "[contact]\nforced = [{ sole = \"bottom\", state = \"edge-9-static\", to = 1 }] #@@"),
         scenario("payload on no link", "payload = [{ link = \"torso\", mass = 1.0 }] #@@"),
         // Robot file.

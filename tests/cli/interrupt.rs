@@ -94,3 +94,17 @@ fn the_second_cancels_what_is_running() {
     let end = mcap::read::metadata(&log, end).unwrap();
     assert_eq!(end.metadata["complete"], "false", "and says that it is not all");
 }
+
+#[test]
+fn timing_ends_with_the_repetition_at_hand() {
+    let place = Place::new();
+    place.block("s.toml", "[compare]\ntiming_repeats = 1000000\n");
+    let mut child = start(&place, &["s.toml", "--set", "duration=0.5", "-j", "1"]);
+    until("timing", || said(&place).contains("timing: repetition 3 of").then_some(()));
+    interrupt(&child);
+    let status = until("the end", || child.try_wait().unwrap());
+    assert_eq!(status.code(), Some(130), "{}", said(&place));
+    let summary = place.summary("results");
+    assert_eq!(summary.column("outcome"), ["passed"]);
+    assert!(summary.numbers("timing_cpu_min_s")[0] > 0.0, "what was timed is kept");
+}

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use stiction::batch::{Batch, End, Job, Options, Plan, Progress, Report, Wanted, prepare, simulate};
+use stiction::batch::{Batch, End, Job, Options, Plan, Progress, Report, Role, Wanted, prepare, simulate};
 use stiction::record::{Document, LogHeader, LogWriter, RunRecord, Topics};
 use stiction::sim::{Outcome, Problems};
 
@@ -114,4 +114,53 @@ fn a_record_that_cannot_be_written_is_the_outcome_of_its_run() {
     let outcomes: Vec<Outcome> = report.finished.iter().map(|f| f.row.outcome).collect();
     assert_eq!(outcomes, [Outcome::Error, Outcome::Passed]);
     assert!(report.finished[0].files.is_empty());
+}
+
+#[test]
+fn a_panic_in_a_reference_leaves_its_runs_without_one() {
+    let place = Place::new();
+    let plan = plan(&place, "[compare]\nreference = { seed = 9 }\n[sweep]\nrepeat = 6\n");
+    assert_eq!(plan.references.len(), 1);
+    let nothing: Vec<f64> = Vec::new();
+    let body = |job: &Job, wanted: &Wanted, cancel: &AtomicBool| match job.role {
+        Role::Reference => End::error(format!("{}", nothing[job.index])),
+        Role::Run { .. } => simulate(job, wanted, cancel),
+    };
+    let report = run(&place, plan, 2, &body);
+    assert!(report.has_unfinished() && report.not_started == 0);
+    let reference = &report.references[0].row;
+    assert_eq!(reference.outcome, Outcome::Error);
+    assert!(reference.message.contains("tests/cli/isolation.rs:"), "{}", reference.message);
+    for finished in &report.finished {
+        assert_eq!((finished.row.outcome, finished.accepted), (Outcome::Passed, true));
+        assert_eq!(finished.row.comparison.error_position_rms_m, None);
+        assert!(finished.notes[0].starts_with("not compared: its reference "), "{:?}", finished.notes);
+    }
+}
+
+#[test]
+fn no_run_starts_before_its_reference_has_ended_and_others_do_not_wait() {
+    let place = Place::new();
+    // Two groups with a reference each; the first reference ends only when a run of the second group has begun.
+    let plan = plan(&place, "[compare]\nreference = {}\n[sweep.grid]\n\"floor.friction\" = [0.2, 0.4]\n");
+    assert_eq!((plan.jobs.len(), plan.references.len()), (2, 2));
+    let (sender, receiver) = std::sync::mpsc::channel::<()>();
+    let (sender, receiver) = (std::sync::Mutex::new(sender), std::sync::Mutex::new(receiver));
+    let order = std::sync::Mutex::new(Vec::new());
+    let body = |job: &Job, wanted: &Wanted, cancel: &AtomicBool| {
+        let is_reference = job.role == Role::Reference;
+        match (is_reference, job.index) {
+            (true, 0) => receiver.lock().unwrap().recv().unwrap(),
+            (false, 1) => sender.lock().unwrap().send(()).unwrap(),
+            _ => {}
+        }
+        let end = simulate(job, wanted, cancel);
+        order.lock().unwrap().push((is_reference, job.index));
+        end
+    };
+    let report = run(&place, plan, 2, &body);
+    assert!(report.finished.iter().all(|f| f.row.comparison.error_position_rms_m == Some(0.0)));
+    let order = order.into_inner().unwrap();
+    let at = |what| order.iter().position(|o| *o == what).unwrap();
+    assert!(at((true, 0)) < at((false, 0)) && at((true, 1)) < at((false, 1)), "{order:?}");
 }

@@ -1,10 +1,14 @@
 //! The program as its users meet it: every test runs the real binary on real files.
 
 mod broken;
+mod changes;
 mod commands;
+mod comparison;
 mod exit_codes;
+mod export;
 mod interrupt;
 mod isolation;
+mod report;
 mod results;
 
 use std::fs;

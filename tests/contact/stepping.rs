@@ -2,8 +2,8 @@
 
 use super::impact::falling;
 use super::pair::{JOINTS, pair};
-use super::rigid::{body_on, rules, triple};
-use nalgebra::Vector2;
+use super::rigid::{Rigid, body_on, rules, triple};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use proptest::prelude::*;
 use stiction::contact::candidate::Solution;
 use stiction::contact::lcp::LcpParameters;
@@ -106,7 +106,7 @@ proptest! {
     fn lcp_solves_its_problem_on_two_bodies_however_they_are_joined(
         pair in pair(JOINTS), fall in [triple(), triple()], spin in [triple(), triple()], half in 2u32..6
     ) {
-        let fall = fall.map(|v| nalgebra::Vector3::new(2.0 * v.x, 2.0 * v.y, v.z - 1.2));
+        let fall = fall.map(|v| Vector3::new(2.0 * v.x, 2.0 * v.y, v.z - 1.2));
         let mut p = pair.falling(&fall, &spin.map(|s| s * 6.0));
         let (selection, out) = answer("lcp", &told(2 * half), &mut p);
         prop_assert!(selection.consistent);
@@ -120,4 +120,29 @@ proptest! {
         let (_, out) = answer("ncp", &Parameters { ncp, ..Parameters::default() }, &mut p);
         prop_assert!(missed(&p, &out, None) < 1e-8, "{:.3e}", missed(&p, &out, None));
     }
+}
+
+#[test]
+fn ncp_converges_at_a_geometric_rate() {
+    // A box of friction 0.5 comes down on its sole and slides: four points, unequally loaded.
+    let body = Rigid {
+        sole: [(0.1, 0.06), (-0.1, 0.06), (-0.1, -0.06), (0.1, -0.06)].map(|(x, y)| Vector2::new(x, y)).to_vec(),
+        mass: 2.0,
+        inertia: Matrix3::from_diagonal(&Vector3::new(0.004, 0.009, 0.011)),
+        com: Vector3::new(0.02, -0.01, 0.05),
+        mu: [0.5, 0.5],
+    };
+    let p = falling(&body, &Vector3::new(0.3, 0.1, -0.2), &Vector3::new(0.02, 0.03, 0.1));
+    let miss = |iterations: u32| {
+        let ncp = NcpParameters { iterations, tolerance: 1e-15 };
+        let mut p = p.clone();
+        let (_, out) = answer("ncp", &Parameters { ncp, ..Parameters::default() }, &mut p);
+        missed(&p, &out, None)
+    };
+    let misses = [4, 8, 12, 16, 20, 24, 28, 32].map(miss);
+    let rates: Vec<f64> = misses.windows(2).map(|w| w[1] / w[0]).collect();
+    println!("{misses:?} {rates:?}");
+    // Over eight powers of ten, about a tenth for every four sweeps; then rounding.
+    assert!(rates.iter().all(|r| (0.04..0.16).contains(r)), "{rates:?}");
+    assert!(misses[0] > 1e-3 && misses[7] < 1e-9 && miss(400) < 1e-14, "{misses:?}");
 }

@@ -32,6 +32,8 @@ fn stepping_allocates_nothing() {
         ("exact", "method = \"semi-implicit\", step = 1e-3"),
         ("one-step", "method = \"dopri5\""),
         ("one-step", "method = \"semi-implicit\", step = 1e-3"),
+        ("lcp", "method = \"semi-implicit\", step = 1e-3"),
+        ("ncp", "method = \"semi-implicit\", step = 1e-3"),
         ("penalty", "method = \"dopri5\""),
         ("penalty", "method = \"semi-implicit\", step = 1e-3"),
     ] {

@@ -2,8 +2,10 @@
 
 mod log;
 mod log_values;
+mod pareto;
 mod problems;
 mod read_log;
+mod report;
 mod run;
 mod sample;
 mod summary;

@@ -64,6 +64,8 @@ fn choosing_again_from_the_file_gives_the_same_bits() {
         "contact = { method = \"one-step\" }",
         "integrator = { method = \"semi-implicit\", step = 2e-3 }",
         "contact = { method = \"one-step\" }\nintegrator = { method = \"semi-implicit\", step = 2e-3 }",
+        "contact = { method = \"lcp\", lcp = { facets = 6 } }\nintegrator = { method = \"semi-implicit\", step = 2e-3 }",
+        "contact = { method = \"ncp\", ncp = { iterations = 7 } }\nintegrator = { method = \"semi-implicit\", step = 2e-3 }",
     ] {
         for text in [DROPPED_SLIDING, HOAP2_PUSHED] {
             let (problems, selections, _) = problems(&format!("{setting}\n{text}"), Problems::All);

@@ -3,6 +3,8 @@
 mod broken;
 mod defaults;
 mod expansion;
+mod list;
+mod random;
 mod schema;
 mod typos;
 mod verdicts;

@@ -1,7 +1,7 @@
 //! Runs that can be held against each other, and the curves among them.
 
 use super::Work;
-use crate::record::ParamValue;
+use crate::record::{ParamValue, is_truth};
 use std::collections::HashMap;
 use std::hash::Hash;
 
@@ -80,11 +80,6 @@ fn is_manner(name: &str) -> bool {
     MANNER.contains(&first) && !PROBLEM.iter().any(|key| name.starts_with(key))
 }
 
-/// Swept along with the problem, as its answer.
-fn is_truth(name: &str) -> bool {
-    name.starts_with("expect.")
-}
-
 /// The curves of one method and integrator.
 fn curves(works: &[Work], method: &str, integrator: &str, rows: &[usize]) -> Vec<Curve> {
     let varying = varying(works, rows);
@@ -118,7 +113,7 @@ fn varying(works: &[Work], rows: &[usize]) -> Vec<String> {
     let mut keys: Vec<&String> = Vec::new();
     for (name, _) in rows.iter().flat_map(|&i| &works[i].row.parameters) {
         let own_column = ["contact.method", "integrator.method"].contains(&name.as_str());
-        if is_manner(name) && !own_column && !keys.contains(&name) {
+        if is_manner(name) && !own_column && !is_truth(name) && !keys.contains(&name) {
             keys.push(name);
         }
     }

@@ -7,6 +7,7 @@
 mod group;
 mod table;
 
+pub(super) use group::compare;
 pub use group::{Curve, Group, groups};
 pub use table::pareto_table;
 
@@ -20,6 +21,8 @@ pub struct Work<'a> {
     pub row: &'a SummaryRow,
     /// Processor seconds per simulated second; none when nothing was simulated.
     pub cost: Option<f64>,
+    /// Simulated over wall-clock time: of repetitions alone on the machine the fastest, if there were any.
+    pub real_time_factor: f64,
     /// Columns `error_...` that have a value. Only finite ones of runs that reached their end can be held against others.
     pub errors: Vec<(String, f64)>,
 }
@@ -34,6 +37,7 @@ impl<'a> Work<'a> {
         Self {
             row,
             cost: (cost.is_finite() && cost > 0.0).then_some(cost),
+            real_time_factor: row.repeats.map_or(row.real_time_factor, |r| row.metrics.duration_s / r.wall_min_s),
             errors: columns.filter_map(|name| metric(row, &name).map(|error| (name, error))).collect(),
         }
     }
@@ -71,6 +75,13 @@ pub fn error_columns(works: &[Work]) -> Vec<String> {
         }
     }
     columns
+}
+
+/// The Pareto front as far as three digits tell: what they do not tell apart is equally cheap, or equally accurate. Clocks are
+/// no finer, and a front of differences that nobody sees would be none.
+pub fn front_as_shown(points: &[(f64, f64)]) -> Vec<bool> {
+    let three = |x: f64| format!("{x:.2e}").parse().unwrap_or(x);
+    front(&points.iter().map(|&(cost, error)| (three(cost), three(error))).collect::<Vec<_>>())
 }
 
 /// Which of the points (cost, error) are on the Pareto front: no other point is at most as costly and at most as wrong,

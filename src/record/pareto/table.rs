@@ -1,7 +1,9 @@
 //! The Pareto table at the end of a batch.
 
-use super::{Group, Work, error_columns, front, groups};
+use super::{Group, Work, error_columns, front_as_shown, groups};
+use crate::record::is_truth;
 use crate::record::table::{align, clip};
+use crate::record::verdict::brief_parameters;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -48,31 +50,32 @@ fn block(works: &[Work], group: &Group) -> String {
     let shown = choose(&lines, group);
     let parameters = varying(works, group);
     let mut header: Vec<String> = ["method", "integrator"].map(String::from).to_vec();
-    header.extend(parameters.iter().map(|p| clip(p)));
+    header.extend((!parameters.is_empty()).then(|| "parameters".to_owned()));
     let text_columns = header.len();
     // The mark stands behind the number, and its name before the space for it.
     header.extend(columns.iter().map(|c| format!("{c} ")));
     header.extend(["cpu s / sim s", "x real time"].map(String::from));
     let cells = |line: &Line| -> Vec<String> {
         let row = works[line.row].row;
-        let own = |name: &String| {
-            row.parameters.iter().find(|(n, _)| n == name).map_or_else(String::new, |(_, v)| clip(&v.to_string()))
-        };
+        let own = (!parameters.is_empty()).then(|| brief_parameters(row, |name| parameters.iter().any(|p| p == name)));
         let error = |e: &Option<(f64, bool)>| match e {
-            Some((error, on)) => format!("{error:.2e}{}", if *on { '*' } else { ' ' }),
+            Some((error, on)) => {
+                let number = if *error == 0.0 { "0".to_owned() } else { format!("{error:.2e}") };
+                format!("{number}{}", if *on { '*' } else { ' ' })
+            }
             None => "- ".to_owned(),
         };
         [clip(&row.method), clip(&row.integrator)]
             .into_iter()
-            .chain(parameters.iter().map(own))
+            .chain(own)
             .chain(line.errors.iter().map(error))
-            .chain([format!("{:.3e}", line.cost), format!("{:.1}", row.real_time_factor)])
+            .chain([format!("{:.2e}", line.cost), format!("{:.1}", works[line.row].real_time_factor)])
             .collect()
     };
     let table: Vec<Vec<String>> = std::iter::once(header).chain(shown.iter().map(|line| cells(line))).collect();
     let mut out = align(&table, text_columns);
     if let more @ 1.. = lines.len() - shown.len() {
-        let _ = writeln!(out, "{more} more not shown: neither on a front nor the best of their curve");
+        let _ = writeln!(out, "{more} more are in the report and the summary");
     }
     for (reason, count) in without {
         let _ = writeln!(out, "{count} left out: {reason}");
@@ -103,7 +106,7 @@ fn lines(works: &[Work], group: &Group, columns: &[String]) -> (Vec<Line>, Vec<(
     lines.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     for column in 0..columns.len() {
         let point = |l: &Line| (l.cost, l.errors[column].map_or(f64::NAN, |(error, _)| error));
-        let on = front(&lines.iter().map(point).collect::<Vec<_>>());
+        let on = front_as_shown(&lines.iter().map(point).collect::<Vec<_>>());
         for (line, on) in lines.iter_mut().zip(on) {
             line.errors[column].iter_mut().for_each(|(_, mark)| *mark = on);
         }
@@ -140,7 +143,7 @@ fn varying(works: &[Work], group: &Group) -> Vec<String> {
         }
     }
     let shared = |name: &str| rows.iter().all(|&i| works[i].row.parameters.iter().any(|(n, _)| n == name));
-    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || name.starts_with("expect.");
+    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || is_truth(name);
     let kept = names.into_iter().filter(|(name, values)| !own(name) && (values.len() > 1 || !shared(name)));
     kept.map(|(name, _)| name.to_owned()).collect()
 }

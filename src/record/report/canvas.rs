@@ -1,6 +1,6 @@
 //! A picture: what plotters draws, and over it what its SVG lacks: marks that say of themselves what they are.
 //!
-//! Pictures are drawn in half pixels, since plotters rounds to whole units. Colours are those of a light page, see
+//! Pictures are drawn in quarters of pixels, since plotters rounds to whole units. Colours are those of a light page, see
 //! [`super::palette`]; the page's style sheet replaces them on a dark one.
 
 use super::palette::{self, Colour};
@@ -12,7 +12,7 @@ use plotters::style::{FontFamily, FontStyle, IntoFont, TextStyle};
 use std::fmt::Write;
 
 /// Units per pixel.
-pub(super) const SCALE: u32 = 2;
+pub(super) const SCALE: u32 = 4;
 
 /// What plotters draws on.
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -82,14 +82,14 @@ impl Mark {
     /// Its outline about a point, about 4 pixels from the middle.
     fn path(self, (x, y): Point) -> String {
         match self {
-            Mark::Circle => format!("M{} {y}a8 8 0 1 0 16 0a8 8 0 1 0 -16 0z", x - 8),
-            Mark::Square => format!("M{} {}h14v14h-14z", x - 7, y - 7),
-            Mark::Triangle => format!("M{x} {}l9 15h-18z", y - 10),
-            Mark::Diamond => format!("M{x} {}l9 10l-9 10l-9 -10z", y - 10),
-            Mark::Down => format!("M{x} {}l-9 -15h18z", y + 10),
+            Mark::Circle => format!("M{} {y}a16 16 0 1 0 32 0a16 16 0 1 0 -32 0z", x - 16),
+            Mark::Square => format!("M{} {}h28v28h-28z", x - 14, y - 14),
+            Mark::Triangle => format!("M{x} {}l18 30h-36z", y - 20),
+            Mark::Diamond => format!("M{x} {}l18 20l-18 20l-18 -20z", y - 20),
+            Mark::Down => format!("M{x} {}l-18 -30h36z", y + 20),
             Mark::Cross => {
-                let arm = "l4 -4l5 5l5 -5l4 4l-5 5l5 5l-4 4l-5 -5l-5 5l-4 -4l5 -5z";
-                format!("M{} {}{arm}", x - 9, y - 5)
+                let arms = "l8 -8l10 10l10 -10l8 8l-10 10l10 10l-8 8l-10 -10l-10 10l-8 -8l10 -10z";
+                format!("M{} {}{arms}", x - 18, y - 10)
             }
         }
     }
@@ -103,7 +103,7 @@ impl Overlay {
         // A String takes every write, here and below.
         let _ = writeln!(
             self.svg,
-            "<path d=\"{path}\" fill=\"{fill}\" stroke=\"{colour}\" stroke-width=\"3\"><title>{}</title></path>",
+            "<path d=\"{path}\" fill=\"{fill}\" stroke=\"{colour}\" stroke-width=\"6\"><title>{}</title></path>",
             HtmlEscape(title)
         );
     }
@@ -113,7 +113,7 @@ impl Overlay {
         let points: Vec<String> = points.iter().map(|(x, y)| format!("{x},{y}")).collect();
         let _ = writeln!(
             self.svg,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\" stroke-dasharray=\"8 6\">\
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"4\" stroke-dasharray=\"16 12\">\
              <title>{}</title></polyline>",
             points.join(" "),
             HtmlEscape(title)
@@ -134,7 +134,7 @@ impl Overlay {
     /// Words that begin, or with `end` end, at a point, their middle at its height.
     pub fn words(&mut self, at: Point, colour: Colour, end: bool, text: &str) {
         let anchor = if end { "end" } else { "start" };
-        let size = 11 * SCALE;
+        let size = 12 * SCALE;
         let _ = writeln!(
             self.svg,
             "<text x=\"{}\" y=\"{}\" dy=\"0.36em\" text-anchor=\"{anchor}\" font-family=\"sans-serif\" \
@@ -150,12 +150,12 @@ impl Overlay {
 pub(super) fn swatch(mark: Option<Mark>, colour: Colour) -> String {
     let mut overlay = Overlay::default();
     if let Some(mark) = mark {
-        overlay.mark(mark, (28, 12), colour, true, "");
+        overlay.mark(mark, (56, 24), colour, true, "");
     }
     let marks = overlay.svg.replace("<title></title>", "");
     format!(
-        "<svg class=\"swatch\" aria-hidden=\"true\" width=\"28\" height=\"12\" viewBox=\"0 0 56 24\" \
-         xmlns=\"http://www.w3.org/2000/svg\"><line x1=\"0\" y1=\"12\" x2=\"56\" y2=\"12\" stroke=\"{colour}\" \
-         stroke-width=\"4\"/>{marks}</svg>"
+        "<svg class=\"swatch\" aria-hidden=\"true\" width=\"28\" height=\"12\" viewBox=\"0 0 112 48\" \
+         xmlns=\"http://www.w3.org/2000/svg\"><line x1=\"0\" y1=\"24\" x2=\"112\" y2=\"24\" stroke=\"{colour}\" \
+         stroke-width=\"8\"/>{marks}</svg>"
     )
 }

@@ -48,7 +48,7 @@ fn row(run: &ReportRun, v: &Verdict) -> Vec<Cell> {
     vec![
         Cell::text(run.row.scenario.clone()),
         Cell::text(parameters(run.row).join(" ")),
-        Cell::text(run.row.method.clone()),
+        Cell::word(&run.row.method),
         Cell::text(v.metric.clone()),
         // All digits, beside those of the value wanted.
         Cell { text: v.measured.map_or_else(|| "–".to_owned(), |x| format!("{x:?}")), class: "n" },

@@ -76,14 +76,21 @@ pub enum Pictured {
     Keys(Vec<String>),
 }
 
-/// Writes the report on runs, in the order given. Paths in it are shown from `results`, the folder of the records.
+/// Writes the report on runs, in the order given, and on the references they were compared with. Paths in it are shown from
+/// `results`, the folder of the records.
 ///
 /// A log that cannot be read is said so in the page.
 ///
 /// # Errors
 /// The file cannot be written, or a picture cannot be drawn.
-pub fn write_report(path: &Path, results: &Path, runs: &[ReportRun], pictured: &Pictured) -> Result<(), RecordError> {
-    let page = page(results, runs, pictured)?;
+pub fn write_report(
+    path: &Path,
+    results: &Path,
+    runs: &[ReportRun],
+    references: &[ReportRun],
+    pictured: &Pictured,
+) -> Result<(), RecordError> {
+    let page = page(results, runs, references, pictured)?;
     let html = render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
     atomic::write(path, |out| out.write_all(html.as_bytes()).map_err(RecordError::io(path)))
 }
@@ -97,11 +104,17 @@ struct Page {
     pictures: pictures::Section,
     expectations: table::Table,
     runs: table::Table,
+    references: table::Table,
     notes: Vec<String>,
     files: (Vec<String>, usize),
 }
 
-fn page(results: &Path, runs: &[ReportRun], pictured: &Pictured) -> Result<Page, RecordError> {
+fn page(
+    results: &Path,
+    runs: &[ReportRun],
+    references: &[ReportRun],
+    pictured: &Pictured,
+) -> Result<Page, RecordError> {
     let works: Vec<Work> = runs.iter().map(|run| Work::of(run.row)).collect();
     Ok(Page {
         head: head::head(runs),
@@ -110,8 +123,9 @@ fn page(results: &Path, runs: &[ReportRun], pictured: &Pictured) -> Result<Page,
         pictures: pictures::pictures(runs, pictured)?,
         expectations: expectations::expectations(runs),
         runs: runs::runs(runs, &works),
+        references: runs::references(references),
         notes: runs::notes(runs),
-        files: runs::files(results, runs),
+        files: runs::files(results, runs, references),
     })
 }
 

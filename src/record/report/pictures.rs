@@ -2,14 +2,15 @@
 
 use super::history::History;
 use super::plot_run::{legend, run_over_time};
-use super::words::{name, plural, short};
+use super::words::{name, plural};
 use super::{Pictured, ReportRun};
 use crate::record::{RecordError, Trajectory};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Runs drawn when none are named: those that ended as they should not, and of others enough for this many.
-const FEW: usize = 4;
+const FEW: usize = 6;
 const MOST_REFUSED: usize = 8;
 /// Logs longer than this are read only when they are asked for, bytes.
 const LONG: u64 = 32 << 20;
@@ -52,8 +53,12 @@ fn choose<'a>(runs: &'a [ReportRun<'a>], pictured: &Pictured) -> (Vec<(&'a Repor
     let (refused, good): (Vec<usize>, Vec<usize>) =
         (0..logged.len()).filter(|&i| is_short(logged[i].1)).partition(|&i| logged[i].0.is_refused());
     let mut chosen: Vec<usize> = refused.into_iter().take(MOST_REFUSED).collect();
+    // Of the others first one of each scenario.
+    let mut scenarios = BTreeSet::new();
+    let (first, further): (Vec<usize>, Vec<usize>) =
+        good.into_iter().partition(|&i| scenarios.insert(&logged[i].0.row.scenario));
     let room = FEW.saturating_sub(chosen.len());
-    chosen.extend(good.into_iter().take(room));
+    chosen.extend(first.into_iter().chain(further).take(room));
     chosen.sort_unstable();
     let more = match logged.len() - chosen.len() {
         0 => String::new(),
@@ -98,7 +103,7 @@ fn picture(run: &ReportRun, log: &Path) -> Result<Picture, RecordError> {
 fn extremes(history: &History) -> String {
     let heights = history.height.iter().map(|p| p.1);
     let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    let height = (low <= high).then(|| format!("base height {} to {} m", short(low), short(high)));
+    let height = (low <= high).then(|| format!("base height {low:.4} to {high:.4} m"));
     let soles = history.soles.iter().map(|s| format!("{}: {} of state", s.name, plural(s.changes, "change")));
     height.into_iter().chain(soles).collect::<Vec<_>>().join("; ")
 }

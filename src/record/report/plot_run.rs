@@ -10,8 +10,8 @@ use plotters::style::Color;
 
 /// Pixels.
 const WIDTH: u32 = 720;
-const CURVES: u32 = 130;
-const TIME: u32 = 34;
+const CURVES: u32 = 134;
+const TIME: u32 = 36;
 const STATES: u32 = 26;
 const LEFT: u32 = 76;
 
@@ -54,7 +54,7 @@ fn parts(history: &History) -> Vec<Part> {
     if !soles.is_empty() {
         let curves = soles.iter().enumerate().map(|(i, s)| (palette::curve(i), s.normal.clone())).collect();
         parts.push(Part { height: CURVES, words: "normal force, N", curves: Some(curves), least: 1e-3 });
-        let height = STATES * soles.len() as u32 + 12;
+        let height = STATES * soles.len() as u32 + 16;
         parts.push(Part { height, words: "", curves: None, least: 0.0 });
     }
     parts
@@ -80,28 +80,31 @@ fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -
             None => Axis { from: 0.0, to: 1.0, ticks: Vec::new(), fine: Vec::new(), logarithmic: false },
         };
         let mut chart = ChartBuilder::on(&own)
-            .margin_top(8 * SCALE)
+            .margin_top(12 * SCALE)
             .margin_right(14 * SCALE)
             .x_label_area_size(below * SCALE)
             .y_label_area_size(LEFT * SCALE)
             .build_cartesian_2d(time.clone(), y.clone())
             .map_err(|e| words(&e))?;
-        let grid = palette::rgb(palette::GRID).stroke_width(2);
+        let grid = palette::rgb(palette::GRID).stroke_width(4);
         chart
             .configure_mesh()
             .bold_line_style(grid)
             .light_line_style(grid)
-            .axis_style(palette::rgb(palette::AXIS).stroke_width(2))
-            .label_style(text(11, palette::FAINT))
-            .axis_desc_style(text(12, palette::INK))
+            .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
+            .label_style(text(12, palette::FAINT))
+            .axis_desc_style(text(13, palette::INK))
             .x_desc(if last { "simulated time, s" } else { "" })
             .y_desc(part.words)
             .x_label_formatter(&|v| time.label(*v))
             .y_label_formatter(&|v| y.label(*v))
             .draw()
             .map_err(|e| words(&e))?;
-        for (colour, points) in part.curves.iter().flatten() {
-            let line = LineSeries::new(points.iter().copied(), palette::rgb(colour).stroke_width(3));
+        let curves = part.curves.as_deref().unwrap_or_default();
+        for (i, (colour, points)) in curves.iter().enumerate() {
+            // The first is the widest: one that lies below another still shows.
+            let width = 5 + 4 * (curves.len() - 1 - i).min(2) as u32;
+            let line = LineSeries::new(points.iter().copied(), palette::rgb(colour).stroke_width(width));
             chart.draw_series(line).map_err(|e| words(&e))?;
         }
         if part.curves.is_none() {
@@ -114,7 +117,7 @@ fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -
                     chart.backend_coord(&(t, foot + share * (head - foot)))
                 };
                 let left = chart.backend_coord(&(from, (top + bottom) / 2.0));
-                overlay.words((left.0 - 12, left.1), palette::INK, true, &brief(&sole.name));
+                overlay.words((left.0 - 24, left.1), palette::INK, true, &brief(&sole.name));
                 sole.stays.iter().for_each(|stay| band(overlay, &sole.name, stay, &at));
             }
         }

@@ -4,8 +4,8 @@ use super::canvas::{Area, Mark, Overlay, Point, SCALE, Trouble, picture, swatch,
 use super::palette::{self, Colour};
 use super::ticks::{self, logarithmic};
 use super::units::unit;
-use crate::record::RecordError;
-use crate::record::pareto::{Curve, Group, Work, front};
+use crate::record::pareto::{Curve, Group, Work, front_as_shown};
+use crate::record::{RecordError, is_truth};
 use plotters::prelude::{ChartBuilder, LineSeries};
 use plotters::style::Color;
 
@@ -82,7 +82,7 @@ pub(super) fn work_precision(
 fn spots(works: &[Work], group: &Group, column: &str) -> Vec<Spot> {
     let point = |row: usize| works[row].point(column).ok().map(|(cost, error)| (row, cost, error));
     let points: Vec<_> = group.rows().filter_map(point).collect();
-    let on = front(&points.iter().map(|&(_, cost, error)| (cost, error)).collect::<Vec<_>>());
+    let on = front_as_shown(&points.iter().map(|&(_, cost, error)| (cost, error)).collect::<Vec<_>>());
     points.into_iter().zip(on).map(|((row, cost, error), on_front)| Spot { row, cost, error, on_front }).collect()
 }
 
@@ -113,7 +113,7 @@ fn draw(
     let mut chart = ChartBuilder::on(area)
         .margin(6 * SCALE)
         .margin_right(16 * SCALE)
-        .x_label_area_size(40 * SCALE)
+        .x_label_area_size(38 * SCALE)
         .y_label_area_size(60 * SCALE)
         .build_cartesian_2d(x.clone(), y.clone())
         .map_err(|e| words(&e))?;
@@ -121,11 +121,11 @@ fn draw(
     let y_words = if unit.is_empty() { "error".to_owned() } else { format!("error, {unit}") };
     chart
         .configure_mesh()
-        .bold_line_style(palette::rgb(palette::GRID).stroke_width(2))
-        .light_line_style(palette::rgb(palette::FINE).stroke_width(2))
-        .axis_style(palette::rgb(palette::AXIS).stroke_width(2))
-        .label_style(text(11, palette::FAINT))
-        .axis_desc_style(text(12, palette::INK))
+        .bold_line_style(palette::rgb(palette::GRID).stroke_width(4))
+        .light_line_style(palette::rgb(palette::FINE).stroke_width(4))
+        .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
+        .label_style(text(12, palette::FAINT))
+        .axis_desc_style(text(13, palette::INK))
         .x_desc("cost, processor seconds per simulated second")
         .y_desc(y_words)
         .x_label_formatter(&|v| x.label(*v))
@@ -142,7 +142,7 @@ fn draw(
         // A line to no error at all would lead nowhere on this axis.
         let own: Vec<&Spot> = curve.rows.iter().filter_map(find).collect();
         for part in own.split(|s| s.error == 0.0).filter(|part| part.len() > 1) {
-            let line = LineSeries::new(part.iter().map(|s| place(s)), palette::rgb(look.colour).stroke_width(3));
+            let line = LineSeries::new(part.iter().map(|s| place(s)), palette::rgb(look.colour).stroke_width(6));
             chart.draw_series(line).map_err(|e| words(&e))?;
         }
     }
@@ -151,7 +151,7 @@ fn draw(
     if zeros {
         let height = chart.backend_coord(&(x.from, floor)).1;
         overlay.dashes(&[(left, height), (right, height)], palette::AXIS, "no error at all");
-        overlay.words((left - 12, height), palette::FAINT, true, "0");
+        overlay.words((left - 24, height), palette::FAINT, true, "0");
     }
     overlay.dashes(&stairs(spots, at, right), palette::FAINT, "Pareto front");
     for curve in &group.curves {
@@ -186,10 +186,10 @@ fn stairs(spots: &[Spot], at: impl Fn(&Spot) -> Point, right: i32) -> Vec<Point>
 fn title(work: &Work, curve: &Curve, column: &str, unit: &str, spot: &Spot) -> String {
     let row = work.row;
     let mut lines = vec![format!("{} {}", curve.method, curve.integrator)];
-    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || name.starts_with("expect.");
+    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || is_truth(name);
     lines.extend(row.parameters.iter().filter(|(name, _)| !own(name)).map(|(name, value)| format!("{name} = {value}")));
     lines.push(format!("{column}: {:.3e} {unit}", spot.error).trim_end().to_owned());
-    lines.push(format!("cost: {:.3e} s per s, {:.1} x real time", spot.cost, row.real_time_factor));
+    lines.push(format!("cost: {:.3e} s per s, {:.1} x real time", spot.cost, work.real_time_factor));
     lines.push(format!("{}{}", row.key, if spot.on_front { ", on the Pareto front" } else { "" }));
     lines.join("\n")
 }

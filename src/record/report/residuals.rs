@@ -32,7 +32,7 @@ pub(super) fn residuals(runs: &[ReportRun]) -> Table {
         let worst = COLUMNS.map(|column| worst(part.iter().filter_map(|&i| metric(runs[i].row, column))));
         let row = |&i: &usize| {
             let row = runs[i].row;
-            let words = [parameters(row).join(" "), row.method.clone(), row.integrator.clone()].map(Cell::text);
+            let words = [Cell::text(parameters(row).join(" ")), Cell::word(&row.method), Cell::word(&row.integrator)];
             let number = |(column, worst): (&&str, &Option<f64>)| cell(metric(row, column), *worst);
             words.into_iter().chain(COLUMNS.iter().zip(&worst).map(number)).collect()
         };
@@ -41,13 +41,16 @@ pub(super) fn residuals(runs: &[ReportRun]) -> Table {
     table
 }
 
+/// Sizes that are rounding, in any of the units: none is worse than another.
+const ROUNDING: f64 = 1e-12;
+
 /// The greatest size, if there are different ones: of equals none is worse.
 fn worst(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for size in values.map(f64::abs).filter(|v| v.is_finite()) {
         (least, most) = (least.min(size), most.max(size));
     }
-    (most > least).then_some(most)
+    (most > least && most > ROUNDING).then_some(most)
 }
 
 fn cell(value: Option<f64>, worst: Option<f64>) -> Cell {

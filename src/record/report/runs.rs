@@ -32,11 +32,8 @@ pub(super) fn runs(runs: &[ReportRun], works: &[Work]) -> Table {
     head.extend(["key", "message"].map(Head::text));
     let row = |&i: &usize| {
         let (row, work) = (runs[i].row, &works[i]);
-        let mut cells = vec![
-            Cell::text(parameters(row).join(" ")),
-            Cell::text(row.method.clone()),
-            Cell::text(row.integrator.clone()),
-        ];
+        let mut cells =
+            vec![Cell::text(parameters(row).join(" ")), Cell::word(&row.method), Cell::word(&row.integrator)];
         if repeated {
             cells.push(Cell::count(row.seed));
         }
@@ -45,7 +42,7 @@ pub(super) fn runs(runs: &[ReportRun], works: &[Work]) -> Table {
             Cell::number(Some(row.metrics.duration_s)),
             Cell::number(Some(row.wall_s)),
             Cell::number(work.cost),
-            Cell::number(Some(row.real_time_factor)),
+            Cell::number(Some(work.real_time_factor)),
             Cell::count(row.metrics.steps),
             Cell::count(row.metrics.events),
             Cell::count(row.metrics.impacts),
@@ -58,6 +55,43 @@ pub(super) fn runs(runs: &[ReportRun], works: &[Work]) -> Table {
     let parts =
         parts.map(|part| Part { title: runs[part[0]].row.scenario.clone(), rows: part.iter().map(row).collect() });
     Table { head, parts: parts.collect(), more }
+}
+
+/// Runs that others were compared with.
+pub(super) fn references(runs: &[ReportRun]) -> Table {
+    if runs.is_empty() {
+        return Table::default();
+    }
+    let (shown, more) = bounded(runs);
+    let heads = [
+        Head::text("scenario"),
+        Head::text("method"),
+        Head::text("integrator"),
+        Head::text("outcome"),
+        Head::number("simulated", "s"),
+        Head::number("wall", "s"),
+        Head::number("cost", "cpu s / s"),
+        Head::number("steps", ""),
+        Head::text("key"),
+        Head::text("message"),
+    ];
+    let row = |&i: &usize| {
+        let row = runs[i].row;
+        vec![
+            Cell::text(row.scenario.clone()),
+            Cell::word(&row.method),
+            Cell::word(&row.integrator),
+            outcome(&runs[i]),
+            Cell::number(Some(row.metrics.duration_s)),
+            Cell::number(Some(row.wall_s)),
+            Cell::number(Work::of(row).cost),
+            Cell::count(row.metrics.steps),
+            Cell { text: row.key.clone(), class: "key" },
+            Cell::text(row.message.clone()),
+        ]
+    };
+    let rows = shown.iter().map(row).collect();
+    Table { head: heads.into(), parts: vec![Part { title: String::new(), rows }], more }
 }
 
 fn outcome(run: &ReportRun) -> Cell {
@@ -85,10 +119,10 @@ pub(super) fn notes(runs: &[ReportRun]) -> Vec<String> {
 }
 
 /// Files of the batch and of its runs, from the folder of the results on.
-pub(super) fn files(results: &Path, runs: &[ReportRun]) -> (Vec<String>, usize) {
+pub(super) fn files(results: &Path, runs: &[ReportRun], references: &[ReportRun]) -> (Vec<String>, usize) {
     let batch = ["summary.csv", "summary.parquet", "runs.jsonl"].map(|name| results.join(name));
     let batch = batch.into_iter().filter(|path| path.is_file());
-    let own = runs.iter().flat_map(|run| run.files.iter().cloned());
+    let own = runs.iter().chain(references).flat_map(|run| run.files.iter().cloned());
     let words = |path: &Path| path.strip_prefix(results).unwrap_or(path).display().to_string();
     let all: Vec<String> = batch.chain(own).map(|path| words(&path)).collect();
     let more = all.len().saturating_sub(MOST_FILES);

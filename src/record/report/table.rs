@@ -1,7 +1,7 @@
 //! Tables of the page.
 
 use super::ReportRun;
-use super::units::unit;
+use super::units::{is_said, unit};
 use super::words::short;
 use serde::Serialize;
 
@@ -54,15 +54,27 @@ impl Head {
         Self { pieces: vec![name.to_owned()], unit, number: true }
     }
 
-    /// Of a column of the summary, under its name.
+    /// Of a column of the summary, under its name; most names say their units.
     pub fn column(name: &str) -> Self {
-        Self { pieces: name.split_inclusive('_').map(str::to_owned).collect(), unit: unit(name), number: true }
+        let says_unit = is_said(name);
+        // A unit stays with the word before it.
+        let mut pieces: Vec<String> = name.split_inclusive('_').map(str::to_owned).collect();
+        if says_unit && pieces.len() > 1 {
+            let end = pieces.pop().unwrap_or_default();
+            pieces.iter_mut().next_back().into_iter().for_each(|last| last.push_str(&end));
+        }
+        Self { pieces, unit: if says_unit { "" } else { unit(name) }, number: true }
     }
 }
 
 impl Cell {
     pub fn text(text: impl Into<String>) -> Self {
         Self { text: text.into(), class: "" }
+    }
+
+    /// A word that is not to be broken.
+    pub fn word(word: &str) -> Self {
+        Self { text: word.to_owned(), class: "word" }
     }
 
     /// A number in three digits; none is a dash.

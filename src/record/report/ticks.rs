@@ -45,10 +45,12 @@ impl Axis {
 }
 
 /// Sizes beyond this, and below its inverse, are drawn at it: the ends of double precision have no room around them.
-const HUGE: f64 = 1e300;
+const HUGE: f64 = 1e250;
 
 /// Decades with fine lines between them.
 const FEW_DECADES: i32 = 6;
+/// Decades with a fine line each.
+const MANY_DECADES: i32 = 40;
 /// Most labels of an axis.
 const MOST_LABELS: i32 = 8;
 
@@ -73,7 +75,8 @@ pub(super) fn logarithmic(values: impl Iterator<Item = f64>) -> Axis {
             let labelled = decades.iter().filter(|d| *d % stride == 0).map(|d| power(*d)).collect();
             let fine = match last - first {
                 0..=FEW_DECADES => mantissas(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]),
-                _ => decades.iter().filter(|d| *d % stride != 0).map(|d| power(*d)).collect(),
+                ..=MANY_DECADES => decades.iter().filter(|d| *d % stride != 0).map(|d| power(*d)).collect(),
+                _ => Vec::new(),
             };
             (labelled, fine)
         }

@@ -29,6 +29,12 @@ const NAMES: [(&str, &str); 7] = [
     ("max_cone_excess", "N"),
 ];
 
+/// Does the name of a column say its unit?
+pub(super) fn is_said(column: &str) -> bool {
+    let velocity = ["_vx", "_vy", "_vz"];
+    ENDS.iter().any(|(end, _)| column.ends_with(end) && !velocity.contains(end))
+}
+
 /// The unit of a column, or of the error in one; empty for counts and ratios.
 pub(super) fn unit(column: &str) -> &'static str {
     let measured = column.strip_prefix("error_").unwrap_or(column);

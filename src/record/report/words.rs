@@ -1,6 +1,6 @@
 //! Numbers and names in words.
 
-use crate::record::{ParamValue, SummaryRow};
+use crate::record::{ParamValue, SummaryRow, is_truth};
 
 /// Three digits: plain where that is short, else with an exponent. Enough to compare by; the summary has all digits.
 pub(super) fn short(x: f64) -> String {
@@ -19,7 +19,7 @@ pub(super) fn short(x: f64) -> String {
 
 /// Swept values of a run, `name=value`: all but those that have columns of their own and swept truths.
 pub(super) fn parameters(row: &SummaryRow) -> Vec<String> {
-    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || name.starts_with("expect.");
+    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || is_truth(name);
     let named = row.parameters.iter().filter(|(name, _)| !own(name));
     named.map(|(name, value)| format!("{name}={}", brief(value))).collect()
 }
@@ -33,8 +33,12 @@ fn brief(value: &ParamValue) -> String {
 
 /// Scenario, method, integrator and swept values of a run.
 pub(super) fn name(row: &SummaryRow) -> String {
-    let own = [row.scenario.clone(), row.method.clone(), row.integrator.clone()];
-    own.into_iter().chain(parameters(row)).collect::<Vec<_>>().join(" ")
+    format!("{} {}", row.scenario, manner(row))
+}
+
+/// Method, integrator and swept values of a run.
+pub(super) fn manner(row: &SummaryRow) -> String {
+    [row.method.clone(), row.integrator.clone()].into_iter().chain(parameters(row)).collect::<Vec<_>>().join(" ")
 }
 
 /// `1 run`, `2 runs`

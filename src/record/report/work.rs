@@ -1,7 +1,7 @@
 //! Error over cost, per group of runs that can be held against each other.
 
 use super::plot_work::{Looks, work_precision};
-use super::words::{name, plural};
+use super::words::{manner, plural};
 use crate::record::RecordError;
 use crate::record::pareto::{Group, Work, error_columns, groups};
 use serde::Serialize;
@@ -90,7 +90,7 @@ fn left_out(works: &[Work], group: &Group, columns: &[String]) -> Vec<String> {
         }
     }
     let words = |(reason, rows): (String, Vec<usize>)| {
-        let mut names: Vec<String> = rows.iter().take(MOST_NAMED).map(|&i| name(works[i].row)).collect();
+        let mut names: Vec<String> = rows.iter().take(MOST_NAMED).map(|&i| manner(works[i].row)).collect();
         if rows.len() > MOST_NAMED {
             names.push(format!("and {} more", rows.len() - MOST_NAMED));
         }

@@ -6,6 +6,7 @@ pub mod expect;
 pub mod floor;
 pub mod force;
 pub mod planned;
+pub mod random;
 pub mod robot;
 pub mod run;
 pub mod sweep;

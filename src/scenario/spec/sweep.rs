@@ -10,6 +10,7 @@ use serde::{
 
 use crate::scenario::{
     quantity::{count, json},
+    spec::random::RandomSpec,
     suggest,
 };
 
@@ -18,19 +19,18 @@ use crate::scenario::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SweepSpec {
-    /// Every combination of the values; the last key of the file changes fastest.
+    /// Every combination of the values; the last key of the file changes fastest. `grid`, the tables of `zip`, `list` and
+    /// `random` are nested in the order of the file.
     pub grid: BTreeMap<String, Axis>,
-    /// Tables whose values advance together: the keys of a table have equally many values. The tables and the keys of
-    /// `grid` are nested in the order of the file.
+    /// Tables whose values advance together: the keys of a table have equally many values. Each table is one dimension.
     #[serde(deserialize_with = "tables")]
     pub zip: Vec<BTreeMap<String, Axis>>,
-    /// Tables of values, one after the other.
+    /// Tables of values, one after the other: each is one set of values, and what it does not name is as in the file.
     #[schemars(with = "Vec<BTreeMap<String, serde_json::Value>>")]
     pub list: Vec<BTreeMap<String, toml::Value>>,
-    /// Random samples.
+    /// Random samples of one or more keys.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<BTreeMap<String, serde_json::Value>>")]
-    pub random: Option<BTreeMap<String, toml::Value>>,
+    pub random: Option<RandomSpec>,
     /// Each run this many times, with the seeds `seed`, `seed + 1`, ...; repetitions change fastest.
     #[serde(deserialize_with = "count")]
     #[schemars(with = "json::Count")]

@@ -1,0 +1,102 @@
+//! `runner compare`: what differs between two results.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use stiction::record::changes::{Limits, Results, Tolerance, compare};
+
+use super::Exit;
+use super::terminal::{complain, print};
+
+/// Below the help.
+pub const HELP: &str = "Exit codes:
+  0    all values within what is allowed, the same runs in both
+  1    a value beyond, an outcome changed, or a run that only one of them has
+  2    wrong usage, or results that cannot be read
+  4    no runs in either";
+
+/// Arguments of `compare`.
+#[derive(Args, Debug)]
+pub struct Compare {
+    /// A folder of results, summary.csv, summary.parquet or runs.jsonl
+    a: PathBuf,
+    /// The same, from another time, program or machine
+    b: PathBuf,
+    /// Distance allowed in columns that --threshold does not name, in their units
+    #[arg(long, value_name = "ABS", default_value = "1e-9", value_parser = allowed)]
+    absolute: f64,
+    /// The same as a part of the greater value; both add up
+    #[arg(long, value_name = "REL", default_value = "1e-6", value_parser = allowed)]
+    relative: f64,
+    /// Distance allowed in one column, and as a part of the greater value [default: 0]; `inf` ignores the column; may be
+    /// repeated
+    #[arg(long = "threshold", value_name = "COLUMN=ABS[,REL]", value_parser = threshold)]
+    thresholds: Vec<(String, Tolerance)>,
+    /// Compare times too: B may take this many times as long as A
+    #[arg(long, value_name = "RATIO", value_parser = ratio)]
+    timing: Option<f64>,
+    /// How differences are written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+/// How differences are written.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum Format {
+    /// Tables, for people
+    Text,
+    /// An object
+    Json,
+}
+
+impl Compare {
+    /// Prints what differs.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let refused = |error: &dyn std::error::Error| {
+            complain(&format!("error: {error}"));
+            Exit::Invalid
+        };
+        let limits = Limits {
+            default: Tolerance { absolute: self.absolute, relative: self.relative },
+            columns: self.thresholds.into_iter().collect::<BTreeMap<_, _>>(),
+            timing: self.timing,
+        };
+        let [a, b] = [&self.a, &self.b].map(|path| Results::read(path).map_err(|error| refused(&error)));
+        let (a, b) = (a?, b?);
+        if a.rows.is_empty() && b.rows.is_empty() {
+            complain(&format!("nothing to compare: no runs in {} and {}", a.path.display(), b.path.display()));
+            return Err(Exit::Nothing);
+        }
+        let changes = compare(&a, &b, &limits).map_err(|error| refused(&error))?;
+        print(&match self.format {
+            Format::Text => format!("A: {}\nB: {}\n{changes}", a.path.display(), b.path.display()),
+            Format::Json => match serde_json::to_string_pretty(&changes) {
+                Ok(text) => format!("{text}\n"),
+                Err(error) => return Err(refused(&error)),
+            },
+        })?;
+        Ok(if changes.is_within() { Exit::Success } else { Exit::Failed })
+    }
+}
+
+fn allowed(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x >= 0.0 => Ok(x),
+        _ => Err(format!("`{text}` is no number of 0 or greater")),
+    }
+}
+
+fn ratio(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x >= 1.0 => Ok(x),
+        _ => Err(format!("`{text}` is no number of 1 or greater")),
+    }
+}
+
+fn threshold(text: &str) -> Result<(String, Tolerance), String> {
+    let (column, values) =
+        text.split_once('=').ok_or_else(|| format!("`{text}` is not of the form COLUMN=ABS[,REL]"))?;
+    let (absolute, relative) = values.split_once(',').unwrap_or((values, "0"));
+    Ok((column.trim().to_owned(), Tolerance { absolute: allowed(absolute)?, relative: allowed(relative)? }))
+}

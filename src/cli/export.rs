@@ -1,0 +1,265 @@
+//! `runner export`: a log's time series as CSV, Parquet or columns of text.
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use stiction::record::export::{
+    self, DataTable, ExportError, Format, Header, NumberFormat, Selection, TextFormat, TimeUnit,
+};
+use stiction::record::{LogError, Trajectory};
+
+use super::Exit;
+use super::terminal::{complain, print};
+
+/// Arguments of `export`.
+#[derive(Args, Debug)]
+pub struct Export {
+    /// A log, or the folder of a run
+    #[arg(value_name = "LOG|FOLDER")]
+    log: PathBuf,
+    /// File to write; standard output when not given
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// How it is written; by the file's ending when not given
+    #[arg(long, value_enum)]
+    format: Option<Kind>,
+    /// Rows per simulated second, Hz; the log's own instants when not given
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    rate: Option<f64>,
+    /// Columns by name, `*` and `?` standing for any characters; separated by commas, repeatable
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    columns: Vec<String>,
+    /// First instant, s
+    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    from: Option<f64>,
+    /// Last instant, s
+    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    to: Option<f64>,
+    /// Export what happened (touchdown, slip, impact ...) instead of time series
+    #[arg(long, conflicts_with_all = ["columns", "rate", "list_columns"])]
+    events: bool,
+    /// Print the names of the columns and end
+    #[arg(long, conflicts_with = "output")]
+    list_columns: bool,
+    #[command(flatten)]
+    text: Text,
+}
+
+/// How text for gnuplot looks.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Text for gnuplot")]
+struct Text {
+    /// Between two cells: `space`, `tab`, `comma`, `semicolon` or the characters themselves [default: space]
+    #[arg(long, value_name = "WORD", value_parser = separator)]
+    separator: Option<String>,
+    /// Numbers: `exact`, or as printf does, such as `%.9g` [default: exact]
+    #[arg(long, value_name = "FORMAT", value_parser = number_format)]
+    numbers: Option<NumberFormat>,
+    /// The names: as a row of their own, behind the comment sign, or not at all [default: plain]
+    #[arg(long, value_enum)]
+    header: Option<HeaderKind>,
+    /// What a line that is no data begins with [default: #]
+    #[arg(long, value_name = "SIGN", value_parser = visible)]
+    comment: Option<String>,
+    /// What stands where there is no number [default: NaN]
+    #[arg(long, value_name = "WORD", value_parser = visible)]
+    missing: Option<String>,
+    /// Unit of the time [default: s]
+    #[arg(long, value_enum)]
+    time_unit: Option<Unit>,
+    /// Begin a new block (gnuplot's `index`) whenever this column changes
+    #[arg(long, value_name = "COLUMN")]
+    blocks: Option<String>,
+}
+
+/// How a table is written.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Comma-separated values (.csv)
+    Csv,
+    /// Parquet (.parquet)
+    Parquet,
+    /// Columns of text (.dat, .txt)
+    Gnuplot,
+}
+
+/// What stands above columns of text.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum HeaderKind {
+    Plain,
+    Comment,
+    None,
+}
+
+/// A unit of time.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum Unit {
+    S,
+    Ms,
+    Min,
+}
+
+impl Export {
+    /// Reads the log and writes what is wanted of it.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let format = self.format()?;
+        let log = self.read()?;
+        if self.list_columns {
+            print(&export::column_names(&log).iter().map(|name| format!("{name}\n")).collect::<String>())?;
+            return Ok(Exit::Success);
+        }
+        let table = self.table(&log).map_err(refuse)?;
+        if !log.complete {
+            complain("warning: the run did not end by itself; its log ends early");
+        }
+        match &self.output {
+            Some(path) => {
+                export::write(&table, &format, path).map_err(refuse)?;
+                complain(&format!("{}: {} columns, {} rows", path.display(), table.columns().len(), table.rows()));
+            }
+            None => {
+                let bytes = export::to_bytes(&table, &format).map_err(refuse)?;
+                print(&String::from_utf8_lossy(&bytes))?;
+            }
+        }
+        Ok(Exit::Success)
+    }
+
+    fn table(&self, log: &Trajectory) -> Result<DataTable, ExportError> {
+        let selection = Selection { columns: self.columns.clone(), rate: self.rate, from: self.from, to: self.to };
+        if self.events { Ok(export::events(log, &selection)) } else { export::series(log, &selection) }
+    }
+
+    fn read(&self) -> Result<Trajectory, Exit> {
+        let path = if self.log.is_dir() { self.log.join("log.mcap") } else { self.log.clone() };
+        if let Some(output) = &self.output
+            && same_file(output, &path)
+        {
+            return Err(refuse(format!("{} is the log itself: choose another file to write", output.display())));
+        }
+        Trajectory::read(&path).map_err(|error| match &error {
+            LogError::Io { .. } if self.log.is_dir() && !path.exists() => {
+                refuse(format!("{}: no run's folder with a log: there is no log.mcap in it", self.log.display()))
+            }
+            _ => refuse(error),
+        })
+    }
+
+    fn format(&self) -> Result<Format, Exit> {
+        let kind = match (self.format, &self.output) {
+            (Some(kind), _) => kind,
+            (None, None) => {
+                if self.text.is_given() {
+                    Kind::Gnuplot
+                } else {
+                    Kind::Csv
+                }
+            }
+            (None, Some(path)) => by_ending(path)?,
+        };
+        if kind != Kind::Gnuplot && self.text.is_given() {
+            return Err(refuse(
+                "separator, numbers, header, comment, missing, time-unit and blocks are of `--format gnuplot`",
+            ));
+        }
+        match kind {
+            Kind::Csv => Ok(Format::Csv),
+            Kind::Parquet if self.output.is_none() && !self.list_columns => {
+                Err(refuse("Parquet is no text: name a file with `--output`"))
+            }
+            Kind::Parquet => Ok(Format::Parquet),
+            Kind::Gnuplot => Ok(Format::Text(self.text.format())),
+        }
+    }
+}
+
+impl Text {
+    fn is_given(&self) -> bool {
+        let Text { separator, numbers, header, comment, missing, time_unit, blocks } = self;
+        separator.is_some()
+            || numbers.is_some()
+            || header.is_some()
+            || comment.is_some()
+            || missing.is_some()
+            || time_unit.is_some()
+            || blocks.is_some()
+    }
+
+    fn format(&self) -> TextFormat {
+        let plain = TextFormat::default();
+        TextFormat {
+            separator: self.separator.clone().unwrap_or(plain.separator),
+            numbers: self.numbers.unwrap_or(plain.numbers),
+            header: self.header.map_or(plain.header, |h| match h {
+                HeaderKind::Comment => Header::Comment,
+                HeaderKind::Plain => Header::Plain,
+                HeaderKind::None => Header::None,
+            }),
+            comment: self.comment.clone().unwrap_or(plain.comment),
+            missing: self.missing.clone().unwrap_or(plain.missing),
+            time: self.time_unit.map_or(plain.time, |t| match t {
+                Unit::S => TimeUnit::Seconds,
+                Unit::Ms => TimeUnit::Milliseconds,
+                Unit::Min => TimeUnit::Minutes,
+            }),
+            blocks: self.blocks.clone(),
+        }
+    }
+}
+
+fn by_ending(path: &Path) -> Result<Kind, Exit> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match ending.as_str() {
+        "csv" => Ok(Kind::Csv),
+        "parquet" => Ok(Kind::Parquet),
+        "dat" | "txt" => Ok(Kind::Gnuplot),
+        _ => Err(refuse(format!(
+            "{}: the ending says no format: .csv, .parquet, .dat and .txt are known; or give `--format`",
+            path.display()
+        ))),
+    }
+}
+
+/// Do both names lead to one file that exists.
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+fn refuse(why: impl Display) -> Exit {
+    complain(&format!("error: {why}"));
+    Exit::Invalid
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "not a finite number".into())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|x| *x > 0.0).ok_or_else(|| "not a number above 0".into())
+}
+
+fn separator(text: &str) -> Result<String, String> {
+    match text {
+        "space" => Ok(" ".into()),
+        "tab" => Ok("\t".into()),
+        "comma" => Ok(",".into()),
+        "semicolon" => Ok(";".into()),
+        "" => Err("empty".into()),
+        _ if text
+            .contains(|c: char| c == '\n' || c == '\r' || c == '"' || c.is_alphanumeric() || "+-.".contains(c)) =>
+        {
+            Err("it could be taken for a part of a cell or of a line".into())
+        }
+        _ => Ok(text.into()),
+    }
+}
+
+fn number_format(text: &str) -> Result<NumberFormat, String> {
+    text.parse().map_err(|error: ExportError| error.to_string())
+}
+
+fn visible(text: &str) -> Result<String, String> {
+    let fine = !text.is_empty() && !text.contains(char::is_whitespace) && !text.contains('"');
+    if fine { Ok(text.into()) } else { Err("neither empty nor with blanks or quotes".into()) }
+}

@@ -1,0 +1,169 @@
+//! `runner compare`: what differs between two results.
+
+use std::fs;
+
+use super::{Done, Place};
+
+/// Two runs of a block that slides.
+const SLIDE: &str = "base = { linear_velocity = [1, 0, 0] }\n[sweep.grid]\n\"floor.friction\" = [0.4, 0.8]\n\"integrator.step\" = [1e-3]\n";
+
+fn slides() -> Place {
+    let place = Place::new();
+    place.block("s.toml", SLIDE);
+    place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "a"]).exits(0);
+    place
+}
+
+fn last(done: &Done) -> &str {
+    done.stdout.lines().last().unwrap()
+}
+
+#[test]
+fn equal_results_agree_whatever_file_they_are_read_from() {
+    let place = slides();
+    place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "b", "-j", "1"]).exits(0);
+    let same = "2 runs compared: within what is allowed; 0 values beyond, 0 outcomes changed, 0 runs missing";
+    for b in ["b", "b/summary.csv", "b/summary.parquet", "b/runs.jsonl"] {
+        // Not a digit may differ.
+        let done = place.runner(&["compare", "a", b, "--absolute", "0", "--relative", "0"]).exits(0);
+        assert_eq!(last(&done), same, "{b}");
+        assert!(!done.stdout.contains("column  "), "no column differs: {}", done.stdout);
+    }
+}
+
+#[test]
+fn a_change_is_named_by_run_and_column_until_it_is_allowed() {
+    let place = slides();
+    place.block("other/s.toml", &SLIDE.replace("[0.4, 0.8]", "[0.4, { static = 0.8, kinetic = 0.79 }]"));
+    place.write("other/block/block.toml", fs::read(place.path("block/block.toml")).unwrap());
+    place.write("other/block/block.urdf", fs::read(place.path("block/block.urdf")).unwrap());
+    place.runner(&["other/s.toml", "--set", "duration=0.5", "--no-log", "-o", "b"]).exits(0);
+    // The swept values differ, so it is another run.
+    let done = place.runner(&["compare", "a", "b"]).exits(1);
+    assert!(done.stdout.contains("only in A: s floor.friction=0.8 integrator.step=0.001"), "{}", done.stdout);
+    assert!(done.stdout.contains("only in B: s floor.friction={ kinetic = 0.79, static = 0.8 }"), "{}", done.stdout);
+    // By an override it is the same run with another result.
+    let set = ["--set", "duration=0.5", "--set", "robot.base.linear_velocity=[1.001, 0, 0]"];
+    place.runner(&[&["s.toml", "--no-log", "-o", "c"], &set[..]].concat()).exits(0);
+    let done = place.runner(&["compare", "a", "c"]).exits(1);
+    assert!(last(&done).starts_with("2 runs compared (0 by their keys): different; "), "{}", done.stdout);
+    let cells = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    let line = done.stdout.lines().find(|l| l.starts_with("final_base_x ")).map(cells).unwrap();
+    let values = |results: &str| place.summary(results).column("final_base_x")[0].to_owned();
+    assert_eq!(line[1..4], ["s", "floor.friction=0.4", "integrator.step=0.001"]);
+    assert_eq!(line[4..6], [values("a"), values("c")]);
+    // v^2 / (2 mu g), 0.1 % faster.
+    let distance: f64 = line[6].parse().unwrap();
+    assert!((distance - 0.002001 / (2.0 * 0.4 * 9.81)).abs() < 1e-5, "{distance}");
+    let json = place.runner(&["compare", "a", "c", "--format", "json"]).exits(1);
+    let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!((json["matched"].as_u64(), json["matched_by_key"].as_u64()), (Some(2), Some(0)));
+    let columns: Vec<&str> =
+        json["columns"].as_array().unwrap().iter().map(|c| c["column"].as_str().unwrap()).collect();
+    assert!(columns.contains(&"final_base_x") && !columns.contains(&"wall_s"), "{columns:?}");
+    assert_eq!(place.runner(&["compare", "a", "c", "--relative", "1e6"]).exits(0).code, Some(0));
+    let allowed: Vec<String> = columns.iter().flat_map(|c| ["--threshold".into(), format!("{c}=inf")]).collect();
+    let allowed: Vec<&str> = allowed.iter().map(String::as_str).collect();
+    place.runner(&[&["compare", "a", "c"], &allowed[..]].concat()).exits(0);
+    // All but one.
+    let done = place.runner(&[&["compare", "a", "c", "--threshold", "final_base_x=1e-6,1e-6"], &allowed[2..]].concat());
+    assert!(done.code == Some(1) || columns[0] == "final_base_x", "{}", done.stdout);
+}
+
+const HEADER: &str =
+    "scenario,key,outcome,message,method,integrator,seed,mu,duration_s,wall_s,real_time_factor,first_slip_s";
+
+/// A summary of rows that stand below [`HEADER`].
+fn summary(rows: &[&str]) -> String {
+    [&[HEADER][..], rows].concat().join("\n") + "\n"
+}
+
+#[test]
+fn rows_pair_by_key_then_by_what_they_are() {
+    let place = Place::new();
+    place.write(
+        "a.csv",
+        summary(&["s,k1,passed,,exact,dopri5,1,0.10,1.0,1,1,", "s,k2,passed,,exact,dopri5,1,1e-5,2.0,1,1,0.5"]),
+    );
+    place.write(
+        "b.csv",
+        summary(&["s,k3,passed,,exact,dopri5,1,0.00001,2.0,1,1,0.5", "s,k1,passed,,exact,dopri5,1,0.2,1.0,1,1,"]),
+    );
+    let done = place.runner(&["compare", "a.csv", "b.csv"]).exits(0);
+    assert!(last(&done).starts_with("2 runs compared (1 by their keys): within"), "{}", done.stdout);
+    // Another method, another seed and another scenario are other runs.
+    for other in
+        ["s,k3,passed,,exact,dopri5,2,1e-5", "s,k3,passed,,one-step,dopri5,1,1e-5", "t,k2,passed,,exact,dopri5,1,1e-5"]
+    {
+        place.write("b.csv", summary(&[&format!("{other},2.0,1,1,0.5"), "s,k1,passed,,exact,dopri5,1,0.1,1.0,1,1,"]));
+        let done = place.runner(&["compare", "a.csv", "b.csv"]).exits(1);
+        assert!(last(&done).ends_with("2 runs missing"), "{}", done.stdout);
+    }
+}
+
+#[test]
+fn outcomes_empty_cells_and_times() {
+    let place = Place::new();
+    place.write("a.csv", summary(&["s,k,passed,,exact,dopri5,1,1,1.0,1.0,4.0,"]));
+    let compare = |row: &str, more: &[&str]| {
+        place.write("b.csv", summary(&[row]));
+        place.runner(&[&["compare", "a.csv", "b.csv"], more].concat())
+    };
+    let done = compare("s,k,failed,what,exact,dopri5,1,1,1.0,1.0,4.0,", &[]).exits(1);
+    assert!(done.stdout.contains("outcome: s mu=1: passed in A, failed in B"), "{}", done.stdout);
+    let done = compare("s,k,passed,,exact,dopri5,1,1,1.0,1.0,4.0,0.3", &[]).exits(1);
+    assert!(done.stdout.lines().any(|l| l.starts_with("first_slip_s  s mu=1  -  0.3 ")), "{}", done.stdout);
+    compare("s,k,passed,,exact,dopri5,1,1,NaN,1.0,4.0,", &[]).exits(1);
+    let slow = "s,k,passed,,exact,dopri5,1,1,1.0,1.9,4.0,";
+    compare(slow, &[]).exits(0);
+    compare(slow, &["--timing", "2"]).exits(0);
+    compare(slow, &["--timing", "1.5"]).exits(1);
+    compare("s,k,passed,,exact,dopri5,1,1,1.0,0.1,4.0,", &["--timing", "1.5"]).exits(0);
+    compare("s,k,passed,,exact,dopri5,1,1,1.0,1.0,2.0,", &["--timing", "1.5"]).exits(1);
+    // A column that one of them lacks is told and not judged.
+    place.write(
+        "c.csv",
+        "scenario,key,outcome,message,method,integrator,seed,mu,steps\ns,k,passed,,exact,dopri5,1,1,7\n",
+    );
+    let done = place.runner(&["compare", "a.csv", "c.csv"]).exits(0);
+    assert!(done.stdout.contains("in one of them only: duration_s, wall_s, real_time_factor, first_slip_s, steps"));
+}
+
+#[test]
+fn a_file_that_batches_appended_to_counts_each_run_as_it_ended_last() {
+    let place = slides();
+    place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "a"]).exits(0);
+    let lines = fs::read_to_string(place.path("a/runs.jsonl")).unwrap();
+    assert_eq!(lines.lines().count(), 4);
+    // The last batch was killed in the middle of a line.
+    place.write("torn.jsonl", format!("{lines}{{\"scenario\": \"s"));
+    let done = place.runner(&["compare", "torn.jsonl", "a"]).exits(0);
+    assert!(last(&done).starts_with("2 runs compared: within"), "{}", done.stdout);
+}
+
+#[test]
+fn what_cannot_be_compared_is_2_and_nothing_is_4() {
+    let place = slides();
+    place.write("plain.csv", "x,y\n1,2\n").write("bad.jsonl", "{\n{}\n").write("bad.parquet", "none").write("e/x", "");
+    place.write("empty.jsonl", "");
+    for (arguments, words) in [
+        (&["a", "nowhere"][..], "no such file or folder"),
+        (&["a", "s.toml"], "neither a folder of results"),
+        (&["a", "e"], "a folder without results"),
+        (&["plain.csv", "a"], "it has no column `scenario`"),
+        (&["a", "bad.jsonl"], "line 1"),
+        (&["a", "bad.parquet"], "bad.parquet: "),
+        (&["a", "a", "--threshold", "final_base_q=1"], "did you mean `final_base_"),
+        (&["a", "a", "--threshold", "final_base_x"], "COLUMN=ABS[,REL]"),
+        (&["a", "a", "--threshold", "final_base_x=-1"], "no number of 0 or greater"),
+        (&["a", "a", "--threshold", "method=1"], "neither has a numeric column `method`"),
+        (&["a", "a", "--timing", "0.5"], "no number of 1 or greater"),
+        (&["a"], "required"),
+    ] {
+        let done = place.runner(&[&["compare"], arguments].concat()).exits(2);
+        assert!(done.stderr.contains(words), "{arguments:?}: {}", done.stderr);
+    }
+    let done = place.runner(&["compare", "empty.jsonl", "empty.jsonl"]).exits(4);
+    assert!(done.stderr.contains("nothing to compare"), "{}", done.stderr);
+    place.runner(&["compare", "empty.jsonl", "a"]).exits(1);
+}

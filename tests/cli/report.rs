@@ -1,0 +1,104 @@
+//! `runner report`, and the page at the end of a batch.
+
+use super::Place;
+use std::fs;
+
+const SWEEP: &str = "base = { position = [0, 0, 0.2] }\n[sweep]\ngrid = { \"floor.friction\" = [0.9, 0.25], \
+    \"contact.method\" = [\"one-step\", \"exact\"] }\nrepeat = 2\n[[expect]]\nmetric = \"final_base_z\"\nvalue = 0.05\ntolerance = 1e-2\n";
+
+#[test]
+fn records_make_the_same_summary_and_the_same_page() {
+    let place = Place::new();
+    place.block("drop.toml", SWEEP).block("rest.toml", "");
+    let done = place.runner(&["rest.toml", "drop.toml", "--set", "duration=0.5", "-j", "2"]).exits(0);
+    assert!(done.stdout.contains("results/report.html"), "{}", done.stdout);
+    let names = ["summary.csv", "summary.parquet", "report.html"];
+    let read = || names.map(|name| fs::read(place.path("results").join(name)).unwrap());
+    let first = read();
+    let done = place.runner(&["report", "results"]).exits(0);
+    assert!(done.stderr.contains("9 records read, 0 passed over"), "{}", done.stderr);
+    for (name, (before, after)) in names.iter().zip(first.iter().zip(read())) {
+        assert!(*before == after, "{name} differs");
+        assert!(done.stdout.contains(&format!("results/{name}")), "{}", done.stdout);
+    }
+    // Without the last summary the order is that of names and values; every run is there all the same.
+    fs::remove_file(place.path("results/summary.csv")).unwrap();
+    place.runner(&["report", "results"]).exits(0);
+    let table = place.summary("results");
+    assert_eq!(table.column("scenario")[8], "rest");
+    assert_eq!(table.column("floor.friction"), ["0.25", "0.25", "0.25", "0.25", "0.9", "0.9", "0.9", "0.9", ""]);
+    assert_eq!(table.column("method")[..4], ["exact", "exact", "one-step", "one-step"]);
+    assert_eq!(table.column("seed")[..4], ["1", "2", "1", "2"]);
+}
+
+#[test]
+fn the_page_shows_runs_over_time_those_that_went_wrong_first() {
+    let place = Place::new();
+    place.block(
+        "drop.toml",
+        "base = { position = [0, 0, 0.1] }\n[[expect]]\nmetric = \"final_base_z\"\nvalue = 0.06\ntolerance = 1e-3\n",
+    );
+    let good: String = (1..9).map(|i| format!("{i}, ")).collect();
+    place.block("rest.toml", &format!("[sweep]\ngrid = {{ seed = [{good}] }}\n"));
+    place.runner(&["rest.toml", "drop.toml", "--set", "duration=0.3"]).exits(1);
+    let page = || fs::read_to_string(place.path("results/report.html")).unwrap();
+    let html = page();
+    // 0.05 m of fall take 0.1 s; the block's sole is on the floor from then on.
+    assert!(html.contains("<title>bottom: face-static, 0.10"), "{html}");
+    let drawn = |html: &str| -> Vec<String> {
+        html.match_indices("over time\"")
+            .map(|(at, _)| html[..at].rsplit('"').next().unwrap().trim().to_owned())
+            .collect()
+    };
+    let names = drawn(&html);
+    assert_eq!(names.len(), 6, "{names:?}");
+    assert_eq!(names[5], "drop exact dopri5", "it failed; the order stays that of the plan");
+    assert!(html.contains("3 runs more with logs"), "8 and 1, less 6");
+
+    let keys = place.summary("results").column("key").iter().map(|k| (*k).to_owned()).collect::<Vec<_>>();
+    place.runner(&["report", "results", "--runs", &keys[2][..8], &keys[7], "-o", "chosen/page.html"]).exits(0);
+    let chosen = fs::read_to_string(place.path("chosen/page.html")).unwrap();
+    assert_eq!(drawn(&chosen).len(), 2);
+    assert_eq!(page(), html, "the page of the results is left alone");
+    let refused = place.runner(&["report", "results", "--runs", "nosuchkey"]).exits(2);
+    assert!(refused.stderr.contains("no run has a key that begins with `nosuchkey`"), "{}", refused.stderr);
+}
+
+#[test]
+fn what_is_no_record_is_named_and_passed_over() {
+    let place = Place::new();
+    place.block("rest.toml", "");
+    place.runner(&["rest.toml", "--set", "duration=0.1", "--no-log", "-o", "all/deep/shard"]).exits(0);
+    let key = place.summary("all/deep/shard").column("key")[0].to_owned();
+    let record = fs::read_to_string(place.path("all/deep/shard/rest").join(&key).join("run.json")).unwrap();
+    place.write("all/foreign/run.json", "{\"name\": \"of another program\"}");
+    place.write("all/torn/run.json", &record[..record.len() / 2]);
+    place.write("all/newer/run.json", record.replacen("\"schema\": 1", "\"schema\": 99", 1));
+    place.write("all/twice/run.json", &record);
+    place.write("all/.hidden/run.json", "not looked at");
+    place.write("all/note.txt", "no record");
+    let done = place.runner(&["report", "all"]).exits(0);
+    assert!(done.stderr.contains("1 record read, 4 passed over"), "{}", done.stderr);
+    for words in [
+        "warning: passed over: all/foreign/run.json: missing field `schema`",
+        "warning: passed over: all/torn/run.json: EOF",
+        "warning: passed over: all/newer/run.json: record format 99",
+        "warning: passed over: all/twice/run.json: the same run as all/deep/shard/rest/",
+    ] {
+        assert!(done.stderr.contains(words), "{words}\n{}", done.stderr);
+    }
+    assert_eq!(place.summary("all").column("key"), [key.as_str()]);
+    let named = place.runner(&["report", "all", "--runs", &key]).exits(0);
+    assert!(named.stderr.contains("left no log: there is nothing to show"), "{}", named.stderr);
+}
+
+#[test]
+fn a_folder_without_records_is_an_error() {
+    let place = Place::new();
+    place.write("empty/foreign/run.json", "[]");
+    let done = place.runner(&["report", "empty"]).exits(2);
+    assert!(done.stderr.contains("error: no record of a run below empty"), "{}", done.stderr);
+    assert!(!place.path("empty/summary.csv").exists() && !place.path("empty/report.html").exists());
+    let done = place.runner(&["report", "nowhere"]).exits(2);
+    assert!(done.stderr.contains("error: nowhere: "), "{}", done.stderr);
+}

@@ -1,0 +1,249 @@
+//! `report.html`: complete, inert, well-formed, and bounded.
+
+use super::pareto::run;
+use stiction::record::{Machine, Pictured, ReportRun, SummaryRow, Verdict, write_report};
+use stiction::sim::Outcome;
+
+/// The page on rows.
+fn page(rows: &[SummaryRow]) -> String {
+    page_with(rows, &[])
+}
+
+fn page_with(rows: &[SummaryRow], notes: &[String]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = Machine { os: "linux".into(), arch: "x86_64".into(), cpus: 2 };
+    let runs: Vec<ReportRun> = rows
+        .iter()
+        .map(|row| ReportRun { row, program: "stiction 0.1.0", machine: &machine, notes, files: &[] })
+        .collect();
+    let path = folder.path().join("report.html");
+    write_report(&path, folder.path(), &runs, &[], &Pictured::Few).unwrap();
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// Every picture of a page.
+fn pictures(html: &str) -> Vec<&str> {
+    html.match_indices("<svg").map(|(at, _)| &html[at..at + html[at..].find("</svg>").unwrap() + 6]).collect()
+}
+
+/// Nothing on the page can ask for anything or run; every picture is XML.
+fn assert_inert(html: &str) {
+    let rest = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for word in
+        ["http", "src=", "<script", "<link", "<iframe", "@import", "url(", "javascript:", "onload", "onerror=\""]
+    {
+        assert!(!rest.contains(word), "{word} at {}", &rest[rest.find(word).unwrap()..][..80.min(rest.len())]);
+    }
+    for (at, _) in rest.match_indices("href=") {
+        assert!(rest[at..].starts_with("href=\"#"), "only within the page: {}", &rest[at..at + 40]);
+    }
+    for svg in pictures(html) {
+        let document = roxmltree::Document::parse(svg).unwrap_or_else(|e| panic!("{e}: {svg}"));
+        // NaN in a coordinate draws nothing, without a word.
+        let attributes = document.descendants().flat_map(|n| n.attributes().collect::<Vec<_>>());
+        let bad = attributes
+            .filter(|a| a.name() != "aria-label")
+            .find(|a| ["NaN", "inf"].iter().any(|w| a.value().contains(w)));
+        assert!(bad.is_none(), "{bad:?}");
+    }
+}
+
+/// Where the marks of a picture are, with what they say, and whether they are full.
+fn marks(svg: &str) -> Vec<(f64, f64, String, bool)> {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    let paths = document.descendants().filter(|n| n.has_tag_name("path"));
+    paths
+        .map(|path| {
+            let start = path.attribute("d").unwrap()[1..].split(['h', 'l', 'a']).next().unwrap();
+            let (x, y) = start.split_once(' ').unwrap();
+            let title =
+                path.children().find(|n| n.has_tag_name("title")).and_then(|t| t.text()).unwrap_or("").to_owned();
+            (x.parse().unwrap(), y.parse().unwrap(), title, path.attribute("fill") == path.attribute("stroke"))
+        })
+        .collect()
+}
+
+fn step(method: &str, h: f64, cost: f64, error: f64) -> SummaryRow {
+    run(method, &[("contact.method", method.into()), ("integrator.step", h.into())], cost, Some(error))
+}
+
+#[test]
+fn equal_ratios_are_equally_far_apart_and_the_front_is_full() {
+    // Hundredfold errors, tenfold costs; the last is worse than the one before it.
+    let rows = [
+        step("lcp", 1e-2, 1e-3, 1e-2),
+        step("lcp", 1e-3, 1e-2, 1e-4),
+        step("lcp", 1e-4, 1e-1, 1e-6),
+        step("lcp", 1e-5, 1.0, 1e-5),
+    ];
+    let html = page(&rows);
+    assert_inert(&html);
+    let plots: Vec<&str> = pictures(&html).into_iter().filter(|svg| svg.contains("class=\"plot\"")).collect();
+    assert_eq!(plots.len(), 1, "one error, one picture");
+    let mut marks = marks(plots[0]);
+    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert_eq!(marks.iter().map(|m| m.3).collect::<Vec<_>>(), [true, true, true, false]);
+    let [(x0, y0, first, _), (x1, y1, ..), (x2, y2, ..), (x3, y3, last, _)] = &marks[..] else { panic!("{marks:?}") };
+    // Places are whole units.
+    let near = |a: f64, b: f64| assert!((a - b).abs() <= 1.0, "{a} {b}");
+    near(x1 - x0, x2 - x1);
+    near(x2 - x1, x3 - x2);
+    near(y1 - y0, y2 - y1);
+    assert!(y1 > y0, "less error is further down");
+    near((y2 - y3) * 2.0, y1 - y0);
+    assert_eq!(
+        first,
+        "lcp semi-implicit\nintegrator.step = 0.01\nerror_position_rms_m: 1.000e-2 m\ncost: 1.000e-3 s per s, 666.7 x real time\nlcp-lcp-0.01, on the Pareto front"
+    );
+    assert!(last.ends_with("lcp-lcp-1e-5"), "{last}");
+    assert!(html.contains(">error, m<") || plots[0].contains("error, m"), "the unit stands at the axis");
+}
+
+#[test]
+fn no_error_at_all_has_a_line_of_its_own() {
+    let rows = [step("exact", 1e-2, 0.1, 0.0), step("lcp", 1e-2, 0.01, 1e-3), step("lcp", 1e-3, 0.5, 1e-4)];
+    let html = page(&rows);
+    assert_inert(&html);
+    let plot = pictures(&html).into_iter().find(|svg| svg.contains("class=\"plot\"")).unwrap();
+    assert!(plot.contains("<title>no error at all</title>"), "{plot}");
+    let marks = marks(plot);
+    assert_eq!(marks.len(), 3);
+    let zero = marks.iter().find(|m| m.2.contains("error_position_rms_m: 0.000e0 m")).unwrap();
+    assert!(marks.iter().all(|m| m.1 <= zero.1), "below all others: {marks:?}");
+    // Every error zero, and one run only.
+    for rows in [&[step("exact", 1e-2, 0.1, 0.0), step("exact", 1e-3, 0.2, 0.0)][..], &[step("exact", 1e-2, 0.1, 0.5)]]
+    {
+        let html = page(rows);
+        assert_inert(&html);
+        assert!(html.contains("on the Pareto front\n") || html.contains(", on the Pareto front"), "{html}");
+    }
+}
+
+#[test]
+fn runs_without_a_point_are_named_with_the_reason() {
+    let mut lost = step("penalty", 1e-2, 0.1, 1.0);
+    lost.comparison.error_position_rms_m = None;
+    lost.outcome = Outcome::Diverged;
+    let mut never = step("penalty", 1e-5, 0.1, 1.0);
+    never.metrics.duration_s = 0.0;
+    let rows = [
+        step("lcp", 1e-2, 0.1, 1e-3),
+        lost,
+        step("ncp", 1e-3, 0.1, f64::NAN),
+        step("ncp", 1e-4, 0.1, f64::INFINITY),
+        never,
+    ];
+    let html = page(&rows);
+    assert_inert(&html);
+    for reason in [
+        "error_position_rms_m: it ended as diverged (1 run): penalty semi-implicit integrator.step=0.01",
+        "error_position_rms_m: the error is NaN (1 run): ncp semi-implicit integrator.step=0.001",
+        "error_position_rms_m: the error is inf (1 run): ncp semi-implicit integrator.step=0.0001",
+        "error_position_rms_m: it has no cost: nothing was simulated (1 run): penalty semi-implicit integrator.step=1e-5",
+    ] {
+        assert!(html.contains(reason), "{reason}\n{html}");
+    }
+}
+
+#[test]
+fn other_peoples_text_is_inert() {
+    const EVIL: &str = "<script>alert('1')</script>\"&<img src=x onerror=\"y\">";
+    let mut row = run(EVIL, &[(EVIL, EVIL.into()), ("integrator.step", 1e-3.into())], 1.0, Some(1e-3));
+    (row.scenario, row.key, row.integrator, row.message) = (EVIL.into(), EVIL.into(), EVIL.into(), EVIL.into());
+    row.outcome = Outcome::Failed;
+    row.verdicts = vec![Verdict { metric: EVIL.into(), message: EVIL.into(), ..Verdict::default() }];
+    let html = page_with(&[row], &[EVIL.to_owned()]);
+    let rest = html.replace("&lt;img src=x onerror=", "");
+    assert_inert(&rest);
+    assert!(!html.contains("<img") && html.matches("&lt;script&gt;").count() > 10, "shown as text, everywhere");
+}
+
+#[test]
+fn every_run_is_there_and_numbers_that_are_none_are_marked() {
+    let mut rows: Vec<SummaryRow> = (0..20).map(|i| step("lcp", f64::from(i), 0.1, 1e-3)).collect();
+    rows[3].metrics.max_penetration_m = f64::NAN;
+    rows[4].metrics.max_penetration_m = f64::NEG_INFINITY;
+    rows[5].metrics.max_penetration_m = 0.25;
+    rows[6].message = "why it went wrong".into();
+    rows[6].outcome = Outcome::Stalled;
+    let html = page(&rows);
+    assert_inert(&html);
+    for row in &rows {
+        assert!(html.contains(&format!("<td class=\"key\">{}</td>", row.key)), "{}", row.key);
+    }
+    for cell in [
+        "<td class=\"n bad\">NaN</td>",
+        "<td class=\"n bad\">-inf</td>",
+        "<td class=\"n worst\">0.25</td>",
+        "<td class=\"bad\">stalled</td>",
+        "<td class=\"good\">passed</td>",
+        "<td>why it went wrong</td>",
+    ] {
+        assert!(html.contains(cell), "{cell}");
+    }
+    assert!(html.contains("20 runs of 1 scenario<") && html.contains("19 passed") && html.contains("1 stalled"));
+}
+
+#[test]
+fn expectations_show_all_digits_and_what_did_not_hold_first() {
+    let mut row = step("lcp", 1e-3, 0.1, 1e-3);
+    let verdict = Verdict {
+        metric: "final_base_x".into(),
+        measured: Some(0.123_456_789_012_345_68),
+        truth: Some(0.125),
+        allowed: Some(1e-3),
+        error: Some(0.123_456_789_012_345_68 - 0.125),
+        held: false,
+        message: "final_base_x is too small".into(),
+        ..Verdict::default()
+    };
+    let limit =
+        Verdict { metric: "jams".into(), max: Some(0.0), measured: Some(0.0), held: true, ..Verdict::default() };
+    row.verdicts = vec![limit, verdict];
+    let html = page(&[row]);
+    assert_inert(&html);
+    for words in [
+        "0.12345678901234568",
+        ">0.125<",
+        "-0.00154",
+        "0.0123",
+        ">no<",
+        "1 of 2 expectations held",
+        "1 more not shown that held",
+    ] {
+        assert!(html.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn no_runs_make_a_page_too() {
+    let html = page(&[]);
+    assert_inert(&html);
+    assert!(html.contains("0 runs of 0 scenarios"));
+}
+
+#[test]
+fn a_page_is_bounded_however_many_runs_there_are() {
+    // 40 problems of 25 steps each, all with an error.
+    let many = |problems: i64| -> Vec<SummaryRow> {
+        let cell = |mu: i64, i: i64| {
+            let parameters = [("floor.friction", mu.into()), ("integrator.step", i.into())];
+            run("lcp", &parameters, 1.0 / (1.0 + i as f64), Some(1e-3 * (1.0 + i as f64)))
+        };
+        (0..problems).flat_map(|mu| (0..25).map(move |i| cell(mu, i))).collect()
+    };
+    let rows = many(40);
+    let thousand = page(&rows);
+    assert_inert(&thousand);
+    assert!(rows.iter().all(|row| thousand.contains(&format!(">{}</td>", row.key))), "a thousand runs have room");
+    assert!(thousand.contains("16 groups more without pictures here"), "24 are drawn");
+    let mut rows = many(200);
+    rows[4321].outcome = Outcome::Diverged;
+    let five = page(&rows);
+    assert!(five.contains(&format!(">{}</td>", rows[4321].key)), "what went wrong is there");
+    assert!(five.contains("4000 more runs are in summary.csv"));
+    assert!(thousand.len() < 2_000_000, "{}", thousand.len());
+    // Longer by some digits alone.
+    assert!(five.len() < thousand.len() + thousand.len() / 20, "{} {}", five.len(), thousand.len());
+}
