@@ -60,7 +60,10 @@ fn right_hand_side(bencher: Bencher) {
 
 #[divan::bench(args = [
     ("exact", ADAPTIVE),
+    ("exact", "method = \"bs23\", max_step = 1e-3"),
+    ("exact", "method = \"rk4\", step = 1e-3"),
     ("exact", "method = \"semi-implicit\", step = 1e-3"),
+    ("penalty", "method = \"semi-implicit\", step = 1e-3"),
     ("one-step", "method = \"semi-implicit\", step = 1e-3"),
     ("lcp", "method = \"semi-implicit\", step = 1e-3"),
     ("ncp", "method = \"semi-implicit\", step = 1e-3"),
