@@ -218,7 +218,7 @@ fn stepping_methods_say_what_they_do_not_run_with() {
         );
         let forced = "forced = [{ sole = \"bottom\", state = \"face-static\" }]";
         let forced = refused(&format!("{fixed}contact = {{ method = \"{method}\", {forced} }}"));
-        assert!(forced.contains("`contact.forced` is not available") && forced.contains(method), "{forced}");
+        assert!(forced.contains("`contact.forced` does not work") && forced.contains(method), "{forced}");
     }
     let corners: Vec<[f64; 3]> =
         (0..63).map(|k| [f64::cos(0.1 * f64::from(k)), f64::sin(0.1 * f64::from(k)), 0.0]).collect();
