@@ -11,6 +11,7 @@ mod impact;
 mod rocking;
 mod sliding;
 mod standing;
+mod studies;
 mod tipping;
 
 use std::collections::BTreeSet;
