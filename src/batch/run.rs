@@ -63,7 +63,10 @@ pub(super) fn run(
     let mut notes = end.notes.clone();
     let mut record = record(job, end, timing);
     record.comparison.reference = against.map(|a| a.key.clone());
-    notes.extend(against.and_then(|a| not_compared(&record, a)));
+    let gap = against.and_then(|a| not_compared(&record, a));
+    record.comparison.whole = against.is_some() && gap.is_none();
+    notes.extend(gap);
+    notes.extend(doubtful(job, &record.metrics));
     record.notes.clone_from(&notes);
     record.comparison.truth = truths(job, &record);
     let (row, accepted) = judge(record.summary_row(), &job.run.scenario.expect);
@@ -116,6 +119,14 @@ fn not_compared(record: &RunRecord, against: &Against) -> Option<String> {
         Some(_) => None,
         None => Some("not compared: it has no instant in common with its reference".into()),
     }
+}
+
+/// What makes a reference doubtful.
+fn doubtful(job: &Job, metrics: &Metrics) -> Option<String> {
+    let count = metrics.inconsistent;
+    let plural = if count == 1 { "selection" } else { "selections" };
+    (job.role == Role::Reference && count > 0)
+        .then(|| format!("a reference with {count} {plural} of a contact state without a valid one (`inconsistent`)"))
 }
 
 /// Distances of what was measured from what is known to be true.

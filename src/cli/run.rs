@@ -148,6 +148,11 @@ fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
             let _ = writeln!(out, "{} {}: {note}", run.row.scenario, run.row.key);
         }
     }
+    for reference in &report.references {
+        for note in &reference.notes {
+            let _ = writeln!(out, "{} reference {}: {note}", reference.row.scenario, reference.row.key);
+        }
+    }
     let Some(files) = &report.summary else { return out };
     out += "\nwritten:\n";
     for path in [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page) {

@@ -106,7 +106,7 @@ impl Lcp {
             let (end, _) = self.lemke.solve(&mut self.z[..n], tie);
             self.read(unit);
             self.points.deliver(p, &self.impulses[..count], out);
-            consistent = end == End::Solved && self.miss(out, load) <= MISSED * fastest;
+            consistent = end == End::Solved && self.miss(out, load, fastest) <= MISSED * fastest;
             if consistent {
                 break;
             }
@@ -118,7 +118,7 @@ impl Lcp {
             self.points.deliver(p, &self.impulses[..count], out);
         }
         let states = self.points.states(p, out, |c| self.points.velocity(c, &out.motion).xy().norm() > tol.rest);
-        let levels = if consistent { [0.0; 3] } else { [0.0, self.miss(out, load) / tol.velocity, 0.0] };
+        let levels = if consistent { [0.0; 3] } else { [0.0, self.miss(out, load, fastest) / tol.velocity, 0.0] };
         Selection { states, tested: 1, consistent, verdict: plain(levels) }
     }
 
@@ -173,15 +173,21 @@ impl Lcp {
 
     /// The greatest violation of the normal and friction conditions by delivered impulses, m/s: what approaches, what
     /// carries and yet leaves, what sliding is not opposed by friction to the full. Products are divided by the impulse
-    /// `load`.
-    fn miss(&self, out: &Solution, load: f64) -> f64 {
+    /// `load`, and what lies outside the pyramid is turned into a velocity by `fastest / load`.
+    fn miss(&self, out: &Solution, load: f64, fastest: f64) -> f64 {
+        let m = self.directions.len();
+        let middle = (std::f64::consts::PI / m as f64).cos();
         let mut miss: f64 = 0.0;
         for (c, (point, impulse)) in self.points.list().iter().zip(&self.impulses).enumerate() {
             let v = self.points.velocity(c, &out.motion);
             let gap = v.z - point.target;
             let speed = self.directions.iter().map(|e| -e.dot(&v.xy())).fold(0.0, f64::max);
             let opposed = point.mu * impulse.z * speed + impulse.xy().dot(&v.xy());
+            let sides = (0..m).map(|j| (self.directions[j] + self.directions[(j + 1) % m]).normalize());
+            let farthest = sides.map(|side| side.dot(&impulse.xy())).fold(0.0, f64::max);
+            let outside = farthest - point.mu * impulse.z.max(0.0) * middle;
             miss = miss.max(-gap).max(gap.abs() * impulse.z / load).max(opposed.abs() / load);
+            miss = miss.max(outside.max(-impulse.z) * fastest / load);
         }
         miss
     }

@@ -32,6 +32,8 @@ impl OneStep {
             if !(question.allowed)(s, states[s]) {
                 let k = p.soles[s].vertices.len();
                 states[s] = SoleState::all(k).find(|&x| (question.allowed)(s, x)).unwrap_or(states[s]);
+                // What was decided about sliding was not about this state.
+                decision::oppose(&mut p.soles[s], rules.tolerances.rest);
             }
         }
         states

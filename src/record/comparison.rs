@@ -16,6 +16,8 @@ pub struct Comparison {
     pub instants: u64,
     /// The last of them, s.
     pub until_s: Option<f64>,
+    /// Both runs were compared to their ends.
+    pub whole: bool,
     /// Root mean square distance of the base's origins, m.
     #[serde(with = "number::some_real")]
     pub error_position_rms_m: Option<f64>,

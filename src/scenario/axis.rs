@@ -25,9 +25,9 @@ pub fn nodes(axis: &Axis, node: &Node) -> Vec<Node> {
     let made = |numbers: Vec<f64>| numbers.into_iter().map(|x| Node::made(Value::Float(x), &node.span)).collect();
     match axis {
         Axis::Values(_) => alike(node.items().to_vec()),
-        Axis::Linspace(a, b, n) => made(linspace(*a, *b, *n as usize)),
-        Axis::Logspace(a, b, n) => made(logspace(*a, *b, *n as usize)),
-        Axis::Step(a, b, s) => match whole_numbers(node) {
+        Axis::Linspace(a, b, n) => typed(linspace(*a, *b, *n as usize), "linspace", node),
+        Axis::Logspace(a, b, n) => typed(logspace(*a, *b, *n as usize), "logspace", node),
+        Axis::Step(a, b, s) => match whole_numbers(node, "step") {
             Some(_) => (0..count(axis)).map(|i| whole(*a as i64 + i as i64 * *s as i64, &node.span)).collect(),
             None => made(steps(*a, *b, *s, count(axis))),
         },
@@ -38,9 +38,17 @@ fn whole(number: i64, span: &Span) -> Node {
     Node::made(Value::Integer(number), span)
 }
 
-/// All three numbers of `{ step = [a, b, s] }` are written as whole numbers (and small enough to be exact in f64).
-fn whole_numbers(node: &Node) -> Option<()> {
-    let items = node.get("step")?.items();
+/// Whole numbers where the ends are written so and all that lies between them comes out so.
+fn typed(numbers: Vec<f64>, form: &str, node: &Node) -> Vec<Node> {
+    if whole_numbers(node, form).is_some() && numbers.iter().all(|x| x.fract() == 0.0) {
+        return numbers.into_iter().map(|x| whole(x as i64, &node.span)).collect();
+    }
+    numbers.into_iter().map(|x| Node::made(Value::Float(x), &node.span)).collect()
+}
+
+/// All three numbers of the axis are written as whole numbers (and small enough to be exact in f64).
+fn whole_numbers(node: &Node, form: &str) -> Option<()> {
+    let items = node.get(form)?.items();
     items.iter().all(|i| matches!(i.value, Value::Integer(x) if x.abs() < 1 << 53)).then_some(())
 }
 

@@ -8,7 +8,7 @@ use super::{
     source::Span,
     spec::{
         compare::CompareSpec,
-        expect::Expect,
+        expect::{Expect, METRICS},
         floor::Friction,
         force::ForceSpec,
         robot::{PayloadSpec, SoleSpec},
@@ -155,6 +155,14 @@ impl Check<'_> {
         let reference = compare.is_some_and(|c| c.reference.is_some());
         if let Some(metric) = expect.metric.as_deref().filter(|m| COMPARED.contains(m) && !reference) {
             self.error(path, format!("names `{metric}`, which takes a reference run: `[compare]` with `reference`"));
+        }
+        let distance = expect.metric.as_deref().filter(|m| !METRICS.contains(m)).and_then(|m| m.strip_prefix("error_"));
+        let known = |metric: &str| compare.is_some_and(|c| c.truth.keys().any(|truth| truth.0 == metric));
+        if let Some(metric) = distance.filter(|metric| !known(metric)) {
+            self.error(
+                path,
+                format!("names `error_{metric}`, which takes a truth: `[compare]` with `truth = {{ {metric} = .. }}`"),
+            );
         }
     }
 

@@ -32,6 +32,10 @@ pub struct ScenarioFile {
 /// version; as many of these as can be told at once.
 pub fn load(path: &Path) -> Result<ScenarioFile, Diagnostics> {
     let name = path.display().to_string();
+    if path.file_stem().is_some_and(|stem| stem == "." || stem == "..") {
+        let message = "its name without `.toml` is that of its folder of results, and this one would lead elsewhere";
+        return Err(Diagnostic::unreadable(&name, message.to_owned()).into());
+    }
     let bytes = fs::read(path).map_err(|error| Diagnostic::unreadable(&name, format!("cannot read it: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();

@@ -95,7 +95,6 @@ impl Fixed {
 
     /// Turns the reduced problem into the velocity-level one of this step.
     fn pose(&self, sim: &mut Simulation, dt: f64) {
-        let tol = sim.tolerances;
         let plant = &mut sim.plant;
         let manner = plant.method.manner();
         let p = &mut plant.problem;
@@ -121,8 +120,9 @@ impl Fixed {
             for i in 0..p.soles[s].vertices.len() {
                 let free = p.vertex_motion(&p.b, s, i).z;
                 let v = &mut p.soles[s].vertices[i];
-                // Near: what this step could bring to the floor, with room for what other impulses do.
-                v.near = v.height + dt * free.min(0.0) <= tol.distance.min(dt * fastest) || v.height <= 0.0;
+                // Near: what this step could bring to the floor, be it because the impulses on the other vertices turn it there
+                // as fast as they came.
+                v.near = v.height + dt * free.min(0.0) <= dt * fastest || v.height <= 0.0;
                 v.moving = false;
                 // The gap is in the target now, and what meets the floor does so on the floor: with all points of a sole at
                 // one height its tilting has no tangential part.

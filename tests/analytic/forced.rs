@@ -137,3 +137,30 @@ fn a_sole_or_a_state_that_does_not_exist_is_refused() {
         assert!(errors.contains(words) && errors.contains("t.toml:2"), "{errors}");
     }
 }
+
+#[test]
+fn an_imposed_slide_brakes_with_one_step_as_well_whatever_the_integrator() {
+    let (mu, speed) = (0.5, 1.0);
+    let stop = speed / (mu * G);
+    for integrator in
+        ["dopri5\", max_step = 1e-3", "bs23\", max_step = 1e-3", "rk4\", step = 1e-3", "semi-implicit\", step = 1e-3"]
+    {
+        let (m, _) = watch(&format!(
+            "duration = {}
+            floor = {{ friction = {mu} }}
+            robot = {{ model = \"robots/block/block.toml\", base = {{ linear_velocity = [{speed}, 0, 0] }} }}
+            integrator = {{ method = \"{integrator} }}
+            contact = {{ method = \"one-step\", forced = [{{ sole = \"bottom\", state = \"face-dynamic\" }}] }}\n",
+            2.0 * stop
+        ));
+        // Directions are held for a step of 1 ms: it stops one late, or jitters within what friction changes in one.
+        assert!(m.final_base_velocity[0].abs() <= 2.0 * mu * G * 1e-3, "{integrator} {:?}", m.final_base_velocity);
+        let way = speed * speed / (2.0 * mu * G);
+        assert!(
+            (m.final_base_position[0] - way).abs() < 2.0 * speed * 1e-3,
+            "{integrator} {:?}",
+            m.final_base_position
+        );
+        assert!(m.friction_loss_j > 0.0, "{integrator} {}", m.friction_loss_j);
+    }
+}

@@ -32,6 +32,17 @@ fn equal_results_agree_whatever_file_they_are_read_from() {
 }
 
 #[test]
+fn of_a_folder_the_table_that_people_edit_is_read() {
+    let place = slides();
+    place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "b"]).exits(0);
+    let text = fs::read_to_string(place.path("b/summary.csv")).unwrap();
+    let x = place.summary("b").column("final_base_x")[0].to_owned();
+    place.write("b/summary.csv", text.replace(&x, "0.5"));
+    let done = place.runner(&["compare", "a", "b"]).exits(1);
+    assert!(done.stdout.contains("final_base_x        s floor.friction=0.4"), "{}", done.stdout);
+}
+
+#[test]
 fn a_change_is_named_by_run_and_column_until_it_is_allowed() {
     let place = slides();
     place.block("other/s.toml", &SLIDE.replace("[0.4, 0.8]", "[0.4, { static = 0.8, kinetic = 0.79 }]"));

@@ -206,7 +206,7 @@ fn a_run_that_is_its_own_reference_is_right() {
     assert_eq!(references(&place, "results", "own").len(), 3);
     // Those that fell are compared up to their end.
     let fallen = table.column("outcome").iter().filter(|o| **o == "fallen").count();
-    assert!(fallen > 0 && done.stdout.matches("compared up to ").count() == fallen, "{}", done.stdout);
+    assert!(fallen > 0 && done.stdout.matches(": compared up to ").count() == fallen, "{}", done.stdout);
 }
 
 #[test]

@@ -92,11 +92,28 @@ fn errors_are_those_columns_and_no_others() {
     assert_eq!(errors, [("error_position_rms_m", 1e-3), ("error_force_rms_N", 0.5), ("error_final_base_x", 1e-4)]);
     assert_eq!(work.point("error_final_base_x"), Ok((1.0, 1e-4)));
     assert_eq!(work.point("error_jams"), Err("no error was measured".into()));
-    row.outcome = Outcome::Diverged;
     row.comparison.error_position_rms_m = Some(f64::INFINITY);
-    let work = Work::of(&row);
-    assert_eq!(work.point("error_position_rms_m"), Err("the error is inf".into()));
-    assert_eq!(work.point("error_jams"), Err("it ended as diverged".into()));
+    assert_eq!(Work::of(&row).point("error_position_rms_m"), Err("the error is inf".into()));
+}
+
+#[test]
+fn a_run_that_did_not_reach_its_end_is_held_against_none() {
+    let mut row = run("exact", &[], 1.0, Some(1e-17));
+    row.comparison.truth = vec![TruthError { metric: "final_base_x".into(), error: Some(1e-4) }];
+    row.comparison.until_s = Some(0.1);
+    row.comparison.whole = true;
+    for outcome in [Outcome::Diverged, Outcome::Stalled, Outcome::TimedOut, Outcome::Cancelled, Outcome::Error] {
+        row.outcome = outcome;
+        for column in ["error_position_rms_m", "error_final_base_x"] {
+            assert_eq!(Work::of(&row).point(column), Err(format!("it ended as {}", outcome.name())));
+        }
+    }
+    // It fell, and its reference went on, or the other way round.
+    row.outcome = Outcome::Fallen;
+    assert!(Work::of(&row).point("error_position_rms_m").is_ok());
+    row.comparison.whole = false;
+    assert_eq!(Work::of(&row).point("error_position_rms_m"), Err("it was compared up to 0.1 s only".into()));
+    assert_eq!(Work::of(&row).point("error_final_base_x"), Ok((1.0, 1e-4)));
 }
 
 #[test]

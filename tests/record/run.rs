@@ -99,6 +99,7 @@ pub fn verdicts() -> Vec<Verdict> {
 fn comparison() -> Comparison {
     Comparison {
         reference: Some("89abcdef01234567".into()),
+        whole: true,
         instants: 201,
         until_s: Some(0.1 + 0.2),
         error_position_rms_m: Some(1e-9 / 3.0),

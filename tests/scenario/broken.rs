@@ -131,6 +131,12 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[compare]\ntruth = { wall_s = 1 }", (4, 11), "no measured column of the summary", ""),
     Broken("[compare]\ntruth = { final_base_x = \"1\" }", (4, 26), "`compare.truth.final_base_x` must be a number", ""),
     Broken(
+        "[[expect]]\nmetric = \"error_final_base_x\"\nmax = 1\n[compare]\ntruth = { final_base_y = 0 }",
+        (4, 10),
+        "`expect.0.metric` names `error_final_base_x`, which takes a truth",
+        "",
+    ),
+    Broken(
         "[[expect]]\nmetric = \"error_position_rms_m\"\nmax = 1\n[compare]\ntiming_repeats = 1",
         (4, 10),
         "`expect.0.metric` names `error_position_rms_m`, which takes a reference run",

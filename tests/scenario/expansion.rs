@@ -14,7 +14,7 @@ fn swept(text: &str, key: &str) -> Vec<f64> {
         .map(|run| {
             let (name, value) = &run.parameters[0];
             assert_eq!(name, key);
-            value.as_float().unwrap()
+            value.as_float().or(value.as_integer().map(|whole| whole as f64)).unwrap()
         })
         .collect()
 }
@@ -71,6 +71,12 @@ fn ranges_hit_their_ends() {
     assert_eq!(range("{ linspace = [0, 1, 5] }"), [0.0, 0.25, 0.5, 0.75, 1.0]);
     assert_eq!(range("{ linspace = [0.1, 0.9, 9] }"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]);
     assert_eq!(range("{ logspace = [1e-6, 1e-2, 5] }"), [1e-6, 1e-5, 1e-4, 1e-3, 1e-2]);
+    // Whole numbers stay whole, so that counts can be swept.
+    let counts = |form: &str| {
+        swept(&format!("[sweep]\ngrid = {{ \"contact.ncp.iterations\" = {form} }}\n"), "contact.ncp.iterations")
+    };
+    assert_eq!(counts("{ logspace = [1, 1000, 4] }"), [1.0, 10.0, 100.0, 1000.0]);
+    assert_eq!(counts("{ linspace = [4, 16, 4] }"), [4.0, 8.0, 12.0, 16.0]);
     assert_eq!(range("{ step = [0.1, 0.7, 0.1] }"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]);
     assert_eq!(range("{ step = [1.0, 0.0, -0.4] }"), [1.0, 0.6, 0.2]);
     assert_eq!(range("[0.5, 1]"), [0.5, 1.0], "a column is of one kind");

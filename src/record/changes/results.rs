@@ -93,7 +93,7 @@ impl Row {
 }
 
 fn inside(folder: &Path) -> Result<PathBuf, ResultsError> {
-    let names = ["summary.parquet", "summary.csv", "runs.jsonl"];
+    let names = ["summary.csv", "summary.parquet", "runs.jsonl"];
     let found = names.iter().map(|name| folder.join(name)).find(|path| path.is_file());
     found.ok_or_else(|| ResultsError {
         path: folder.to_owned(),

@@ -47,12 +47,17 @@ impl<'a> Work<'a> {
     /// # Errors
     /// Why this run cannot be held against others, in words.
     pub fn point(&self, column: &str) -> Result<(f64, f64), String> {
+        let comparison = &self.row.comparison;
+        if !matches!(self.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen) {
+            return Err(format!("it ended as {}", self.row.outcome.name()));
+        }
         let Some((_, error)) = self.errors.iter().find(|(name, _)| name == column) else {
-            return Err(match self.row.outcome {
-                Outcome::Passed | Outcome::Failed | Outcome::Fallen => "no error was measured".to_owned(),
-                other => format!("it ended as {}", other.name()),
-            });
+            return Err("no error was measured".to_owned());
         };
+        let of_truth = comparison.truth.iter().any(|truth| truth.column() == column);
+        if let (false, false, Some(until)) = (of_truth, comparison.whole, comparison.until_s) {
+            return Err(format!("it was compared up to {until} s only"));
+        }
         match (self.cost, error.abs()) {
             (None, _) => Err("it has no cost: nothing was simulated".to_owned()),
             (Some(_), error) if !error.is_finite() => Err(format!("the error is {error}")),

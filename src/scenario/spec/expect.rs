@@ -94,9 +94,9 @@ pub const METRICS: &[&str] = &[
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Expect {
-    /// A numeric column of the summary.
+    /// A numeric column of the summary; `error_METRIC` where `compare.truth` has that metric.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "metric")]
-    #[schemars(extend("enum" = METRICS))]
+    #[schemars(extend("anyOf" = [{ "enum": METRICS }, { "pattern": "^error_" }]))]
     pub metric: Option<String>,
     /// Wanted value, in the metric's unit.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -154,7 +154,8 @@ impl ExpectedOutcome {
 
 fn metric<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
     let name = String::deserialize(d)?;
-    if METRICS.contains(&name.as_str()) {
+    let distance = name.strip_prefix("error_").is_some_and(|of| METRICS.contains(&of));
+    if METRICS.contains(&name.as_str()) || distance {
         return Ok(Some(name));
     }
     let help = suggest::help(&name, METRICS.iter().copied());
