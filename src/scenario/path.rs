@@ -87,12 +87,11 @@ impl Path {
                     let at = match entries.iter().position(|e| e.key == *key) {
                         Some(at) => at,
                         None => {
-                            // A top-level array of tables that the file does not have.
-                            if i == 0 && self.segments.get(1).is_some_and(|s| s.0.parse::<usize>().is_ok()) {
-                                return Err(fail(format!(
-                                    "there is no `{key}.{}`: the file has no `{key}`",
-                                    self.segments[1].0
-                                )));
+                            // An array that the file does not have: an element alone would leave the others open.
+                            if let Some(next) = self.segments.get(i + 1).filter(|s| s.0.parse::<usize>().is_ok()) {
+                                let array = done.iter().copied().chain([key.as_str()]).collect::<Vec<_>>().join(".");
+                                let index = &next.0;
+                                return Err(fail(format!("there is no `{array}.{index}`: the file has no `{array}`")));
                             }
                             let node = Node { span: span.clone(), value: Value::Table(Vec::new()) };
                             entries.push(Entry { key: key.clone(), key_span: span.clone(), node });

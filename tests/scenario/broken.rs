@@ -142,6 +142,12 @@ const BELOW_ROBOT: &[Broken] = &[
         "`expect.0.metric` names `error_position_rms_m`, which takes a reference run",
         "",
     ),
+    Broken(
+        "[sweep.grid]\n\"floor.rpy.0\" = [0.1, 0.2]",
+        (4, 8),
+        "there is no `floor.rpy.0`: the file has no `floor.rpy`",
+        "",
+    ),
     Broken("[[event]]\nat = 1\nset = { \"floor.friction\" = 1 }", (3, 3), "`event` is not available yet", ""),
     // Patches of the floor.
     Broken("[floor]\npatches = [{ polygon = [], friction = 1 }]", (4, 24), "at least 3 corners, not 0", ""),
