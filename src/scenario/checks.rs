@@ -7,7 +7,7 @@ use super::{
     scenario::Scenario,
     source::Span,
     spec::{
-        compare::CompareSpec,
+        compare::{COMPARED, CompareSpec},
         expect::{Expect, METRICS},
         floor::Friction,
         force::ForceSpec,
@@ -16,16 +16,6 @@ use super::{
     },
     tree::Node,
 };
-
-/// Metrics that come of a reference run.
-const COMPARED: [&str; 6] = [
-    "error_position_rms_m",
-    "error_joint_rms_rad",
-    "error_force_rms_N",
-    "contact_state_agreement",
-    "error_final_position_m",
-    "error_final_rotation_rad",
-];
 
 /// A scenario whose single values are sound, its tree, and what is found.
 struct Check<'a> {
