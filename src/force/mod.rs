@@ -68,11 +68,24 @@ impl<'a> Applied<'a> {
 
 /// An external force model.
 pub trait Force: Send {
-    /// Adds its forces at this instant.
+    /// Called once at the start of the run, before anything is evaluated.
+    ///
+    /// # Errors
+    /// In words; they end the run with outcome `error`.
+    fn init(&mut self, _scene: &Scene) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Adds its forces at this instant. Allocates nothing.
     fn evaluate(&mut self, scene: &Scene, applied: &mut Applied);
 
     /// Times at which its value or slope jumps, s.
     fn corners(&self) -> &[f64] {
         &[]
+    }
+
+    /// What went wrong in an evaluation since this was last asked, in words; it ends the run with outcome `error`.
+    fn fault(&mut self) -> Option<String> {
+        None
     }
 }

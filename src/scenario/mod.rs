@@ -45,10 +45,11 @@ pub use spec::{
         ContactMethod, ContactSpec, ControlSpec, Estimator, EventHandling, ForcedState, IntegratorMethod,
         IntegratorSpec, LcpSpec, NcpSpec, PenaltySpec,
     },
+    event::EventSpec,
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
     force::{ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, Profile, PushForce},
-    planned::{EventSpec, SelfCollisionSpec},
+    planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},
     robot::{
         BaseSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec, SoleSpec,

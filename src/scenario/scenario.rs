@@ -13,10 +13,11 @@ use super::{
     spec::{
         compare::CompareSpec,
         contact::{ContactSpec, ControlSpec, IntegratorSpec},
+        event::EventSpec,
         expect::Expect,
         floor::FloorSpec,
         force::ForceSpec,
-        planned::{EventSpec, SelfCollisionSpec},
+        planned::SelfCollisionSpec,
         robot::RobotSpec,
         run::{LogSpec, StopSpec},
         sweep::SweepSpec,

@@ -46,10 +46,9 @@ impl Stop {
 
 /// Servo effort before clipping, and whether the limit clips it.
 pub fn servo(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command) -> (f64, bool) {
-    let drive = &joint.drive;
-    let wanted = match drive.mode {
+    let wanted = match command.mode[j] {
         DriveMode::Position => {
-            drive.kp * (command.position[j] - q) + drive.kd * (command.velocity[j] - qd) + command.effort[j]
+            command.kp[j] * (command.position[j] - q) + command.kd[j] * (command.velocity[j] - qd) + command.effort[j]
         }
         DriveMode::Force => command.effort[j],
         DriveMode::Passive => 0.0,

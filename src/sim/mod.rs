@@ -22,6 +22,7 @@ pub mod plant;
 mod project;
 pub mod report;
 mod sample;
+mod sense;
 pub mod setup;
 pub mod simulation;
 mod watch;

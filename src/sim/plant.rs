@@ -159,8 +159,9 @@ impl Plant {
         let nb = self.model.nb();
         for (j, joint) in self.model.joints.iter().enumerate() {
             let (q, qd) = (self.state.joints[j], self.state.v[nb + j]);
-            let follows = joint.drive.mode == DriveMode::Position && !actuator::servo(joint, j, q, qd, &self.command).1;
-            let gains = if follows { dt * joint.drive.kd + dt * dt * joint.drive.kp } else { 0.0 };
+            let c = &self.command;
+            let follows = c.mode[j] == DriveMode::Position && !actuator::servo(joint, j, q, qd, c).1;
+            let gains = if follows { dt * c.kd[j] + dt * dt * c.kp[j] } else { 0.0 };
             self.shift[nb + j] = dt * joint.damping + gains;
         }
         self.finish_free();
@@ -184,7 +185,7 @@ impl Plant {
             let (q, qd) = (self.state.joints[j], self.state.v[nb + j]);
             let (effort, clipped) = actuator::servo(joint, j, q, qd, &self.command);
             let ahead = match dt {
-                Some(dt) if joint.drive.mode == DriveMode::Position && !clipped => -joint.drive.kp * dt * qd,
+                Some(dt) if self.command.mode[j] == DriveMode::Position && !clipped => -self.command.kp[j] * dt * qd,
                 _ => 0.0,
             };
             self.efforts[j] = effort;
@@ -210,6 +211,19 @@ impl Plant {
         for (tau, (servo, passive)) in self.tau[nb..].iter_mut().zip(self.servo.iter().zip(&self.passive)) {
             *tau += servo + passive;
         }
+    }
+
+    /// Calls every force model's `init` at the present state, whose kinematics it brings up to date.
+    pub(super) fn init_forces(&mut self) -> Result<(), String> {
+        self.move_links();
+        let scene = Scene {
+            model: &self.model,
+            state: &self.state,
+            kinematics: &self.ws,
+            time: self.state.time,
+            within: self.within,
+        };
+        self.forces.iter_mut().try_for_each(|force| force.init(&scene))
     }
 
     fn finish_free(&mut self) {

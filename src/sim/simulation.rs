@@ -17,7 +17,8 @@ use crate::contact::method::{self, Manner};
 use crate::contact::problem::{Problem, Tolerances};
 use crate::contact::state::MAX_SOLES;
 use crate::integrate::StepControl;
-use crate::task::{Context, TaskServer};
+use crate::task::server::Situation;
+use crate::task::{Sensed, TaskServer};
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -53,6 +54,8 @@ pub struct Simulation {
     pub(super) tolerances: Tolerances,
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
+    /// What the sensors said at the last tick.
+    sensed: Sensed,
     pub(super) metrics: Metrics,
     /// Work of velocity jumps since the start, J: impacts, jams, and what a new contact state ends.
     pub(super) work: f64,
@@ -145,6 +148,7 @@ impl Simulation {
             tolerances,
             contact: setup.contact,
             tasks: setup.tasks,
+            sensed: Sensed::blank(&model),
             metrics: Metrics::default(),
             work: 0.0,
             flows: Flows::default(),
@@ -201,6 +205,7 @@ impl Simulation {
     pub fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         let rate = observer.sample_rate();
         self.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, self.duration, &self.plant.state)));
+        self.init_forces()?;
         self.run_tasks(observer)?;
         self.plant.within = 0.0;
         self.tell_imposed(observer)?;
@@ -243,6 +248,7 @@ impl Simulation {
             Stepper::Fixed(fixed) => fixed.step(self, until, observer),
         };
         self.stepper = Some(stepper);
+        self.check_forces()?;
         result?;
         self.check_fallen(observer)
     }
@@ -265,21 +271,30 @@ impl Simulation {
     }
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        let nb = self.plant.model.nb();
-        let state = &self.plant.state;
-        let context = Context { time: state.time, model: &self.plant.model, q: &state.joints, qd: &state.v[nb..] };
+        super::sense::truth(&mut self.plant, &mut self.sensed);
+        let plant = &self.plant;
+        let time = plant.state.time;
+        let situation =
+            Situation { model: &plant.model, gravity: plant.gravity, state: &plant.state, sensed: &self.sensed };
         let mut failure = None;
-        self.tasks.run(&context, |what, name| {
-            let event = SimEvent {
-                time: context.time,
-                kind: "task",
-                subject: name.to_string(),
-                message: format!("task {name} {what}"),
-            };
+        let ran = self.tasks.run(&situation, |what, name| {
+            let message = format!("task {name} {what}");
+            let event = SimEvent { time, kind: "task", subject: name.to_string(), message };
             failure = observer.event(&event).err().or(failure.take());
         });
-        self.plant.command.clone_from(&self.tasks.command);
-        failure.map_or(Ok(()), |m| Err(Stop::new(Outcome::Error, m)))
+        self.plant.command.copy_from(&self.tasks.command);
+        failure.map_or(ran, Err).map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Prepares the force models.
+    fn init_forces(&mut self) -> Result<(), Stop> {
+        self.plant.init_forces().map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Ends the run when a force model has failed.
+    fn check_forces(&mut self) -> Result<(), Stop> {
+        let fault = self.plant.forces.iter_mut().find_map(|f| f.fault());
+        fault.map_or(Ok(()), |m| Err(Stop::new(Outcome::Error, format!("{m} at {:.6} s", self.plant.state.time))))
     }
 
     fn check_fallen(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {

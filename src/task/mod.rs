@@ -1,15 +1,28 @@
 //! The task server: what the joints are asked to do, decided at the control rate.
 //!
-//! As in the paper's section II.B a task has an initialisation and a run function. Tasks of a scenario start and end by
-//! time; where several drive the same joint at once, the one later in the file wins. A task that has ended leaves its
-//! joints where it last put them.
+//! As in the paper's section II.B a task has an initialisation, a run and a change function. Tasks of a scenario start and
+//! end by time; where several drive the same joint at once, the one later in the file wins. A task that has ended leaves
+//! its joints where it last put them.
+//!
+//! Besides the state of the robot a task is given [`Augmented`] data: Jacobians, the centre of mass and so on. Each part
+//! is computed only in ticks at which a task asks for it by its [`Needs`].
 
+pub mod augmented;
+pub mod command;
+pub mod needs;
 pub mod posture;
+pub mod sensed;
 pub mod server;
 
+pub use augmented::Augmented;
+pub use command::Command;
+pub use needs::Needs;
+pub use sensed::Sensed;
 pub use server::TaskServer;
 
+use crate::dynamics::State;
 use crate::robot::Model;
+use nalgebra::Vector3;
 
 /// What a task sees of the robot when it runs.
 pub struct Context<'a> {
@@ -17,27 +30,25 @@ pub struct Context<'a> {
     pub time: f64,
     /// The robot.
     pub model: &'a Model,
+    /// Free fall in world axes, m/s^2.
+    pub gravity: Vector3<f64>,
+    /// Base and joints as the estimator and the sensors have them.
+    pub state: &'a State,
+    /// What the sensors say.
+    pub sensed: &'a Sensed,
+    /// What was computed from `state` and `sensed` because this task or another one active needs it.
+    pub data: &'a Augmented,
+}
+
+impl Context<'_> {
     /// Joint positions, rad or m.
-    pub q: &'a [f64],
+    pub fn q(&self) -> &[f64] {
+        &self.state.joints
+    }
+
     /// Joint velocities.
-    pub qd: &'a [f64],
-}
-
-/// What the joints are asked to do: one entry per joint, held until the next control tick.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Command {
-    /// Desired positions, rad or m.
-    pub position: Vec<f64>,
-    /// Desired velocities.
-    pub velocity: Vec<f64>,
-    /// Feed-forward efforts, N m or N.
-    pub effort: Vec<f64>,
-}
-
-impl Command {
-    /// Hold this posture.
-    pub fn hold(position: &[f64]) -> Self {
-        Command { position: position.to_vec(), velocity: vec![0.0; position.len()], effort: vec![0.0; position.len()] }
+    pub fn qd(&self) -> &[f64] {
+        &self.state.v[self.model.nb()..]
     }
 }
 
@@ -50,12 +61,33 @@ pub enum Status {
     Done,
 }
 
+/// How a call of a task went; the words of a fault end the run with outcome `error`.
+pub type TaskResult = Result<Status, String>;
+
 /// One task.
 pub trait Task: Send {
     /// Called once when its time comes. `command` is what the joints are asked now.
-    fn init(&mut self, context: &Context, command: &Command) -> Status;
-    /// Called at every control tick from then on; changes the joints it drives.
-    fn run(&mut self, context: &Context, command: &mut Command) -> Status;
+    fn init(&mut self, context: &Context, command: &Command) -> TaskResult;
+
+    /// Called at every control tick from then on; changes the joints it drives. Allocates nothing.
+    fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult;
+
+    /// Called once at the first tick at or after each of [`changes`](Self::changes), before `run`: the parameters with
+    /// that number come into force.
+    fn change(&mut self, _context: &Context, _number: usize) -> TaskResult {
+        Ok(Status::Running)
+    }
+
+    /// Times at which parameters change, ascending, s.
+    fn changes(&self) -> &[f64] {
+        &[]
+    }
+
+    /// The augmented data it reads. Asked anew before `init` and before every `run`.
+    fn needs(&self) -> Needs {
+        Needs::NONE
+    }
+
     /// For messages.
     fn name(&self) -> &str;
 }

@@ -1,12 +1,17 @@
-//! Starts, runs and ends the tasks of a scenario.
+//! Starts, runs, changes and ends the tasks of a scenario.
 
-use super::{Command, Context, Status, Task};
+use super::{Augmented, Command, Context, Needs, Sensed, Status, Task};
+use crate::dynamics::State;
+use crate::robot::Model;
+use nalgebra::Vector3;
 
 struct Slot {
     start: f64,
     task: Box<dyn Task>,
     begun: bool,
     ended: bool,
+    /// Parameter changes made so far.
+    changed: usize,
 }
 
 /// The tasks of one run and the command they have produced.
@@ -14,19 +19,32 @@ pub struct TaskServer {
     slots: Vec<Slot>,
     /// What the joints are asked now.
     pub command: Command,
+    augmented: Augmented,
     period: f64,
     tick: u64,
 }
 
+/// The robot at a tick.
+pub struct Situation<'a> {
+    /// The robot.
+    pub model: &'a Model,
+    /// Free fall in world axes, m/s^2.
+    pub gravity: Vector3<f64>,
+    /// Base and joints as the estimator and the sensors have them; its time is the tick's.
+    pub state: &'a State,
+    /// What the sensors say.
+    pub sensed: &'a Sensed,
+}
+
 impl TaskServer {
     /// A server that ticks `rate` times a second and starts from `command`.
-    pub fn new(rate: f64, command: Command) -> Self {
-        TaskServer { slots: Vec::new(), command, period: 1.0 / rate, tick: 0 }
+    pub fn new(rate: f64, model: &Model, command: Command) -> Self {
+        TaskServer { slots: Vec::new(), command, augmented: Augmented::new(model), period: 1.0 / rate, tick: 0 }
     }
 
     /// Adds a task that begins at the first tick at or after `start` seconds. Later ones win where they overlap.
     pub fn add(&mut self, start: f64, task: Box<dyn Task>) {
-        self.slots.push(Slot { start, task, begun: false, ended: false });
+        self.slots.push(Slot { start, task, begun: false, ended: false, changed: 0 });
     }
 
     /// Time of the next tick that can change anything; none when all tasks have ended.
@@ -38,21 +56,59 @@ impl TaskServer {
         self.slots.iter().filter(|s| !s.ended).map(due).min_by(f64::total_cmp)
     }
 
-    /// Runs every task whose time has come; `report(what, name)` hears of each that begins or ends.
-    pub fn run(&mut self, context: &Context, mut report: impl FnMut(&str, &str)) {
-        self.tick = (context.time / self.period).round() as u64 + 1;
-        for slot in self.slots.iter_mut().filter(|s| !s.ended && s.start <= context.time + 1e-9 * self.period) {
-            if !slot.begun {
-                slot.begun = true;
-                report("begins", slot.task.name());
-                slot.ended = slot.task.init(context, &self.command) == Status::Done;
-            }
-            if !slot.ended {
-                slot.ended = slot.task.run(context, &mut self.command) == Status::Done;
-            }
+    /// Runs every task whose time has come; `report(what, name)` hears of each that begins, changes or ends.
+    ///
+    /// # Errors
+    /// The words of the first task that failed, with its name.
+    pub fn run(&mut self, now: &Situation, mut report: impl FnMut(&str, &str)) -> Result<(), String> {
+        let time = now.state.time;
+        self.tick = (time / self.period).round() as u64 + 1;
+        let soon = time + 1e-9 * self.period;
+        let active = |s: &Slot| !s.ended && s.start <= soon;
+        let needs = self.slots.iter().filter(|s| active(s)).fold(Needs::NONE, |n, s| n | s.task.needs());
+        self.augmented.update(now.model, now.state, now.sensed, needs);
+        let context = Context {
+            time,
+            model: now.model,
+            gravity: now.gravity,
+            state: now.state,
+            sensed: now.sensed,
+            data: &self.augmented,
+        };
+        for slot in self.slots.iter_mut().filter(|s| active(s)) {
+            let ended = slot.call(&context, &mut self.command, soon, &mut report);
+            slot.ended = ended.map_err(|why| format!("task {}: {why}", slot.task.name()))?;
             if slot.ended {
                 report("ends", slot.task.name());
             }
         }
+        Ok(())
+    }
+}
+
+impl Slot {
+    /// Everything that is due at a tick; is the task done?
+    fn call(
+        &mut self,
+        context: &Context,
+        command: &mut Command,
+        soon: f64,
+        report: &mut impl FnMut(&str, &str),
+    ) -> Result<bool, String> {
+        if !self.begun {
+            self.begun = true;
+            report("begins", self.task.name());
+            if self.task.init(context, command)? == Status::Done {
+                return Ok(true);
+            }
+        }
+        while self.task.changes().get(self.changed).is_some_and(|t| *t <= soon) {
+            self.changed += 1;
+            report("changes", self.task.name());
+            if self.task.change(context, self.changed - 1)? == Status::Done {
+                return Ok(true);
+            }
+        }
+        Ok(self.task.run(context, command)? == Status::Done)
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod contact;
+pub mod event;
 pub mod expect;
 pub mod floor;
 pub mod force;

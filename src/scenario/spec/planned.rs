@@ -1,24 +1,9 @@
 //! Parts of the format that are read and checked but that no run can honour yet; see `availability`.
 
-use std::collections::BTreeMap;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use crate::scenario::quantity::{json, non_negative, positive};
-
-/// `[[event]]`: change parameters while running.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EventSpec {
-    /// When, s.
-    #[serde(deserialize_with = "non_negative")]
-    #[schemars(with = "json::NonNegative")]
-    pub at: f64,
-    /// New values under dotted names.
-    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
-    pub set: BTreeMap<String, toml::Value>,
-}
 
 /// `[self_collision]`: what happens when the robot is about to touch itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

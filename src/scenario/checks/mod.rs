@@ -1,5 +1,8 @@
 //! Rules between several values of a scenario, each shown at the value that breaks it.
 
+mod force;
+mod task;
+
 use super::{
     diagnostic::Findings,
     path::Path,
@@ -10,9 +13,7 @@ use super::{
         compare::{COMPARED, CompareSpec},
         expect::{Expect, METRICS},
         floor::Friction,
-        force::ForceSpec,
         robot::{PayloadSpec, SoleSpec},
-        task::TaskSpec,
     },
     tree::Node,
 };
@@ -49,11 +50,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
         }
     }
     for (i, task) in scenario.task.iter().enumerate() {
-        let TaskSpec::Posture(posture) = task;
-        if posture.joints.is_empty() {
-            check.error(&format!("task.{i}.joints"), "must name at least one joint");
-        }
-        check.starts_in_time(&format!("task.{i}"), posture.start, scenario.duration);
+        check.task(&format!("task.{i}"), task, scenario.duration);
     }
     for (i, force) in scenario.force.iter().enumerate() {
         check.force(&format!("force.{i}"), force, scenario.duration);
@@ -114,23 +111,6 @@ impl Check<'_> {
                 "is not the inertia of a rigid body (order: ixx, iyy, izz, ixy, ixz, iyz; triangle inequality)",
             );
         }
-    }
-
-    fn force(&mut self, path: &str, force: &ForceSpec, end: f64) {
-        let start = match force {
-            ForceSpec::Push(push) => push.start,
-            ForceSpec::Constant(constant) => constant.start,
-            ForceSpec::JointFriction(friction) => {
-                if friction.all.is_none() && friction.joints.is_empty() {
-                    self.error(path, "needs `all`, or `joints` with at least one joint");
-                }
-                return;
-            }
-        };
-        if !self.has(path, "force") && !self.has(path, "moment") {
-            self.error(path, "needs `force` or `moment`");
-        }
-        self.starts_in_time(path, start, end);
     }
 
     fn starts_in_time(&mut self, path: &str, start: f64, end: f64) {

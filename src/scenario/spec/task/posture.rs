@@ -1,20 +1,11 @@
-//! `[[task]]`: what the robot is told to do.
+//! `posture`.
 
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::tagged::tagged;
 use crate::scenario::quantity::{joint_positions, json, non_negative, positive};
-
-tagged! {
-    /// One task. Where tasks overlap in time, later ones in the file win per joint.
-    TaskSpec, "task" {
-        /// Move joints to a posture.
-        "posture" => Posture(PostureTask),
-    }
-}
 
 /// Move joints from where they are to a posture along minimum-jerk curves, and hold it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

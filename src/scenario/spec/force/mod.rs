@@ -1,0 +1,37 @@
+//! `[[force]]`: what acts on the robot besides gravity and the floor. One file per type.
+
+mod constant;
+mod joint_friction;
+mod push;
+
+pub use constant::ConstantForce;
+pub use joint_friction::JointFrictionForce;
+pub use push::{Profile, PushForce};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::tagged::tagged;
+
+tagged! {
+    /// One external force.
+    ForceSpec, "force" {
+        /// A force on a link for a time, with a profile.
+        "push" => Push(PushForce),
+        /// A force on a link throughout, or for a time.
+        "constant" => Constant(ConstantForce),
+        /// Friction in joints, beside what the robot's files give.
+        "joint-friction" => JointFriction(JointFrictionForce),
+    }
+}
+
+/// Axes that a force and a moment are given in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ForceFrame {
+    /// The world's.
+    #[default]
+    World,
+    /// The link's, turning with it.
+    Link,
+}

@@ -1,0 +1,61 @@
+//! The robot of a run.
+
+use crate::robot::adjust::{self, DriveSettings};
+use crate::robot::{DriveMode, Model, Robot};
+use crate::scenario::{Diagnostic, JointMode, Run, SoleSpec};
+
+/// The robot's model with the scenario's changes.
+pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -> Model {
+    let spec = &run.scenario.robot;
+    let mut model = robot.model.clone();
+    for (name, joint) in &spec.joint {
+        let settings = DriveSettings {
+            mode: joint.mode.map(mode),
+            kp: joint.kp,
+            kd: joint.kd,
+            effort: joint.effort,
+            coulomb: joint.friction.map(|f| f.coulomb),
+            viscous: joint.friction.map(|f| f.viscous),
+            ..DriveSettings::default()
+        };
+        if let Err(e) = adjust::set_drive(&mut model, name, &settings) {
+            errors.push(run.error_at_key(&format!("robot.joint.{name}"), e.to_string(), None));
+        }
+    }
+    let default = &spec.joint_default;
+    let settings = DriveSettings {
+        mode: Some(mode(default.mode)),
+        kp: Some(default.kp),
+        kd: Some(default.kd),
+        ..DriveSettings::default()
+    };
+    if let Err(e) = adjust::set_default_drive(&mut model, &settings) {
+        errors.push(run.error_at("robot.joint_default", e.to_string(), None));
+    }
+    if let Some(soles) = &spec.soles {
+        let convert = |s: &SoleSpec| adjust::SoleSpec {
+            name: s.name.clone(),
+            link: s.link.clone(),
+            polygon: s.polygon.iter().map(|&p| p.into()).collect(),
+        };
+        let soles: Vec<_> = soles.iter().map(convert).collect();
+        if let Err(e) = adjust::set_soles(&mut model, &soles) {
+            errors.push(run.error_at("robot.soles", e.to_string(), None));
+        }
+    }
+    for (i, load) in spec.payload.iter().enumerate() {
+        let added = adjust::add_payload(&mut model, &load.link, load.mass, load.position.into(), load.inertia);
+        if let Err(e) = added {
+            errors.push(run.error_at(&format!("robot.payload.{i}"), e.to_string(), None));
+        }
+    }
+    model
+}
+
+fn mode(mode: JointMode) -> DriveMode {
+    match mode {
+        JointMode::Passive => DriveMode::Passive,
+        JointMode::Position => DriveMode::Position,
+        JointMode::Force => DriveMode::Force,
+    }
+}

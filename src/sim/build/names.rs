@@ -1,0 +1,49 @@
+//! Where names of a scenario meet what the robot has.
+
+use crate::robot::{JointId, LinkId, Model};
+use crate::scenario::{Diagnostic, Run, suggest};
+use nalgebra::Isometry3;
+
+/// Joint numbers of named values; unknown names are errors at their keys under `path`.
+pub(super) fn joints<'a>(
+    model: &Model,
+    run: &Run,
+    path: &str,
+    named: impl Iterator<Item = (&'a String, &'a f64)>,
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<(JointId, f64)> {
+    let mut found = Vec::new();
+    for (name, &value) in named {
+        match model.joint(name) {
+            Some(id) => found.push((id, value)),
+            None => {
+                let help = suggest(name, model.joints.iter().map(|j| j.name.as_str()));
+                let message = format!("the robot `{}` has no joint `{name}`", model.name);
+                errors.push(run.error_at_key(&format!("{path}.{name}"), message, Some(help)));
+            }
+        }
+    }
+    found
+}
+
+/// The link that stands at `path`, with the pose of its URDF frame in the carrying link's internal frame; an unknown one
+/// is an error there.
+pub(super) fn link(
+    model: &Model,
+    run: &Run,
+    path: &str,
+    name: &str,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<(LinkId, Isometry3<f64>)> {
+    let found = model.link(name);
+    if found.is_none() {
+        let names = model
+            .links
+            .iter()
+            .flat_map(|l| std::iter::once(l.name.as_str()).chain(l.merged.iter().map(|m| m.name.as_str())));
+        let help = suggest(name, names.collect::<Vec<_>>());
+        let message = format!("the robot `{}` has no link `{name}`", model.name);
+        errors.push(run.error_at(path, message, Some(help)));
+    }
+    found
+}

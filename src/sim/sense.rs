@@ -1,0 +1,31 @@
+//! What the sensors say of the plant.
+
+use super::plant::Plant;
+use crate::task::Sensed;
+use nalgebra::Vector3;
+
+/// Readings without any error: the plant's state and what its last evaluation found.
+pub(super) fn truth(plant: &mut Plant, out: &mut Sensed) {
+    plant.share_forces();
+    let state = &plant.state;
+    let nb = plant.model.nb();
+    out.position.copy_from_slice(&state.joints);
+    out.velocity.copy_from_slice(&state.v[nb..]);
+    out.load.copy_from_slice(&plant.efforts);
+    out.orientation = state.rotation;
+    if nb == 6 {
+        out.angular_velocity = state.rotation.inverse() * Vector3::new(state.v[3], state.v[4], state.v[5]);
+    }
+    let floor = &plant.floor.rotation;
+    for (s, sole) in out.soles.iter_mut().enumerate() {
+        let w = &plant.solution.wrench[6 * s..6 * s + 6];
+        sole.force = floor * Vector3::new(w[0], w[1], w[2]);
+        sole.moment = floor * Vector3::new(w[3], w[4], w[5]);
+        let k = sole.vertices.len();
+        for i in 0..k {
+            let (n, t) = (plant.solution.normal[s][i], plant.solution.tangent[s][i]);
+            sole.vertices[i] = floor * Vector3::new(t.x, t.y, n);
+            sole.clamped[i] = plant.states[s].clamps(i, k);
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! What the robot's sensors say at a control tick.
+
+use crate::robot::Model;
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Readings of all sensors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensed {
+    /// Joint positions, rad or m.
+    pub position: Vec<f64>,
+    /// Joint velocities.
+    pub velocity: Vec<f64>,
+    /// Joint loads: the efforts of the actuators, N m or N.
+    pub load: Vec<f64>,
+    /// Orientation of the base, world from base.
+    pub orientation: UnitQuaternion<f64>,
+    /// Angular velocity of the base in its own axes, rad/s.
+    pub angular_velocity: Vector3<f64>,
+    /// What the floor does to each sole, in the model's order.
+    pub soles: Vec<SoleLoad>,
+}
+
+/// Force and moment of the floor on one sole.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SoleLoad {
+    /// Force, world axes, N.
+    pub force: Vector3<f64>,
+    /// Moment about the centroid of the sole's vertices, world axes, N m.
+    pub moment: Vector3<f64>,
+    /// Force on each vertex, world axes, N.
+    pub vertices: Vec<Vector3<f64>>,
+    /// For each vertex: is it held or sliding on the floor?
+    pub clamped: Vec<bool>,
+}
+
+impl Sensed {
+    /// Zero readings of the right sizes.
+    pub fn blank(model: &Model) -> Self {
+        let zero = vec![0.0; model.nj()];
+        let sole =
+            |k: usize| SoleLoad { vertices: vec![Vector3::zeros(); k], clamped: vec![false; k], ..SoleLoad::default() };
+        Sensed {
+            position: zero.clone(),
+            velocity: zero.clone(),
+            load: zero,
+            orientation: UnitQuaternion::identity(),
+            angular_velocity: Vector3::zeros(),
+            soles: model.soles.iter().map(|s| sole(s.vertices.len())).collect(),
+        }
+    }
+}
