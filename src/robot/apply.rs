@@ -8,6 +8,7 @@ use super::error::RobotError;
 use super::file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
 use super::model::{DriveMode, JointKind, Model};
 use super::notice::Notices;
+use super::payload;
 use super::posture::link_poses;
 use super::source::Source;
 
@@ -24,6 +25,7 @@ pub(super) fn apply(
     }
     home(file, source, model)?;
     drives(file, source, model)?;
+    payload::weld(&file.payload, source, model)?;
     if let Some(soles) = &file.sole {
         given_soles(soles, source, model, notices)?;
     }
@@ -184,7 +186,12 @@ fn joint_index(name: &Spanned<String>, source: &Source, model: &Model) -> Result
     })
 }
 
-fn known_link(name: &Spanned<String>, element: &str, source: &Source, model: &Model) -> Result<(), RobotError> {
+pub(super) fn known_link(
+    name: &Spanned<String>,
+    element: &str,
+    source: &Source,
+    model: &Model,
+) -> Result<(), RobotError> {
     if model.link(name.get_ref()).is_some() {
         return Ok(());
     }

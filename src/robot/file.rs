@@ -34,6 +34,10 @@ pub struct RobotFile {
     /// For every joint, what its own table leaves out.
     #[schemars(with = "Option<JointEntry>")]
     pub joint_default: Option<Spanned<JointEntry>>,
+    /// Loads welded to links.
+    #[serde(default)]
+    #[schemars(with = "Vec<PayloadEntry>")]
+    pub payload: Vec<Spanned<PayloadEntry>>,
     /// Patterns of joints that follow their command exactly, without dynamics.
     #[schemars(with = "Option<Vec<String>>")]
     pub kinematic: Option<Spanned<Vec<String>>>,
@@ -71,6 +75,30 @@ pub struct SoleEntry {
     /// Vertices in order around a convex planar polygon, m; one is a point foot, two a line foot.
     #[schemars(with = "Vec<[f64; 3]>")]
     pub polygon: Spanned<Vec<[f64; 3]>>,
+}
+
+/// A load welded to a link.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct PayloadEntry {
+    /// Name, for messages.
+    pub name: String,
+    /// Carrying link.
+    #[schemars(with = "String")]
+    pub link: Spanned<String>,
+    /// Mass, kg, above 0.
+    #[schemars(with = "f64")]
+    pub mass: Spanned<f64>,
+    /// Centre of mass in the link's URDF frame, m.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub position: Option<Spanned<[f64; 3]>>,
+    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about that centre in the link's axes, kg m^2. Without `inertia` and `size` it is a
+    /// point mass.
+    #[schemars(with = "Option<[f64; 6]>")]
+    pub inertia: Option<Spanned<[f64; 6]>>,
+    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; it is drawn, too.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub size: Option<Spanned<[f64; 3]>>,
 }
 
 /// What follows a joint's command.

@@ -139,6 +139,7 @@ fn the_schema_knows_every_key() {
         "sole",
         "joint",
         "joint_default",
+        "payload",
         "kinematic",
         "end_effector",
         "sensors",
