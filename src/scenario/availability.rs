@@ -12,8 +12,6 @@ use super::{
 const PLANNED: &[(&str, Option<&str>)] = &[
     ("robot.joint_default.mode", Some("kinematic")),
     ("robot.joint.*.mode", Some("kinematic")),
-    ("control.estimator", Some("kinematic")),
-    ("control.estimator", Some("inertial")),
     ("task.*.type", Some("playback")),
     ("task.*.type", Some("sine")),
     ("task.*.type", Some("balance")),
