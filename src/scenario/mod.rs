@@ -48,7 +48,10 @@ pub use spec::{
     event::EventSpec,
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
-    force::{ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, Profile, PushForce},
+    force::{
+        AnchorSpec, ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, PathShape, Profile, PushForce, RampForce,
+        SineSpec, SpringForce, WaypointSpec,
+    },
     planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},
     robot::{
