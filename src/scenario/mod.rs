@@ -56,6 +56,6 @@ pub use spec::{
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
     sweep::{Axis, SweepSpec},
-    task::{PostureTask, TaskSpec},
+    task::{BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, PostureTask, TaskSpec},
 };
 pub use suggest::help as suggest;

@@ -13,6 +13,12 @@ impl Check<'_> {
                 }
                 posture.start
             }
+            TaskSpec::Balance(balance) => {
+                if balance.soles.as_ref().is_some_and(Vec::is_empty) {
+                    self.error(&format!("{path}.soles"), "must name at least one sole, or be left out: all");
+                }
+                balance.start
+            }
         };
         self.starts_in_time(path, start, end);
     }

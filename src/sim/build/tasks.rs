@@ -17,6 +17,10 @@ pub(super) fn tasks(run: &Run, model: &Model, start: &Start, errors: &mut Vec<Di
                 let targets = names::joints(model, run, &format!("{path}.joints"), posture.joints.iter(), errors);
                 (posture.start, Box::new(Posture::new(targets, posture.duration)))
             }
+            TaskSpec::Balance(_) => {
+                errors.push(run.error_at(&format!("{path}.type"), "task type `balance` is not available yet", None));
+                continue;
+            }
         };
         server.add(start, task);
     }

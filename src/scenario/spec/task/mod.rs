@@ -1,7 +1,11 @@
 //! `[[task]]`: what the robot is told to do. One file per type.
 
+mod balance;
+mod balance_force;
 mod posture;
 
+pub use balance::{BalanceControl, BalanceTask};
+pub use balance_force::{Contacts, ForceBalance, Gains};
 pub use posture::PostureTask;
 
 use super::tagged::tagged;
@@ -11,5 +15,7 @@ tagged! {
     TaskSpec, "task" {
         /// Move joints to a posture.
         "posture" => Posture(PostureTask),
+        /// Keep the centre of mass above the soles.
+        "balance" => Balance(BalanceTask),
     }
 }
