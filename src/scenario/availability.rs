@@ -16,7 +16,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("control.estimator", Some("inertial")),
     ("task.*.type", Some("playback")),
     ("task.*.type", Some("sine")),
-    ("task.*.type", Some("balance")),
     ("task.*.type", Some("mocap")),
     ("task.*.type", Some("script")),
     ("force.*.type", Some("ramp")),

@@ -56,6 +56,8 @@ pub use spec::{
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
     sweep::{Axis, SweepSpec},
-    task::{BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, PostureTask, TaskSpec},
+    task::{
+        BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PostureTask, TaskSpec,
+    },
 };
 pub use suggest::help as suggest;

@@ -2,10 +2,12 @@
 
 mod balance;
 mod balance_force;
+mod gravity_compensation;
 mod posture;
 
 pub use balance::{BalanceControl, BalanceTask};
 pub use balance_force::{Contacts, ForceBalance, Gains};
+pub use gravity_compensation::GravityCompensationTask;
 pub use posture::PostureTask;
 
 use super::tagged::tagged;
@@ -17,5 +19,7 @@ tagged! {
         "posture" => Posture(PostureTask),
         /// Keep the centre of mass above the soles.
         "balance" => Balance(BalanceTask),
+        /// Hold the robot up and give way to every push.
+        "gravity-compensation" => GravityCompensation(GravityCompensationTask),
     }
 }
