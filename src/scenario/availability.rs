@@ -18,8 +18,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("task.*.type", Some("sine")),
     ("task.*.type", Some("mocap")),
     ("task.*.type", Some("script")),
-    ("force.*.type", Some("ramp")),
-    ("force.*.type", Some("spring")),
     ("force.*.type", Some("carried-object")),
     ("force.*.type", Some("script")),
     ("event", None),

@@ -114,6 +114,11 @@ impl<'de> Deserialize<'de> for AngularRate {
     }
 }
 
+/// One angle.
+pub fn angle<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
+    Ok(Angle::deserialize(d)?.0)
+}
+
 /// Three angles.
 pub fn angles<'de, D: Deserializer<'de>>(d: D) -> Result<[f64; 3], D::Error> {
     Ok(<[Angle; 3]>::deserialize(d)?.map(|a| a.0))

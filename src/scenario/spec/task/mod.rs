@@ -23,3 +23,12 @@ tagged! {
         "gravity-compensation" => GravityCompensation(GravityCompensationTask),
     }
 }
+
+impl TaskSpec {
+    /// The file that the key `file` names, if the type has that key.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            TaskSpec::Posture(_) => None,
+        }
+    }
+}
