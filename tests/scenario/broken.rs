@@ -17,7 +17,12 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[[task]]\ntype = \"posture\"\njoint = { knee = 1 }", (5, 1), "unknown key `joint` in `task.0`", "`joints`"),
     Broken("soles = [{ name = \"l\", polygon = [[0, 0, 0]] }]", (3, 10), "`robot.soles.0` lacks the key `link`", ""),
     Broken("[[task]]\ntype = \"posture\"", (3, 1), "`task.0` lacks the key `joints`", ""),
-    Broken("[[task]]\nstart = 1", (3, 1), "`task.0` lacks the key `type`", "types: posture"),
+    Broken(
+        "[[task]]\nstart = 1",
+        (3, 1),
+        "`task.0` lacks the key `type`",
+        "types: posture, balance, gravity-compensation",
+    ),
     // Types.
     Broken("[floor]\nheight = \"low\"", (4, 10), "`floor.height` must be a number, not the string \"low\"", ""),
     Broken("[floor]\nfriction = [1, 2]", (4, 12), "must be a number or `{ static, kinetic }`, not an array", ""),
