@@ -132,8 +132,9 @@ fn joints_turn_the_way_the_figures_say() {
             ("L_HAA", "l_foot", o, -y, "left leg inward"),
             ("R_HAA", "r_foot", o, y, "right leg inward"),
             ("L_HFE", "l_foot", o, x, "leg forward"),
-            ("L_HFR", "l_foot", toes, y, "left toes outward"),
-            ("R_HFR", "r_foot", toes, -y, "right toes outward"),
+            // A point well ahead: the tilted axis passes close to the toes.
+            ("L_HFR", "l_foot", x, y, "left toes outward"),
+            ("R_HFR", "r_foot", x, -y, "right toes outward"),
             ("L_KFE", "l_foot", o, -x, "knee flexes backward"),
             ("L_AR", "l_foot", toes, y, "left toes outward"),
             ("L_AFE", "l_foot", toes, z, "toes up"),
