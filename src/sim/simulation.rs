@@ -16,6 +16,7 @@ use crate::contact::judge::TOUCHING;
 use crate::contact::method::{self, Manner};
 use crate::contact::problem::{Problem, Tolerances};
 use crate::contact::state::MAX_SOLES;
+use crate::geometry::stable_point::Edge;
 use crate::integrate::StepControl;
 use crate::task::server::Situation;
 use crate::task::{Sensed, TaskServer};
@@ -71,6 +72,8 @@ pub struct Simulation {
     pub(super) frozen: Option<Box<Frozen>>,
     pub(super) displacement: Vec<f64>,
     pub(super) snapshot: Snapshot,
+    /// Scratch of the snapshot's point of optimal stability.
+    edges: Vec<Edge>,
     /// None when nobody wants samples.
     pub(super) sampler: Option<Box<Sampler>>,
     /// Has the first choice of states been made?
@@ -159,6 +162,7 @@ impl Simulation {
             frozen: None,
             displacement: vec![0.0; model.nv()],
             snapshot,
+            edges: Vec::new(),
             sampler: None,
             started: false,
             corners,
@@ -271,11 +275,16 @@ impl Simulation {
     }
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        super::sense::truth(&mut self.plant, &mut self.sensed);
+        let time = self.plant.state.time;
+        super::sense::truth(&mut self.plant, self.tasks.needs(time), &mut self.sensed);
         let plant = &self.plant;
-        let time = plant.state.time;
-        let situation =
-            Situation { model: &plant.model, gravity: plant.gravity, state: &plant.state, sensed: &self.sensed };
+        let situation = Situation {
+            model: &plant.model,
+            gravity: plant.gravity,
+            floor: plant.floor.plane(),
+            state: &plant.state,
+            sensed: &self.sensed,
+        };
         let mut failure = None;
         let ran = self.tasks.run(&situation, |what, name| {
             let message = format!("task {name} {what}");
@@ -338,7 +347,7 @@ impl Simulation {
             // A fixed step that ends the run, or spans several instants of the log, is one instant.
             return Ok(());
         }
-        super::observe::fill(&mut self.plant, &mut self.snapshot);
+        super::observe::fill(&mut self.plant, &mut self.edges, &mut self.snapshot);
         self.snapshot.energy = self.balance();
         observer.snapshot(&self.snapshot).map_err(|m| Stop::new(Outcome::Error, m))
     }
