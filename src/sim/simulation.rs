@@ -43,7 +43,7 @@ enum Stepper {
 pub(super) enum Jump {
     /// Nothing.
     None,
-    /// What the joints are asked.
+    /// What the joints are asked, or a prescribed acceleration.
     Tick,
     /// A force, or which states are imposed.
     Corner,
@@ -211,6 +211,7 @@ impl Simulation {
         self.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, self.duration, &self.plant.state)));
         self.init_forces()?;
         self.run_tasks(observer)?;
+        self.plant.fill_actuators();
         self.plant.within = 0.0;
         self.tell_imposed(observer)?;
         let mut stepper = self.stepper.take();
@@ -238,13 +239,13 @@ impl Simulation {
         let jump = if self.corners.contains(&t) {
             self.tell_imposed(observer)?;
             Jump::Corner
-        } else if ticks {
+        } else if ticks || self.plant.guide.ends(t) {
             Jump::Tick
         } else {
             Jump::None
         };
         let corner = self.corners.iter().copied().find(|c| *c > t);
-        let stops = [self.tasks.next_tick(), corner];
+        let stops = [self.tasks.next_tick(), corner, self.plant.guide.corner(t)];
         let until = stops.into_iter().flatten().fold(self.duration, f64::min);
         let mut stepper = self.stepper.take().expect("put back below");
         let result = match &mut stepper {
@@ -292,6 +293,7 @@ impl Simulation {
             failure = observer.event(&event).err().or(failure.take());
         });
         self.plant.command.copy_from(&self.tasks.command);
+        self.plant.plan(self.tasks.period(), self.tasks.next_tick());
         failure.map_or(ran, Err).map_err(|m| Stop::new(Outcome::Error, m))
     }
 

@@ -50,6 +50,11 @@ impl TaskServer {
         self.slots.push(Slot { start, task, begun: false, ended: false, changed: 0 });
     }
 
+    /// Time between two ticks, s.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
     /// Time of the next tick that can change anything; none when all tasks have ended.
     pub fn next_tick(&self) -> Option<f64> {
         let due = |s: &Slot| {
