@@ -5,6 +5,7 @@ mod analytic;
 mod cli;
 mod contact;
 mod determinism;
+mod force;
 mod identities;
 mod oracles;
 mod record;

@@ -17,8 +17,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("task.*.type", Some("balance")),
     ("task.*.type", Some("mocap")),
     ("task.*.type", Some("script")),
-    ("force.*.type", Some("ramp")),
-    ("force.*.type", Some("spring")),
     ("force.*.type", Some("carried-object")),
     ("force.*.type", Some("script")),
     ("event", None),

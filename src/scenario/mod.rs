@@ -5,8 +5,8 @@
 //! ```
 //!
 //! [`load`] reads a file, [`ScenarioFile::expand`] gives its [`Run`]s. Whatever is wrong comes back as [`Diagnostics`]:
-//! with file, line and column, the line itself, and a guess at what was meant. Nothing here opens a robot file, loads a
-//! mesh or steps.
+//! with file, line and column, the line itself, and a guess at what was meant. Files that a scenario names beside
+//! its robot are read, but nothing here opens a robot file, loads a mesh or steps.
 
 mod availability;
 mod axis;
@@ -17,6 +17,7 @@ mod dimensions;
 mod expand;
 mod file;
 mod grid;
+mod inputs;
 mod key;
 mod overrides;
 mod path;
@@ -35,6 +36,7 @@ mod tree;
 pub use diagnostic::{Diagnostic, Diagnostics, Place, Severity};
 pub use expand::{DEFAULT_MAX_RUNS, Origin, Run};
 pub use file::{ScenarioFile, load, parse};
+pub use inputs::Input;
 pub use key::key;
 pub use overrides::parse_override;
 pub use scenario::{FORMAT, Scenario};
@@ -48,7 +50,10 @@ pub use spec::{
     event::EventSpec,
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
-    force::{ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, Profile, PushForce},
+    force::{
+        AnchorSpec, ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, PathShape, Profile, PushForce, RampForce,
+        SineSpec, SpringForce, WaypointSpec,
+    },
     planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},
     robot::{

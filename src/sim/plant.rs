@@ -18,7 +18,7 @@ use crate::contact::method::{Manner, Method, Stored};
 use crate::contact::problem::{Level, Problem};
 use crate::contact::state::States;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, factor, kinematics, reduced, rnea};
-use crate::force::{Applied, Force, Scene};
+use crate::force::{Applied, Force, Scene, Tell};
 use crate::integrate::System;
 use crate::robot::{DriveMode, Model, SoleId};
 use crate::task::Command;
@@ -244,6 +244,20 @@ impl Plant {
             within: self.within,
         };
         self.forces.iter_mut().try_for_each(|force| force.init(&scene))
+    }
+
+    /// Calls every force model's `pass` at the present state, whose kinematics it brings up to date.
+    pub(super) fn pass_forces(&mut self, tell: &mut Tell) {
+        self.move_links();
+        let scene = Scene {
+            model: &self.model,
+            state: &self.state,
+            kinematics: &self.ws,
+            time: self.state.time,
+            // The piece that begins here.
+            within: self.state.time,
+        };
+        self.forces.iter_mut().for_each(|force| force.pass(&scene, tell));
     }
 
     fn finish_free(&mut self) {

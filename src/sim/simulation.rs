@@ -210,6 +210,7 @@ impl Simulation {
         let rate = observer.sample_rate();
         self.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, self.duration, &self.plant.state)));
         self.init_forces()?;
+        self.pass_forces(observer)?;
         self.run_tasks(observer)?;
         self.plant.fill_actuators();
         self.plant.within = 0.0;
@@ -233,10 +234,14 @@ impl Simulation {
         let t = self.plant.state.time;
         let tick = self.tasks.next_tick();
         let ticks = tick.is_some_and(|tick| tick <= t);
+        let corner = self.corners.contains(&t);
+        if corner {
+            self.pass_forces(observer)?;
+        }
         if ticks {
             self.run_tasks(observer)?;
         }
-        let jump = if self.corners.contains(&t) {
+        let jump = if corner {
             self.tell_imposed(observer)?;
             Jump::Corner
         } else if ticks || self.plant.guide.ends(t) {
@@ -300,6 +305,17 @@ impl Simulation {
     /// Prepares the force models.
     fn init_forces(&mut self) -> Result<(), Stop> {
         self.plant.init_forces().map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Tells the force models that a corner, or the start, is reached.
+    fn pass_forces(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let time = self.plant.state.time;
+        let mut failure = None;
+        self.plant.pass_forces(&mut |kind, subject, message| {
+            let event = SimEvent { time, kind, subject: subject.to_string(), message };
+            failure = failure.take().or(observer.event(&event).err());
+        });
+        failure.map_or(Ok(()), |m| Err(Stop::new(Outcome::Error, m)))
     }
 
     /// Ends the run when a force model has failed.

@@ -224,6 +224,7 @@ pub fn header(topics: Topics) -> LogHeader<'static> {
         urdf: Document { name: "sample.urdf", text: URDF },
         floor: isometry(0.0, 0.0, -0.1, [0.2, 0.0, 0.0]),
         patches: &PATCHES,
+        inputs: &[],
         topics,
     }
 }

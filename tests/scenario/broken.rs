@@ -95,7 +95,33 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
     Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
     Broken("[[task]]\ntype = \"sine\"", (4, 8), "task type `sine` is not available yet", ""),
-    Broken("[[force]]\ntype = \"spring\"", (4, 8), "force type `spring` is not available yet", ""),
+    Broken("[[force]]\ntype = \"carried-object\"", (4, 8), "force type `carried-object` is not available yet", ""),
+    // Springs.
+    Broken("[[force]]\ntype = \"spring\"\nlink = \"a\"", (3, 1), "`force.0` lacks the key `stiffness`", ""),
+    Broken(
+        "[[force]]\ntype = \"spring\"\nlink = \"a\"\nstiffness = -1",
+        (6, 13),
+        "`force.0.stiffness` must be 0 or greater, not -1",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"spring\"\nlink = \"a\"\nstiffness = 1\nanchor = { velocity = [0, 0, 0], sine = { amplitude = [1, 0, 0], frequency = 1 } }",
+        (7, 10),
+        "`force.0.anchor` must move in one way",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"spring\"\nlink = \"a\"\nstiffness = 1\nanchor = { waypoints = [{ at = 1, position = [0, 0, 0] }, { at = 1, position = [1, 0, 0] }] }",
+        (7, 66),
+        "`force.0.anchor.waypoints.1.at` must be after the waypoint before, at 1, not 1",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"spring\"\nlink = \"a\"\nstiffness = 1\nanchor = { position = [0, 0, 0], waypoints = [{ at = 1, position = [0, 0, 0] }] }",
+        (7, 23),
+        "`force.0.anchor.position` has no meaning beside `waypoints`",
+        "",
+    ),
     Broken("[self_collision]\nmethod = 2", (3, 2), "`self_collision` is not available yet", ""),
     // Comparisons.
     Broken("[compare]", (3, 1), "`compare` needs `reference`, `truth` or `timing_repeats`", ""),

@@ -55,6 +55,8 @@ pub struct LogHeader<'a> {
     pub robot: Option<Document<'a>>,
     /// The URDF, attached and published.
     pub urdf: Document<'a>,
+    /// Other texts that the run is made of, attached.
+    pub inputs: &'a [Document<'a>],
     /// Pose of the floor in the world: a point of the plane, z its normal.
     pub floor: Isometry3<f64>,
     /// Outlines of the floor's patches, world, m.
@@ -112,6 +114,9 @@ impl LogWriter {
             sink.attach(robot.name, "application/toml", robot.text)?;
         }
         sink.attach(header.urdf.name, "application/xml", header.urdf.text)?;
+        for input in header.inputs {
+            sink.attach(input.name, "text/plain", input.text)?;
+        }
         sink.metadata(
             "run",
             &[

@@ -10,7 +10,7 @@ pub struct Trajectory {
     pub info: RunInfo,
     /// Did the run end by itself; false for one that was cancelled or broke down, whose series then end early.
     pub complete: bool,
-    /// Scenario, robot file (if there is one) and URDF.
+    /// Scenario, robot file (if there is one), URDF, and other texts that the run was made of.
     pub attachments: Vec<Attachment>,
     /// Simulated times of the ticks, s, as they were logged: rising, mostly at the log's rate. Empty when the log holds
     /// neither `state` nor `contact`.

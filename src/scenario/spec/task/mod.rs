@@ -13,3 +13,12 @@ tagged! {
         "posture" => Posture(PostureTask),
     }
 }
+
+impl TaskSpec {
+    /// The file that the key `file` names, if the type has that key.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            TaskSpec::Posture(_) => None,
+        }
+    }
+}
