@@ -1,6 +1,7 @@
 //! One run from start to end.
 
 use super::error::Stop;
+use super::estimate::Estimator;
 use super::explicit::{Explicit, Sizes};
 use super::fixed::Fixed;
 use super::ledger::Flows;
@@ -9,6 +10,7 @@ use super::measure::Tally;
 use super::plant::Plant;
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::sample::Sampler;
+use super::sensors::Sensors;
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
 use crate::contact::candidate::Solution;
 use crate::contact::frozen::Frozen;
@@ -19,7 +21,7 @@ use crate::contact::state::MAX_SOLES;
 use crate::geometry::stable_point::Edge;
 use crate::integrate::StepControl;
 use crate::task::server::Situation;
-use crate::task::{Sensed, TaskServer};
+use crate::task::{Needs, TaskServer};
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -55,8 +57,8 @@ pub struct Simulation {
     pub(super) tolerances: Tolerances,
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
-    /// What the sensors said at the last tick.
-    sensed: Sensed,
+    sensors: Sensors,
+    estimator: Estimator,
     pub(super) metrics: Metrics,
     /// Work of velocity jumps since the start, J: impacts, jams, and what a new contact state ends.
     pub(super) work: f64,
@@ -144,14 +146,21 @@ impl Simulation {
             // Nor does one have to be let into it: what a vertex may accelerate downwards only covers rounding.
             tolerances.acceleration = tolerances.acceleration.min(SINKING);
         }
-        let snapshot = super::observe::blank(&model);
+        let sensors = Sensors::new(&plant, setup.sensors, setup.tasks.period(), setup.seed);
+        let estimator = Estimator::new(&setup.estimator, &model, setup.gravity);
+        let mut snapshot = super::observe::blank(&model);
+        if setup.sensors.is_some() || estimator.estimates() {
+            setup.tasks.tick_always();
+            snapshot.estimate = Some(super::observe::blank_estimate(&model));
+        }
         let v = &plant.state.v;
         let launch = if model.nb() == 6 { Vector3::new(v[0], v[1], v[2]) } else { Vector3::zeros() };
         let mut sim = Simulation {
             tolerances,
             contact: setup.contact,
             tasks: setup.tasks,
-            sensed: Sensed::blank(&model),
+            sensors,
+            estimator,
             metrics: Metrics::default(),
             work: 0.0,
             flows: Flows::default(),
@@ -281,15 +290,18 @@ impl Simulation {
     }
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        let time = self.plant.state.time;
-        super::sense::truth(&mut self.plant, self.tasks.needs(time), &mut self.sensed);
+        let loads = self.tasks.needs(self.plant.state.time).contains(Needs::LOADS) || self.estimator.estimates();
+        self.sensors.read(&mut self.plant, loads);
+        self.estimator.update(&self.plant.model, &self.plant.state, &self.sensors.readings);
+        self.take_estimate();
         let plant = &self.plant;
+        let time = plant.state.time;
         let situation = Situation {
             model: &plant.model,
             gravity: plant.gravity,
             floor: plant.floor.plane(),
-            state: &plant.state,
-            sensed: &self.sensed,
+            state: &self.estimator.state,
+            sensed: &self.sensors.readings,
         };
         let mut failure = None;
         let ran = self.tasks.run(&situation, |what, name| {
@@ -300,6 +312,19 @@ impl Simulation {
         self.plant.command.copy_from(&self.tasks.command);
         self.plant.plan(self.tasks.period(), self.tasks.next_tick());
         failure.map_or(ran, Err).map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Keeps what was estimated for the log, and how far it is from the truth.
+    fn take_estimate(&mut self) {
+        let Some(out) = &mut self.snapshot.estimate else { return };
+        super::observe::fill_estimate(&self.estimator, &self.sensors.readings, out);
+        if self.estimator.estimates() {
+            let (position, angle) = self.estimator.error(&self.plant.state);
+            let m = &mut self.metrics;
+            m.max_estimate_error_m = Some(m.max_estimate_error_m.unwrap_or(0.0).max(position));
+            m.max_estimate_error_rad = Some(m.max_estimate_error_rad.unwrap_or(0.0).max(angle));
+            (m.final_estimate_error_m, m.final_estimate_error_rad) = (Some(position), Some(angle));
+        }
     }
 
     /// Prepares the force models.

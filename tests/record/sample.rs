@@ -197,6 +197,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
             impact_loss: wobble(tick, 515),
         },
         external: if tick.is_multiple_of(2) { vec![(vector(tick, 400), vector(tick, 403) * 30.0)] } else { Vec::new() },
+        estimate: None,
     }
 }
 

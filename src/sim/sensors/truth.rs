@@ -1,12 +1,12 @@
 //! What the sensors say of the plant.
 
-use super::plant::Plant;
-use crate::task::{Needs, Sensed};
+use crate::sim::plant::Plant;
+use crate::task::Sensed;
 use nalgebra::Vector3;
 
-/// Readings without any error: the plant's state and what its last evaluation found. The loads of the soles are read
-/// only if they are among `needs`.
-pub(super) fn truth(plant: &mut Plant, needs: Needs, out: &mut Sensed) {
+/// Readings without any error: the plant's state and what its last evaluation found; the loads of the soles only if asked
+/// for.
+pub(super) fn read(plant: &mut Plant, loads: bool, out: &mut Sensed) {
     let state = &plant.state;
     let nb = plant.model.nb();
     out.position.copy_from_slice(&state.joints);
@@ -16,7 +16,7 @@ pub(super) fn truth(plant: &mut Plant, needs: Needs, out: &mut Sensed) {
     if nb == 6 {
         out.angular_velocity = state.rotation.inverse() * Vector3::new(state.v[3], state.v[4], state.v[5]);
     }
-    if !needs.contains(Needs::LOADS) {
+    if !loads {
         return;
     }
     plant.share_forces();
