@@ -12,7 +12,6 @@ use super::{
 const PLANNED: &[(&str, Option<&str>)] = &[
     ("task.*.type", Some("playback")),
     ("task.*.type", Some("sine")),
-    ("task.*.type", Some("balance")),
     ("task.*.type", Some("mocap")),
     ("task.*.type", Some("script")),
     ("force.*.type", Some("carried-object")),

@@ -65,6 +65,8 @@ pub use spec::{
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
     sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
-    task::{PostureTask, TaskSpec},
+    task::{
+        BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PostureTask, TaskSpec,
+    },
 };
 pub use suggest::help as suggest;

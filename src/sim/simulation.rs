@@ -315,12 +315,12 @@ impl Simulation {
     }
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        let loads = self.tasks.needs(self.plant.state.time).contains(Needs::LOADS) || self.estimator.estimates();
+        let time = self.plant.state.time;
+        let loads = self.snapshot.estimate.is_some() || self.tasks.needs(time).contains(Needs::LOADS);
         self.sensors.read(&mut self.plant, loads);
         self.estimator.update(&self.plant.model, &self.plant.state, &self.sensors.readings);
         self.take_estimate();
         let plant = &self.plant;
-        let time = plant.state.time;
         let situation = Situation {
             model: &plant.model,
             gravity: plant.gravity,

@@ -1,5 +1,6 @@
 //! From a scenario's run and a loaded robot to a [`Setup`]: the place where names meet what they name.
 
+mod balance;
 mod events;
 mod forces;
 mod model;

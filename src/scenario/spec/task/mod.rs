@@ -1,7 +1,13 @@
 //! `[[task]]`: what the robot is told to do. One file per type.
 
+mod balance;
+mod balance_force;
+mod gravity_compensation;
 mod posture;
 
+pub use balance::{BalanceControl, BalanceTask};
+pub use balance_force::{Contacts, ForceBalance, Gains};
+pub use gravity_compensation::GravityCompensationTask;
 pub use posture::PostureTask;
 
 use super::tagged::tagged;
@@ -11,6 +17,10 @@ tagged! {
     TaskSpec, "task" {
         /// Move joints to a posture.
         "posture" => Posture(PostureTask),
+        /// Keep the centre of mass above the soles.
+        "balance" => Balance(BalanceTask),
+        /// Hold the robot up and give way to every push.
+        "gravity-compensation" => GravityCompensation(GravityCompensationTask),
     }
 }
 
@@ -18,7 +28,7 @@ impl TaskSpec {
     /// The file that the key `file` names, if the type has that key.
     pub fn file(&self) -> Option<&str> {
         match self {
-            TaskSpec::Posture(_) => None,
+            TaskSpec::Posture(_) | TaskSpec::Balance(_) | TaskSpec::GravityCompensation(_) => None,
         }
     }
 }
