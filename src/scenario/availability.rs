@@ -16,7 +16,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("task.*.type", Some("script")),
     ("force.*.type", Some("carried-object")),
     ("force.*.type", Some("script")),
-    ("event", None),
     ("self_collision", None),
 ];
 

@@ -14,6 +14,7 @@ mod checks;
 mod decode;
 mod diagnostic;
 mod dimensions;
+mod events;
 mod expand;
 mod file;
 mod grid;
@@ -34,6 +35,7 @@ mod suggest;
 mod tree;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Place, Severity};
+pub use events::Event;
 pub use expand::{DEFAULT_MAX_RUNS, Origin, Run};
 pub use file::{ScenarioFile, load, parse};
 pub use inputs::Input;

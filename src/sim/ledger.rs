@@ -4,7 +4,7 @@
 //! E(t) - E(0) = W_actuators + W_external - L_joints - L_friction - L_impacts + error
 //! ```
 //!
-//! E is kinetic and potential energy, that in the springs of a compliant method included. W_actuators is the work of the servos, W_external that of external forces, L_joints
+//! E is kinetic and potential energy, that in the springs of a compliant method included. W_actuators is the work of the servos, W_external that of external forces and of events that change the robot, gravity or the state, L_joints
 //! what damping, friction and stops of the joints take (a stop gives some back), L_friction what contact friction takes,
 //! from the vertex forces and velocities themselves, and L_impacts what velocity jumps take: impacts, jams, and the
 //! little normal motion and slip that a new contact state ends; with a compliant method it is what the floor takes out of

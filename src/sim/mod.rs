@@ -2,6 +2,7 @@
 
 pub mod actuator;
 pub mod build;
+pub mod change;
 mod comply;
 mod decide;
 mod drive;

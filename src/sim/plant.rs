@@ -196,6 +196,11 @@ impl Plant {
         }
     }
 
+    /// The links have changed: their kinematics are computed anew when they are next wanted.
+    pub(super) fn displaced(&mut self) {
+        self.placed.position.x = f64::NAN;
+    }
+
     /// Fills tau with actuators, passive joint efforts and external forces. With a step size the position servo is
     /// referred to the position that the present velocity leads to, as the implicit step requires.
     fn efforts(&mut self, dt: Option<f64>) {
@@ -233,8 +238,13 @@ impl Plant {
         }
     }
 
-    /// Calls every force model's `init` at the present state, whose kinematics it brings up to date.
+    /// Calls every force model's `init` at the present state.
     pub(super) fn init_forces(&mut self) -> Result<(), String> {
+        (0..self.forces.len()).try_for_each(|i| self.init_force(i))
+    }
+
+    /// Calls `init` of one force model at the present state, whose kinematics it brings up to date.
+    pub(super) fn init_force(&mut self, i: usize) -> Result<(), String> {
         self.move_links();
         let scene = Scene {
             model: &self.model,
@@ -243,7 +253,7 @@ impl Plant {
             time: self.state.time,
             within: self.within,
         };
-        self.forces.iter_mut().try_for_each(|force| force.init(&scene))
+        self.forces[i].init(&scene)
     }
 
     /// Calls every force model's `pass` at the present state, whose kinematics it brings up to date.

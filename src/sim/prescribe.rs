@@ -32,7 +32,7 @@ impl Plant {
     }
 
     /// Puts kinematic joints where they are prescribed to be at the state's time.
-    fn follow(&mut self) {
+    pub(super) fn follow(&mut self) {
         let nb = self.model.nb();
         for &j in self.guide.joints() {
             let m = self.guide.at(j, self.state.time, self.within);

@@ -120,7 +120,7 @@ pub struct SoleSnapshot {
 pub struct SimEvent {
     /// Simulated time, s.
     pub time: f64,
-    /// Short kind: `touchdown`, `liftoff`, `slip`, `stick`, `impact`, `jam`, `inconsistent`, `state`, `border`, `forced`, `fallen`, `task`, ...
+    /// Short kind: `touchdown`, `liftoff`, `slip`, `stick`, `impact`, `jam`, `inconsistent`, `state`, `border`, `forced`, `fallen`, `task`, `event`, ...
     pub kind: &'static str,
     /// What it is about (a sole, a joint, a task), may be empty.
     pub subject: String,

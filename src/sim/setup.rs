@@ -1,5 +1,6 @@
 //! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
 
+use super::change::Change;
 use super::estimate::EstimatorSetup;
 use super::patch::Patch;
 use super::sensors::SensorErrors;
@@ -143,6 +144,10 @@ pub struct Setup {
     pub estimator: EstimatorSetup,
     /// Seed of all random numbers drawn while running.
     pub seed: u64,
+    /// Events, in the order in which they happen.
+    pub changes: Vec<Change>,
+    /// How many states they save under different names.
+    pub saved_states: usize,
     /// Simulated time, s.
     pub duration: f64,
     /// Snapshots per second, 0 for none but the last.

@@ -1,5 +1,6 @@
 //! One run from start to end.
 
+use super::change::{Change, Saved};
 use super::error::Stop;
 use super::estimate::Estimator;
 use super::explicit::{Explicit, Sizes};
@@ -57,8 +58,8 @@ pub struct Simulation {
     pub(super) tolerances: Tolerances,
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
-    sensors: Sensors,
-    estimator: Estimator,
+    pub(super) sensors: Sensors,
+    pub(super) estimator: Estimator,
     pub(super) metrics: Metrics,
     /// Work of velocity jumps since the start, J: impacts, jams, and what a new contact state ends.
     pub(super) work: f64,
@@ -81,6 +82,11 @@ pub struct Simulation {
     /// Has the first choice of states been made?
     pub(super) started: bool,
     corners: Vec<f64>,
+    /// Events of the scenario, and how many of them have happened.
+    pub(super) changes: Vec<Change>,
+    pub(super) happened: usize,
+    /// States saved by events.
+    pub(super) saved: Vec<Saved>,
     stepper: Option<Stepper>,
     duration: f64,
     log_rate: f64,
@@ -124,6 +130,10 @@ impl Simulation {
         let plant = Plant::new(&mut setup, method, problem);
         let mut corners: Vec<f64> = plant.forces.iter().flat_map(|f| f.corners().iter().copied()).collect();
         corners.extend(setup.contact.forced.iter().flat_map(|f| [f.from, f.to]));
+        for change in &setup.changes {
+            corners.push(change.at);
+            corners.extend(change.forces.iter().flat_map(|(_, f)| f.corners().iter().copied()));
+        }
         corners.retain(|c| *c > 0.0 && *c < setup.duration);
         corners.sort_by(f64::total_cmp);
         corners.dedup();
@@ -175,6 +185,9 @@ impl Simulation {
             sampler: None,
             started: false,
             corners,
+            saved: Vec::new(),
+            changes: setup.changes,
+            happened: 0,
             stepper: Some(stepper),
             duration: setup.duration,
             log_rate: setup.log_rate,
@@ -190,6 +203,7 @@ impl Simulation {
         };
         sim.plant.evaluate_free();
         sim.start_energy = sim.plant.energy();
+        sim.saved = vec![Saved::new(&sim.plant, &sim.anchors); setup.saved_states];
         Ok(sim)
     }
 
@@ -219,6 +233,7 @@ impl Simulation {
         let rate = observer.sample_rate();
         self.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, self.duration, &self.plant.state)));
         self.init_forces()?;
+        self.happen(observer)?;
         self.pass_forces(observer)?;
         self.run_tasks(observer)?;
         self.plant.fill_actuators();
@@ -235,6 +250,12 @@ impl Simulation {
         begun?;
         self.started = true;
         self.measure();
+        // A state saved at the start is one with contact.
+        for k in 0..self.happened {
+            if let Some(slot) = self.changes[k].save {
+                self.save(slot);
+            }
+        }
         Ok(())
     }
 
@@ -244,6 +265,7 @@ impl Simulation {
         let tick = self.tasks.next_tick();
         let ticks = tick.is_some_and(|tick| tick <= t);
         let corner = self.corners.contains(&t);
+        let happens = corner && self.happen(observer)?;
         if corner {
             self.pass_forces(observer)?;
         }
@@ -262,6 +284,9 @@ impl Simulation {
         let stops = [self.tasks.next_tick(), corner, self.plant.guide.corner(t)];
         let until = stops.into_iter().flatten().fold(self.duration, f64::min);
         let mut stepper = self.stepper.take().expect("put back below");
+        if let (Stepper::Explicit(explicit), true) = (&mut stepper, happens) {
+            explicit.restart();
+        }
         let result = match &mut stepper {
             Stepper::Explicit(explicit) => explicit.step(self, until, jump, observer),
             Stepper::Fixed(fixed) => fixed.step(self, until, observer),

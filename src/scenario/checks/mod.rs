@@ -1,5 +1,6 @@
 //! Rules between several values of a scenario, each shown at the value that breaks it.
 
+mod event;
 mod force;
 mod task;
 
@@ -55,6 +56,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     for (i, force) in scenario.force.iter().enumerate() {
         check.force(&format!("force.{i}"), force, scenario.duration);
     }
+    check.events(&scenario.event, scenario.duration);
     for (i, expect) in scenario.expect.iter().enumerate() {
         check.expect(&format!("expect.{i}"), expect);
         check.compared(&format!("expect.{i}.metric"), expect, scenario.compare.as_ref());
