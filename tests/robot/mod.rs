@@ -4,9 +4,13 @@ mod adjust;
 mod broken_file;
 mod broken_urdf;
 mod convention;
+mod example_robots;
 mod finding;
 mod hoap2;
+mod joints;
+mod meshes;
 mod notices;
+mod repair;
 mod welding;
 
 use std::path::{Path, PathBuf};
