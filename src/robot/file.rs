@@ -9,6 +9,7 @@ use toml::Spanned;
 use super::angle::Angle;
 use super::error::{RobotError, nearest};
 use super::source::Source;
+use super::urdf::InertiaPolicy;
 
 /// A robot file.
 #[derive(Deserialize, JsonSchema, Debug)]
@@ -20,6 +21,8 @@ pub struct RobotFile {
     /// How the root link is held; by default fixed when the URDF's root link is called `world`, else floating.
     #[schemars(with = "Option<BaseWord>")]
     pub base: Option<Spanned<BaseWord>>,
+    /// What happens to inertias that no body can have; a scenario may override it.
+    pub inertia: Option<InertiaWord>,
     /// Joint positions of the home posture; joints not named are at 0, or at the limit nearest to 0.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, Angle>")]
@@ -62,6 +65,25 @@ pub enum BaseWord {
     Fixed,
     /// Free in space.
     Floating,
+}
+
+/// What happens to inertias that no body can have.
+#[derive(Deserialize, JsonSchema, Clone, Copy, Debug)]
+#[serde(rename_all = "kebab-case")]
+pub enum InertiaWord {
+    /// The robot is refused, by the link's name.
+    Refuse,
+    /// The nearest physical tensor takes its place, and a notice says so.
+    Repair,
+}
+
+impl From<InertiaWord> for InertiaPolicy {
+    fn from(word: InertiaWord) -> Self {
+        match word {
+            InertiaWord::Refuse => InertiaPolicy::Refuse,
+            InertiaWord::Repair => InertiaPolicy::Repair,
+        }
+    }
 }
 
 /// One sole.

@@ -60,7 +60,8 @@ pub use spec::{
     planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},
     robot::{
-        BaseSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec, SoleSpec,
+        BaseSpec, InertiaSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec,
+        SoleSpec,
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
     sensors::{OrientationError, SensorError, SensorsSpec},

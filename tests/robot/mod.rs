@@ -6,11 +6,15 @@ mod broken_urdf;
 mod cbi;
 mod convention;
 mod figures;
+mod example_robots;
 mod finding;
 mod hoap2;
+mod joints;
+mod meshes;
 mod notices;
 mod payload;
 mod quadruped;
+mod repair;
 mod welding;
 
 use std::path::{Path, PathBuf};

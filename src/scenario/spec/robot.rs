@@ -35,6 +35,9 @@ pub struct RobotSpec {
     /// Soles instead of the robot's own; an empty list means no contact. Left out: the robot's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soles: Option<Vec<SoleSpec>>,
+    /// What happens to inertias that no body can have. Left out: as the robot file says, else `"refuse"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<InertiaSpec>,
     /// Masses welded to links.
     #[serde(default)]
     pub payload: Vec<PayloadSpec>,
@@ -109,6 +112,16 @@ pub enum JointLimits {
     Stop,
     /// Nothing.
     Ignore,
+}
+
+/// What happens to inertias that no body can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum InertiaSpec {
+    /// The robot is refused, by the link's name.
+    Refuse,
+    /// The nearest physical tensor takes its place, and a notice says so.
+    Repair,
 }
 
 /// A convex planar polygon that may touch the floor.
