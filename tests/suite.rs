@@ -5,6 +5,7 @@ mod cli;
 mod contact;
 mod determinism;
 mod force;
+mod force_balance;
 mod identities;
 mod oracles;
 mod record;

@@ -7,5 +7,5 @@ mod contact_reduction;
 mod equation_of_motion;
 mod jacobians;
 mod numeric;
-mod random_tree;
+pub mod random_tree;
 mod stepping;

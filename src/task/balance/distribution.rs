@@ -50,8 +50,12 @@ pub struct Measure {
 /// How much more a missing vertical force counts: without it a robot rather jumps than gives way.
 pub const VERTICAL: f64 = 10.0;
 
-/// Weights eps of (2), one step each, relative to the number of contacts. The last is repeated.
-const WEIGHTS: [f64; 10] = [1e-1, 1e-3, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5];
+/// Weights eps of the first steps of (2), relative to the number of contacts: the early ones lead the later ones near.
+const WEIGHTS: [f64; 2] = [1e-1, 1e-3];
+/// That of all further steps. Each leaves about this part of what the one before has missed.
+const LAST_WEIGHT: f64 = 1e-5;
+/// Most of these further steps; two to four are usual.
+const LAST_STEPS: usize = 8;
 /// Newton steps for one step of (2): convergence takes about ten.
 const NEWTON_STEPS: usize = 40;
 /// What is left of w, relative to it, that counts as rounding.
@@ -158,7 +162,7 @@ impl Distribution {
         let size = w.norm().max(f64::MIN_POSITIVE);
         let mut y = Vector6::zeros();
         let mut missing = f64::INFINITY;
-        for weight in WEIGHTS {
+        for weight in WEIGHTS.into_iter().chain([LAST_WEIGHT; LAST_STEPS]) {
             let eps = weight * self.contacts.len() as f64;
             y = self.proximal(map, w, friction, &y, eps);
             let mut rest = *w;
@@ -168,7 +172,7 @@ impl Distribution {
             }
             let left = rest.norm() / size;
             // Either all is there, or no more comes: w cannot be had.
-            if left <= ROUNDING || (weight == WEIGHTS[9] && left > 0.5 * missing) {
+            if left <= ROUNDING || (weight == LAST_WEIGHT && left > 0.5 * missing) {
                 return;
             }
             missing = left;

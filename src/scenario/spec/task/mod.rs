@@ -28,7 +28,7 @@ impl TaskSpec {
     /// The file that the key `file` names, if the type has that key.
     pub fn file(&self) -> Option<&str> {
         match self {
-            TaskSpec::Posture(_) => None,
+            TaskSpec::Posture(_) | TaskSpec::Balance(_) | TaskSpec::GravityCompensation(_) => None,
         }
     }
 }
