@@ -1,5 +1,6 @@
 //! The one integration test program; each folder is a kind of truth.
 
+mod actuation;
 mod analytic;
 mod cli;
 mod contact;

@@ -34,9 +34,14 @@ pub struct RobotFile {
     /// For every joint, what its own table leaves out.
     #[schemars(with = "Option<JointEntry>")]
     pub joint_default: Option<Spanned<JointEntry>>,
-    /// Patterns of joints that follow their command exactly, without dynamics.
+    /// Loads welded to links.
+    #[serde(default)]
+    #[schemars(with = "Vec<PayloadEntry>")]
+    pub payload: Vec<Spanned<PayloadEntry>>,
+    /// Joints that follow their command exactly, without dynamics (mode `kinematic`): names in which `*` stands for any
+    /// characters and `?` for one.
     #[schemars(with = "Option<Vec<String>>")]
-    pub kinematic: Option<Spanned<Vec<String>>>,
+    pub kinematic: Option<Vec<Spanned<String>>>,
     /// Frames of interest.
     #[serde(default)]
     #[schemars(with = "Vec<Frame>")]
@@ -73,6 +78,30 @@ pub struct SoleEntry {
     pub polygon: Spanned<Vec<[f64; 3]>>,
 }
 
+/// A load welded to a link.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct PayloadEntry {
+    /// Name, for messages.
+    pub name: String,
+    /// Carrying link.
+    #[schemars(with = "String")]
+    pub link: Spanned<String>,
+    /// Mass, kg, above 0.
+    #[schemars(with = "f64")]
+    pub mass: Spanned<f64>,
+    /// Centre of mass in the link's URDF frame, m.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub position: Option<Spanned<[f64; 3]>>,
+    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about that centre in the link's axes, kg m^2. Without `inertia` and `size` it is a
+    /// point mass.
+    #[schemars(with = "Option<[f64; 6]>")]
+    pub inertia: Option<Spanned<[f64; 6]>>,
+    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; it is drawn, too.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub size: Option<Spanned<[f64; 3]>>,
+}
+
 /// What follows a joint's command.
 #[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq, Debug)]
 #[serde(rename_all = "kebab-case")]
@@ -81,7 +110,9 @@ pub enum ModeWord {
     Position,
     /// Commanded effort.
     Force,
-    /// Exactly on its command, without dynamics. Not available yet.
+    /// A velocity, by `kd`.
+    Velocity,
+    /// Exactly on its command, without dynamics.
     Kinematic,
     /// No actuator.
     Passive,
@@ -111,6 +142,9 @@ pub struct JointEntry {
     /// Reflected rotor inertia, kg m^2 or kg.
     #[schemars(with = "Option<f64>")]
     pub armature: Option<Spanned<f64>>,
+    /// Time constant of the actuator, s: its effort follows what is asked as a first-order lag.
+    #[schemars(with = "Option<f64>")]
+    pub lag: Option<Spanned<f64>>,
 }
 
 /// Joint friction.
@@ -138,8 +172,7 @@ pub struct Frame {
     #[schemars(with = "Option<[f64; 3]>")]
     pub position: Option<Spanned<[f64; 3]>>,
     /// Roll, pitch, yaw in the link's URDF frame.
-    #[serde(rename = "rpy")]
-    pub _rpy: Option<[Angle; 3]>,
+    pub rpy: Option<[Angle; 3]>,
 }
 
 /// Sensors of the robot.

@@ -14,6 +14,7 @@ mod inspect;
 pub mod model;
 mod notice;
 mod outline;
+mod payload;
 mod polygon;
 mod posture;
 mod source;
@@ -78,7 +79,8 @@ fn assemble(urdf: Source, file: Option<(Source, RobotFile)>) -> Result<Robot, Ro
             format!("the robot has no name: `{}` is taken", model.name),
         );
     }
-    home_within_limits(&mut model, &urdf, &mut notices);
+    let named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
+    home_within_limits(&mut model, &urdf, named, &mut notices);
     let mut files = Vec::new();
     let mut soles_given = false;
     if let Some((source, file)) = &file {
@@ -94,11 +96,11 @@ fn assemble(urdf: Source, file: Option<(Source, RobotFile)>) -> Result<Robot, Ro
     Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.0 })
 }
 
-/// Zero is the home of a joint nobody names, unless its limits exclude it.
-fn home_within_limits(model: &mut Model, urdf: &Source, notices: &mut Notices) {
+/// Zero is the home of a joint nobody names, unless its limits exclude it. `named` are those of the robot file's home.
+fn home_within_limits(model: &mut Model, urdf: &Source, named: impl Fn(&str) -> bool, notices: &mut Notices) {
     for (joint, home) in model.joints.iter().zip(&mut model.home) {
         *home = 0.0f64.clamp(joint.lower, joint.upper);
-        if *home != 0.0 {
+        if *home != 0.0 && !named(&joint.name) {
             let at = urdf.text().find(&format!("\"{}\"", joint.name)).unwrap_or(0);
             let words = format!("0 is outside the limits of joint `{}`: its home is {home}", joint.name);
             notices.info(urdf, at, words);

@@ -44,9 +44,10 @@ pub use schema::schema;
 pub use spec::{
     compare::{CompareSpec, TruthMetric},
     contact::{
-        ContactMethod, ContactSpec, ControlSpec, Estimator, EventHandling, ForcedState, IntegratorMethod,
-        IntegratorSpec, LcpSpec, NcpSpec, PenaltySpec,
+        ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec, LcpSpec, NcpSpec,
+        PenaltySpec,
     },
+    control::{AccelerationSource, ControlSpec, Estimator, InertialSpec, KinematicSpec},
     event::EventSpec,
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
@@ -60,6 +61,7 @@ pub use spec::{
         BaseSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec, SoleSpec,
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
+    sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
     task::{
         BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PostureTask, TaskSpec,

@@ -1,10 +1,13 @@
 //! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
 
+use super::estimate::EstimatorSetup;
 use super::patch::Patch;
+use super::sensors::SensorErrors;
 use crate::contact::method::Parameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
 use crate::force::Force;
+use crate::geometry::Plane;
 use crate::integrate::Tableau;
 use crate::robot::Model;
 use crate::task::TaskServer;
@@ -27,6 +30,11 @@ pub struct Floor {
 }
 
 impl Floor {
+    /// The plane alone.
+    pub fn plane(&self) -> Plane {
+        Plane { rotation: self.rotation, point: self.point }
+    }
+
     /// World vector in floor axes.
     pub fn to_floor(&self, v: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(v)
@@ -129,6 +137,12 @@ pub struct Setup {
     pub tasks: TaskServer,
     /// External forces.
     pub forces: Vec<Box<dyn Force>>,
+    /// Errors of the sensors; none: they tell the truth.
+    pub sensors: Option<SensorErrors>,
+    /// Where tasks have the base's state from.
+    pub estimator: EstimatorSetup,
+    /// Seed of all random numbers drawn while running.
+    pub seed: u64,
     /// Simulated time, s.
     pub duration: f64,
     /// Snapshots per second, 0 for none but the last.

@@ -3,10 +3,14 @@
 mod adjust;
 mod broken_file;
 mod broken_urdf;
+mod cbi;
 mod convention;
+mod figures;
 mod finding;
 mod hoap2;
 mod notices;
+mod payload;
+mod quadruped;
 mod welding;
 
 use std::path::{Path, PathBuf};

@@ -158,3 +158,18 @@ fn incomplete_parts_that_are_not_read_do_no_harm() {
         assert_eq!((read.damping, read.friction), (0.0, 0.0));
     }
 }
+
+#[test]
+fn a_home_that_the_robot_file_names_needs_no_words() {
+    let urdf = format!(
+        "<robot name=\"r\"><link name=\"a\">{BODY}</link><joint name=\"j\" type=\"revolute\"><parent link=\"a\"/>\
+         <child link=\"b\"/><axis xyz=\"0 0 1\"/><limit lower=\"1\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>\
+         <link name=\"b\">{BODY}</link></robot>"
+    );
+    let told = |toml: &str| {
+        let robot = super::load_toml(toml, &urdf).unwrap();
+        (robot.model.home[0], robot.notices.iter().any(|n| n.message.contains("outside the limits of joint `j`")))
+    };
+    assert_eq!(told("urdf = \"robot.urdf\"\nsole = []\n"), (1.0, true));
+    assert_eq!(told("urdf = \"robot.urdf\"\nsole = []\n[home]\nj = 1.5\n"), (1.5, false));
+}

@@ -97,8 +97,10 @@ const BELOW_ROBOT: &[Broken] = &[
         "",
     ),
     // Known, not available.
-    Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
-    Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
+    Broken("[sensors]\ngyroscope = { noise = -1 }", (4, 23), "must be 0 or greater, not -1", ""),
+    Broken("[sensors]\ngyro = {}", (4, 1), "unknown key `gyro` in `sensors`", "`gyroscope`"),
+    Broken("[sensors]\nsole_force = { delay = 11 }", (4, 24), "must be at most 10 s, not 11", ""),
+    Broken("[control]\nkinematic = { threshold = 2 }", (4, 27), "between 0 and 1, not 2", ""),
     Broken("[[task]]\ntype = \"sine\"", (4, 8), "task type `sine` is not available yet", ""),
     Broken("[[force]]\ntype = \"carried-object\"", (4, 8), "force type `carried-object` is not available yet", ""),
     // Springs.
@@ -253,10 +255,10 @@ const BELOW_ROBOT: &[Broken] = &[
     // Sweeps.
     Broken("[sweep]\ngrid = { \"contact.metod\" = [\"exact\"] }", (4, 19), "unknown key `metod`", "`method`"),
     Broken(
-        "[sweep]\ngrid = { \"control.estimator\" = [\"truth\", \"inertial\"] }",
+        "[sweep]\ngrid = { \"control.estimator\" = [\"truth\", \"inertal\"] }",
         (4, 42),
-        "`inertial` is not available yet",
-        "",
+        "`control.estimator` cannot be \"inertal\"",
+        "did you mean `inertial`?",
     ),
     Broken("[sweep]\ngrid = { \"floor.friction\" = [0.1, -1] }", (4, 35), "must be 0 or greater", ""),
     Broken("[sweep]\ngrid = { \"force.0.force\" = [[1, 0, 0]] }", (4, 11), "the file has no `force`", ""),
