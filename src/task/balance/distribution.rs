@@ -58,6 +58,8 @@ const LAST_WEIGHT: f64 = 1e-5;
 const LAST_STEPS: usize = 8;
 /// Newton steps for one step of (2): convergence takes about ten.
 const NEWTON_STEPS: usize = 40;
+/// Part of a Newton step below which it is given up: rounding has the last word.
+const SHORTEST: f64 = 1e-8;
 /// What is left of w, relative to it, that counts as rounding.
 const ROUNDING: f64 = 1e-15;
 
@@ -184,25 +186,28 @@ impl Distribution {
         let mut y = *centre;
         let (mut value, mut gradient) = self.dual(map, w, friction, &y, centre, eps);
         for _ in 0..NEWTON_STEPS {
-            let Some(factor) = self.curvature(map, friction, &y, eps).cholesky() else { return y };
+            if gradient.norm() <= ROUNDING * (w.norm() + eps * y.norm()) {
+                break;
+            }
+            let Some(factor) = self.curvature(map, friction, &y, eps).cholesky() else { break };
             let step = -factor.solve(&gradient);
             let slope = gradient.dot(&step);
             let mut length = 1.0;
-            loop {
+            let better = loop {
                 let next = y + step * length;
                 let (v, g) = self.dual(map, w, friction, &next, centre, eps);
-                if v <= value + 1e-4 * length * slope {
-                    (y, value, gradient) = (next, v, g);
-                    break;
+                // Where rounding hides the value's decrease the gradient has to tell.
+                let hidden = (v - value).abs() <= 8.0 * f64::EPSILON * value.abs();
+                if v <= value + 1e-4 * length * slope || (hidden && g.norm() < gradient.norm()) {
+                    break Some((next, v, g));
                 }
                 length *= 0.5;
-                if length < 1e-3 {
-                    // Less than the rounding of the value: a full step if it makes the gradient smaller, then it is done.
-                    let next = y + step;
-                    let (_, g) = self.dual(map, w, friction, &next, centre, eps);
-                    return if g.norm() < gradient.norm() { next } else { y };
+                if length < SHORTEST {
+                    break None;
                 }
-            }
+            };
+            let Some(better) = better else { break };
+            (y, value, gradient) = better;
         }
         y
     }
