@@ -6,6 +6,7 @@ mod cli;
 mod contact;
 mod determinism;
 mod force;
+mod force_balance;
 mod identities;
 mod oracles;
 mod record;
