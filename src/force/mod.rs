@@ -4,8 +4,10 @@
 //! the adaptive integrator visits. Models say beforehand at which times they are not smooth, so that steps end there.
 
 pub mod anchor;
+pub mod drag;
 pub mod friction;
 pub mod profile;
+pub mod random_pushes;
 pub mod spring;
 pub mod wrench;
 

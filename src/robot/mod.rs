@@ -27,6 +27,7 @@ pub use inspect::inspect;
 pub use model::*;
 pub use notice::{Notice, Severity};
 pub use source::Source;
+pub use urdf::RigidInertia;
 
 use file::{BaseWord, RobotFile};
 use notice::Notices;

@@ -19,7 +19,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("task.*.type", Some("balance")),
     ("task.*.type", Some("mocap")),
     ("task.*.type", Some("script")),
-    ("force.*.type", Some("carried-object")),
     ("force.*.type", Some("script")),
     ("event", None),
     ("self_collision", None),

@@ -51,8 +51,8 @@ pub use spec::{
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
     force::{
-        AnchorSpec, ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, PathShape, Profile, PushForce, RampForce,
-        SineSpec, SpringForce, WaypointSpec,
+        AnchorSpec, CarriedObject, ConstantForce, Directions, DragForce, ForceFrame, ForceSpec, JointFrictionForce,
+        PathShape, Profile, PushForce, RampForce, RandomPushes, SineSpec, SpringForce, WaypointSpec,
     },
     planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},

@@ -29,6 +29,13 @@ struct Flight {
     spin: Vector3<f64>,
 }
 
+impl Marks {
+    /// What flies is another body from now on.
+    pub(super) fn leave_flight(&mut self) {
+        self.flight = None;
+    }
+}
+
 impl Simulation {
     /// Looks at the end of a step. Needs kinematics at the plant's state.
     pub(super) fn mark_step(&mut self) {

@@ -13,6 +13,7 @@ mod imposed;
 mod jam;
 pub mod layout;
 mod ledger;
+mod loads;
 mod marks;
 mod measure;
 pub mod observe;
@@ -30,6 +31,7 @@ mod zones;
 
 pub use error::Stop;
 pub use ledger::Balance;
+pub use loads::Load;
 pub use report::*;
 pub use setup::Setup;
 pub use simulation::Simulation;

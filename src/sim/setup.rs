@@ -1,5 +1,6 @@
 //! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
 
+use super::loads::Load;
 use super::patch::Patch;
 use crate::contact::method::Parameters;
 use crate::contact::problem::Tolerances;
@@ -129,6 +130,8 @@ pub struct Setup {
     pub tasks: TaskServer,
     /// External forces.
     pub forces: Vec<Box<dyn Force>>,
+    /// Objects that links carry for a time.
+    pub loads: Vec<Load>,
     /// Simulated time, s.
     pub duration: f64,
     /// Snapshots per second, 0 for none but the last.

@@ -4,9 +4,10 @@ use super::error::Stop;
 use super::explicit::{Explicit, Sizes};
 use super::fixed::Fixed;
 use super::ledger::Flows;
+use super::loads::Loads;
 use super::marks::Marks;
 use super::measure::Tally;
-use super::plant::Plant;
+use super::plant::{Plant, load_scale};
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::sample::Sampler;
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
@@ -56,6 +57,7 @@ pub struct Simulation {
     pub(super) tasks: TaskServer,
     /// What the sensors said at the last tick.
     sensed: Sensed,
+    pub(super) loads: Loads,
     pub(super) metrics: Metrics,
     /// Work of velocity jumps since the start, J: impacts, jams, and what a new contact state ends.
     pub(super) work: f64,
@@ -112,12 +114,14 @@ impl Simulation {
                 (v.mu_s, v.mu_k) = (setup.floor.mu_s, setup.floor.mu_k);
             }
         }
-        problem.scale = model.mass() * setup.gravity.norm().max(1.0);
+        problem.scale = load_scale(&model, &setup.gravity);
         let method = method::make(&setup.contact.method, &setup.contact.parameters, &problem)
             .ok_or_else(|| error(format!("unknown contact method `{}`", setup.contact.method)))?;
         let projection = Solution::new(&problem);
         let plant = Plant::new(&mut setup, method, problem);
         let mut corners: Vec<f64> = plant.forces.iter().flat_map(|f| f.corners().iter().copied()).collect();
+        let loads = Loads::new(&model, std::mem::take(&mut setup.loads));
+        corners.extend(loads.corners());
         corners.extend(setup.contact.forced.iter().flat_map(|f| [f.from, f.to]));
         corners.retain(|c| *c > 0.0 && *c < setup.duration);
         corners.sort_by(f64::total_cmp);
@@ -149,6 +153,7 @@ impl Simulation {
             contact: setup.contact,
             tasks: setup.tasks,
             sensed: Sensed::blank(&model),
+            loads,
             metrics: Metrics::default(),
             work: 0.0,
             flows: Flows::default(),
@@ -207,6 +212,7 @@ impl Simulation {
         self.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, self.duration, &self.plant.state)));
         self.init_forces()?;
         self.pass_forces(observer)?;
+        self.pass_loads(observer)?;
         self.run_tasks(observer)?;
         self.plant.within = 0.0;
         self.tell_imposed(observer)?;
@@ -232,6 +238,7 @@ impl Simulation {
         let corner = self.corners.contains(&t);
         if corner {
             self.pass_forces(observer)?;
+            self.pass_loads(observer)?;
         }
         if ticks {
             self.run_tasks(observer)?;
@@ -357,6 +364,11 @@ impl Simulation {
         super::observe::fill(&mut self.plant, &mut self.snapshot);
         self.snapshot.energy = self.balance();
         observer.snapshot(&self.snapshot).map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Are steps taken at the velocity level? (Not while one is being taken.)
+    pub(super) fn steps_velocities(&self) -> bool {
+        matches!(self.stepper, Some(Stepper::Fixed(_)))
     }
 
     /// Are events located inside steps?

@@ -18,7 +18,8 @@ mod xml;
 
 use std::path::PathBuf;
 
-pub(super) use inertia::{Flaw, RigidInertia, examine, moments_text};
+pub use inertia::RigidInertia;
+pub(super) use inertia::{Flaw, examine, moments_text};
 
 use super::error::RobotError;
 use super::model::{Base, Model};

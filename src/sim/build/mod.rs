@@ -46,6 +46,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     }
     let start = start::start(run, &model, &floor, &mut errors);
     let forces = forces::forces(run, &model, &mut errors);
+    let loads = forces::loads(run, &model, &mut errors);
     let tasks = tasks::tasks(run, &model, &start, &mut errors);
     let contact = ContactSetup {
         method: s.contact.method.name().to_owned(),
@@ -76,6 +77,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         joint_stops: s.robot.joint_limits == JointLimits::Stop,
         tasks,
         forces,
+        loads,
         duration: s.duration,
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),

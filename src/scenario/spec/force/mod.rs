@@ -1,15 +1,21 @@
 //! `[[force]]`: what acts on the robot besides gravity and the floor. One file per type.
 
+mod carried_object;
 mod constant;
+mod drag;
 mod joint_friction;
 mod push;
 mod ramp;
+mod random_pushes;
 mod spring;
 
+pub use carried_object::CarriedObject;
 pub use constant::ConstantForce;
+pub use drag::DragForce;
 pub use joint_friction::JointFrictionForce;
 pub use push::{Profile, PushForce};
 pub use ramp::RampForce;
+pub use random_pushes::{Directions, RandomPushes};
 pub use spring::{AnchorSpec, PathShape, SineSpec, SpringForce, WaypointSpec};
 
 use schemars::JsonSchema;
@@ -30,6 +36,12 @@ tagged! {
         "ramp" => Ramp(RampForce),
         /// A spring and damper to an anchor that may move.
         "spring" => Spring(SpringForce),
+        /// Pushes drawn at random.
+        "random-pushes" => RandomPushes(RandomPushes),
+        /// Resistance of the air.
+        "drag" => Drag(DragForce),
+        /// An object that a link holds for a time.
+        "carried-object" => CarriedObject(CarriedObject),
     }
 }
 
