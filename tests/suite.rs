@@ -1,5 +1,6 @@
 //! The one integration test program; each folder is a kind of truth.
 
+mod actuation;
 mod analytic;
 mod cli;
 mod contact;
@@ -10,4 +11,5 @@ mod oracles;
 mod record;
 mod robot;
 mod scenario;
+mod script;
 mod validation;

@@ -12,6 +12,7 @@ pub fn humanoid([leg, arm, torso]: [usize; 3]) -> Model {
         links: vec![],
         joints: vec![],
         soles: vec![],
+        end_effectors: vec![],
         home: vec![],
     };
     model.links.push(link(None, 0, 10.0));
@@ -74,6 +75,7 @@ fn joint() -> Joint {
         damping: 0.0,
         friction: 0.0,
         armature: 0.01,
+        lag: 0.0,
         drive: Drive::default(),
         drive_configured: false,
     }

@@ -8,6 +8,7 @@ pub mod drag;
 pub mod friction;
 pub mod profile;
 pub mod random_pushes;
+pub mod script;
 pub mod spring;
 pub mod wrench;
 

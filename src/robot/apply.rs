@@ -1,12 +1,12 @@
 //! What the robot file says, put into the model the URDF gave.
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use toml::Spanned;
 
 use super::adjust::{DriveSettings, SoleSpec, link_names, make_sole, set_drive};
 use super::error::RobotError;
 use super::file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
-use super::model::{DriveMode, JointKind, Model};
+use super::model::{DriveMode, EndEffector, JointKind, LinkId, Model};
 use super::notice::Notices;
 use super::posture::link_poses;
 use super::source::Source;
@@ -18,16 +18,46 @@ pub(super) fn apply(
     model: &mut Model,
     notices: &mut Notices,
 ) -> Result<(), RobotError> {
-    if let Some(kinematic) = &file.kinematic {
-        let fault = source.fault(kinematic.span(), "kinematic joints are not available yet").element("robot file");
-        return Err(fault.not_available());
-    }
     home(file, source, model)?;
-    drives(file, source, model)?;
+    let kinematic = kinematic(file, source, model)?;
+    drives(file, source, model, &kinematic)?;
     if let Some(soles) = &file.sole {
         given_soles(soles, source, model, notices)?;
     }
+    end_effectors(file, source, model)?;
     not_used_yet(file, source, model, notices)
+}
+
+fn end_effectors(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
+    for entry in &file.end_effector {
+        let frame = entry.get_ref();
+        let element = format!("end effector `{}`", frame.name);
+        if model.end_effector(&frame.name).is_some() {
+            let fault = source.fault(entry.span(), format!("there are two end effectors named `{}`", frame.name));
+            return Err(fault.element(element).wanted("a name of its own").invalid());
+        }
+        let (link, pose) = frame_pose(frame, &element, source, model)?;
+        model.end_effectors.push(EndEffector { name: frame.name.clone(), link, pose });
+    }
+    Ok(())
+}
+
+/// The carrying link and the frame's pose in its internal frame.
+fn frame_pose(
+    frame: &Frame,
+    element: &str,
+    source: &Source,
+    model: &Model,
+) -> Result<(LinkId, Isometry3<f64>), RobotError> {
+    let (link, urdf_frame) = known_link(&frame.link, element, source, model)?;
+    let position = frame.position.as_ref().map_or([0.0; 3], |p| *p.get_ref());
+    if let Some(span) = frame.position.as_ref().filter(|_| !position.iter().all(|x| x.is_finite())).map(Spanned::span) {
+        let fault = source.fault(span, format!("position of {element} is not finite"));
+        return Err(fault.element(element).wanted("three finite numbers").invalid());
+    }
+    let [roll, pitch, yaw] = frame.rpy.map_or([0.0; 3], |rpy| rpy.map(|angle| angle.value));
+    let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    Ok((link, urdf_frame * Isometry3::from_parts(Vector3::from(position).into(), turn)))
 }
 
 fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
@@ -50,7 +80,51 @@ fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), Robo
     Ok(())
 }
 
-fn drives(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
+/// For every joint, is it matched by a pattern of `kinematic`.
+fn kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<Vec<bool>, RobotError> {
+    let mut matched = vec![false; model.joints.len()];
+    for pattern in file.kinematic.iter().flatten() {
+        let mut any = false;
+        for (matched, joint) in
+            matched.iter_mut().zip(&model.joints).filter(|(_, j)| matches(pattern.get_ref(), &j.name))
+        {
+            (any, *matched) = (true, true);
+            let own = file.joint.get(joint.name.as_str()).and_then(|entry| entry.get_ref().mode.as_ref());
+            if let Some(mode) = own.filter(|mode| *mode.get_ref() != ModeWord::Kinematic) {
+                let words = format!("joint `{}` is matched by `{}` of `kinematic`", joint.name, pattern.get_ref());
+                let fault = source.fault(mode.span(), words).element(format!("joint `{}`", joint.name));
+                return Err(fault.wanted("no other mode").invalid());
+            }
+        }
+        if !any {
+            let words = format!("no moving joint of the URDF matches `{}`", pattern.get_ref());
+            let known = model.joints.iter().map(|j| j.name.as_str());
+            return Err(source
+                .fault(pattern.span(), words)
+                .element("kinematic")
+                .suggest(pattern.get_ref(), known)
+                .invalid());
+        }
+    }
+    Ok(matched)
+}
+
+/// Does `name` match `pattern`, in which `*` stands for any characters and `?` for one?
+fn matches(pattern: &str, name: &str) -> bool {
+    let mut rest = pattern.chars();
+    match rest.next() {
+        None => name.is_empty(),
+        Some('*') => {
+            name.char_indices().map(|(i, _)| i).chain([name.len()]).any(|i| matches(rest.as_str(), &name[i..]))
+        }
+        Some(c) => {
+            let mut after = name.chars();
+            after.next().is_some_and(|n| c == '?' || c == n) && matches(rest.as_str(), after.as_str())
+        }
+    }
+}
+
+fn drives(file: &RobotFile, source: &Source, model: &mut Model, kinematic: &[bool]) -> Result<(), RobotError> {
     for name in file.joint.keys() {
         joint_index(name, source, model)?;
     }
@@ -59,13 +133,16 @@ fn drives(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), Ro
         None => DriveSettings::default(),
     };
     let names: Vec<String> = model.joints.iter().map(|j| j.name.clone()).collect();
-    for name in names {
+    for (name, kinematic) in names.into_iter().zip(kinematic) {
         let own = file.joint.get(name.as_str());
         let place = own.or(file.joint_default.as_ref()).map_or(0..0, Spanned::span);
-        let own = match own {
+        let mut own = match own {
             Some(entry) => settings(entry.get_ref(), &format!("joint `{name}`"), source)?,
             None => DriveSettings::default(),
         };
+        if *kinematic {
+            own.mode = Some(DriveMode::Kinematic);
+        }
         set_drive(model, &name, &own.or(default)).map_err(|error| match error {
             RobotError::BadValue { subject, seen, wanted } => {
                 source.fault(place, subject).element(format!("joint `{name}`")).seen(seen).wanted(wanted).invalid()
@@ -92,10 +169,8 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
             ModeWord::Position => DriveMode::Position,
             ModeWord::Force => DriveMode::Force,
             ModeWord::Passive => DriveMode::Passive,
-            ModeWord::Kinematic => {
-                let fault = source.fault(word.span(), format!("mode `kinematic` of {element} is not available yet"));
-                return Err(fault.element(element).wanted("position, force or passive").not_available());
-            }
+            ModeWord::Velocity => DriveMode::Velocity,
+            ModeWord::Kinematic => DriveMode::Kinematic,
         }),
     };
     let friction = entry.friction.clone().unwrap_or_default();
@@ -108,6 +183,7 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
         coulomb: number("friction.coulomb", &friction.coulomb)?,
         viscous: number("friction.viscous", &friction.viscous)?,
         armature: number("armature", &entry.armature)?,
+        lag: number("lag", &entry.lag)?,
     })
 }
 
@@ -148,19 +224,8 @@ fn given_soles(
 
 /// Parts of the file that are checked but that nothing reads yet.
 fn not_used_yet(file: &RobotFile, source: &Source, model: &Model, notices: &mut Notices) -> Result<(), RobotError> {
-    let frame = |frame: &Frame, kind: &str| {
-        let element = format!("{kind} `{}`", frame.name);
-        known_link(&frame.link, &element, source, model)?;
-        if let Some(position) = frame.position.as_ref().filter(|p| !p.get_ref().iter().all(|x| x.is_finite())) {
-            let fault = source.fault(position.span(), format!("position of {element} is not finite"));
-            return Err(fault.element(element).wanted("three finite numbers").invalid());
-        }
-        Ok(())
-    };
-    for effector in &file.end_effector {
-        frame(effector.get_ref(), "end effector")?;
-        notices.info(source, effector.span().start, "[[end_effector]] is checked but not used yet");
-    }
+    let frame =
+        |frame: &Frame, kind: &str| frame_pose(frame, &format!("{kind} `{}`", frame.name), source, model).map(|_| ());
     if let Some(sensors) = &file.sensors {
         sensors.get_ref().imu.iter().try_for_each(|f| frame(f, "imu"))?;
         sensors.get_ref().force.iter().try_for_each(|f| frame(f, "force sensor"))?;
@@ -184,9 +249,15 @@ fn joint_index(name: &Spanned<String>, source: &Source, model: &Model) -> Result
     })
 }
 
-fn known_link(name: &Spanned<String>, element: &str, source: &Source, model: &Model) -> Result<(), RobotError> {
-    if model.link(name.get_ref()).is_some() {
-        return Ok(());
+/// The link of that name with the pose of its URDF frame in its internal frame.
+fn known_link(
+    name: &Spanned<String>,
+    element: &str,
+    source: &Source,
+    model: &Model,
+) -> Result<(LinkId, Isometry3<f64>), RobotError> {
+    if let Some(found) = model.link(name.get_ref()) {
+        return Ok(found);
     }
     let fault =
         source.fault(name.span(), format!("{element} names an unknown link")).seen(format!("`{}`", name.get_ref()));

@@ -60,6 +60,10 @@ pub enum DriveMode {
     Position,
     /// `tau` = feed-forward only, clipped.
     Force,
+    /// `tau = kd (qd_des - qd) + feed-forward`, clipped.
+    Velocity,
+    /// Exactly on its command, without dynamics of its own: a prescribed motion. Limits, stops and gains do not hold it.
+    Kinematic,
     /// No actuator torque.
     #[default]
     Passive,
@@ -97,6 +101,8 @@ pub struct Joint {
     pub friction: f64,
     /// Reflected rotor inertia, kg m^2 or kg.
     pub armature: f64,
+    /// Time constant with which the actuator's effort follows what is asked, s; 0 when it follows at once.
+    pub lag: f64,
     /// The actuator.
     pub drive: Drive,
     /// True when the URDF or robot file configured the drive; `joint_default` of a scenario fills the others.
@@ -189,6 +195,17 @@ pub struct Sole {
     pub vertices: Vec<Vector3<f64>>,
 }
 
+/// A frame of interest fixed to a link.
+#[derive(Clone, PartialEq, Debug)]
+pub struct EndEffector {
+    /// Name, unique among the robot's end effectors.
+    pub name: String,
+    /// Carrying link.
+    pub link: LinkId,
+    /// Pose in the carrying link's **internal** frame.
+    pub pose: Isometry3<f64>,
+}
+
 /// A robot: immutable after loading and shared by all threads.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Model {
@@ -202,6 +219,8 @@ pub struct Model {
     pub joints: Vec<Joint>,
     /// Soles, in file order.
     pub soles: Vec<Sole>,
+    /// End effectors, in file order.
+    pub end_effectors: Vec<EndEffector>,
     /// Home posture, one number per joint.
     pub home: Vec<f64>,
 }
@@ -231,9 +250,19 @@ impl Model {
         self.links[first..].iter().map(|l| l.mass).sum()
     }
 
+    /// Joints whose actuators lag, in ascending order.
+    pub fn lagging(&self) -> impl Iterator<Item = JointId> {
+        self.joints.iter().enumerate().filter(|(_, j)| j.lag > 0.0).map(|(i, _)| JointId(i))
+    }
+
     /// The joint of that name.
     pub fn joint(&self, name: &str) -> Option<JointId> {
         self.joints.iter().position(|j| j.name == name).map(JointId)
+    }
+
+    /// Index of the end effector of that name.
+    pub fn end_effector(&self, name: &str) -> Option<usize> {
+        self.end_effectors.iter().position(|e| e.name == name)
     }
 
     /// The link of that name, welded ones included, with the pose of its URDF frame in the carrying link's internal frame.

@@ -42,17 +42,19 @@ pub use overrides::parse_override;
 pub use scenario::{FORMAT, Scenario};
 pub use schema::schema;
 pub use spec::{
+    change::ChangeSpec,
     compare::{CompareSpec, TruthMetric},
     contact::{
-        ContactMethod, ContactSpec, ControlSpec, Estimator, EventHandling, ForcedState, IntegratorMethod,
-        IntegratorSpec, LcpSpec, NcpSpec, PenaltySpec,
+        ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec, LcpSpec, NcpSpec,
+        PenaltySpec,
     },
+    control::{AccelerationSource, ControlSpec, Estimator, InertialSpec, KinematicSpec},
     event::EventSpec,
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
     force::{
         AnchorSpec, CarriedObject, ConstantForce, Directions, DragForce, ForceFrame, ForceSpec, JointFrictionForce,
-        PathShape, Profile, PushForce, RampForce, RandomPushes, SineSpec, SpringForce, WaypointSpec,
+        PathShape, Profile, PushForce, RampForce, RandomPushes, ScriptForce, SineSpec, SpringForce, WaypointSpec,
     },
     planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},
@@ -60,7 +62,11 @@ pub use spec::{
         BaseSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec, SoleSpec,
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
+    sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
-    task::{PostureTask, TaskSpec},
+    task::{
+        BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PostureTask, ScriptTask,
+        TaskSpec,
+    },
 };
 pub use suggest::help as suggest;

@@ -9,11 +9,13 @@
 //! ```
 //!
 //! M- and M+ the mass matrices without and with the object, J the Jacobian of its centre of mass, J_c^T Lambda the impulses of
-//! the contact method at the soles, found from the velocities that the first two terms would lead to. In the energy balance the energy that an object brings and takes
+//! the contact method at the soles, found from the velocities that the first two terms would lead to. Kinematic joints keep
+//! their motions. In the energy balance the energy that an object brings and takes
 //! along counts as work of external forces, what the impact takes as an impact's loss.
 
 use super::error::Stop;
 use super::plant::Plant;
+use super::prescribe::Jump;
 use super::report::Observer;
 use super::simulation::Simulation;
 use crate::contact::state::SoleState;
@@ -64,9 +66,13 @@ impl Loads {
     }
 }
 
-/// Energy that an object brings along and what of all energy is lost in taking it, J.
+/// Energies of taking hold of an object, J.
 struct Taken {
+    /// What it brings along.
     brought: f64,
+    /// What the drives of kinematic joints give to keep to their motions.
+    drives: f64,
+    /// What is lost.
     lost: f64,
 }
 
@@ -78,20 +84,21 @@ impl Simulation {
             let (load, held) = &self.loads.loads[i];
             match *held {
                 true if load.to <= t => self.release(i, observer)?,
-                false if load.from <= t && t < load.to => self.take(i, observer)?,
+                false if load.from <= t && t < load.to => self.take_hold(i, observer)?,
                 _ => {}
             }
         }
         Ok(())
     }
 
-    fn take(&mut self, i: usize, observer: &mut dyn Observer) -> Result<(), Stop> {
+    fn take_hold(&mut self, i: usize, observer: &mut dyn Observer) -> Result<(), Stop> {
         let (load, held) = &mut self.loads.loads[i];
         *held = true;
         let load = load.clone();
-        let taken = self.plant.take(&load, &self.loads.sum(load.link)).map_err(|e| self.diverged(&e.to_string()))?;
+        let taken =
+            self.plant.take_hold(&load, &self.loads.sum(load.link)).map_err(|e| self.diverged(&e.to_string()))?;
         self.bring(taken.brought);
-        self.work -= taken.lost;
+        self.take(Jump { contact: -taken.lost, drives: taken.drives });
         let lost = if load.velocity.is_some() { format!(", energy lost {:.6e} J", taken.lost) } else { String::new() };
         self.event(observer, "object", &load.name, &format!("{} kg taken{lost}", load.body.mass))?;
         if load.velocity.is_some() && self.started { self.shock(observer) } else { Ok(()) }
@@ -139,25 +146,35 @@ impl Plant {
     }
 
     /// Makes a load part of its link, which then is `whole`.
-    fn take(&mut self, load: &Load, whole: &RigidInertia) -> Result<Taken, dynamics::DynamicsError> {
+    fn take_hold(&mut self, load: &Load, whole: &RigidInertia) -> Result<Taken, dynamics::DynamicsError> {
         let Some(velocity) = load.velocity else {
-            return Ok(Taken { brought: self.weigh(load.link, whole), lost: 0.0 });
+            return Ok(Taken { brought: self.weigh(load.link, whole), drives: 0.0, lost: 0.0 });
         };
         self.move_links();
         let mass = load.body.mass;
         let place = self.ws.point(load.link, &load.body.com);
         let brought = mass * (0.5 * velocity.norm_squared() - self.gravity.dot(&place));
         let before = self.energy() + brought;
+        // What both have more than the link with the object would have at the old velocity.
+        let (mut excess, mut other) = (vec![0.0; self.model.nv()], vec![0.0; self.model.nv()]);
         crba::mass_matrix(&self.model, &mut self.ws);
-        let mut momentum = vec![0.0; self.model.nv()];
-        self.ws.mass.multiply(&self.state.v, &mut momentum);
-        dynamics::force::accumulate(&self.ws, load.link, &place, &(velocity * mass), &Vector3::zeros(), &mut momentum);
+        self.ws.mass.multiply(&self.state.v, &mut excess);
+        let (momentum, none) = (velocity * mass, Vector3::zeros());
+        dynamics::force::accumulate(&self.ws, load.link, &place, &momentum, &none, &mut excess);
         self.set_body(load.link, whole);
         crba::mass_matrix(&self.model, &mut self.ws);
-        factor::factorize(&mut self.ws)?;
-        factor::solve(&self.ws, &mut momentum);
-        self.state.v.copy_from_slice(&momentum);
+        self.ws.mass.multiply(&self.state.v, &mut other);
+        excess.iter_mut().zip(&other).for_each(|(e, o)| *e -= o);
+        // M+ dv = excess, but kinematic joints keep their velocities.
+        let prescribed = &self.reduced.prescribed;
+        let mut dv = excess.clone();
+        prescribed.iter().for_each(|k| dv[*k] = 0.0);
+        factor::factorize_prescribed(&mut self.ws, &vec![0.0; dv.len()], prescribed)?;
+        factor::solve(&self.ws, &mut dv);
+        self.ws.mass.multiply(&dv, &mut other);
+        let drives = prescribed.iter().map(|&k| self.state.v[k] * (other[k] - excess[k])).sum();
+        self.state.v.iter_mut().zip(&dv).for_each(|(v, dv)| *v += dv);
         self.move_links();
-        Ok(Taken { brought, lost: before - self.energy() })
+        Ok(Taken { brought, drives, lost: before + drives - self.energy() })
     }
 }

@@ -1,11 +1,14 @@
 //! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
 
+use super::estimate::EstimatorSetup;
 use super::loads::Load;
 use super::patch::Patch;
+use super::sensors::SensorErrors;
 use crate::contact::method::Parameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
 use crate::force::Force;
+use crate::geometry::Plane;
 use crate::integrate::Tableau;
 use crate::robot::Model;
 use crate::task::TaskServer;
@@ -28,6 +31,11 @@ pub struct Floor {
 }
 
 impl Floor {
+    /// The plane alone.
+    pub fn plane(&self) -> Plane {
+        Plane { rotation: self.rotation, point: self.point }
+    }
+
     /// World vector in floor axes.
     pub fn to_floor(&self, v: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(v)
@@ -132,6 +140,12 @@ pub struct Setup {
     pub forces: Vec<Box<dyn Force>>,
     /// Objects that links carry for a time.
     pub loads: Vec<Load>,
+    /// Errors of the sensors; none: they tell the truth.
+    pub sensors: Option<SensorErrors>,
+    /// Where tasks have the base's state from.
+    pub estimator: EstimatorSetup,
+    /// Seed of all random numbers drawn while running.
+    pub seed: u64,
     /// Simulated time, s.
     pub duration: f64,
     /// Snapshots per second, 0 for none but the last.

@@ -2,6 +2,7 @@
 
 use super::{Augmented, Command, Context, Needs, Sensed, Status, Task};
 use crate::dynamics::State;
+use crate::geometry::Plane;
 use crate::robot::Model;
 use nalgebra::Vector3;
 
@@ -22,6 +23,8 @@ pub struct TaskServer {
     augmented: Augmented,
     period: f64,
     tick: u64,
+    /// Does it tick with no task to run?
+    always: bool,
 }
 
 /// The robot at a tick.
@@ -30,6 +33,8 @@ pub struct Situation<'a> {
     pub model: &'a Model,
     /// Free fall in world axes, m/s^2.
     pub gravity: Vector3<f64>,
+    /// The floor.
+    pub floor: Plane,
     /// Base and joints as the estimator and the sensors have them; its time is the tick's.
     pub state: &'a State,
     /// What the sensors say.
@@ -39,7 +44,24 @@ pub struct Situation<'a> {
 impl TaskServer {
     /// A server that ticks `rate` times a second and starts from `command`.
     pub fn new(rate: f64, model: &Model, command: Command) -> Self {
-        TaskServer { slots: Vec::new(), command, augmented: Augmented::new(model), period: 1.0 / rate, tick: 0 }
+        TaskServer {
+            slots: Vec::new(),
+            command,
+            augmented: Augmented::new(model),
+            period: 1.0 / rate,
+            tick: 0,
+            always: false,
+        }
+    }
+
+    /// Makes it tick whether or not a task is active: for sensors that are to be read.
+    pub fn tick_always(&mut self) {
+        self.always = true;
+    }
+
+    /// Time between ticks, s.
+    pub fn period(&self) -> f64 {
+        self.period
     }
 
     /// Adds a task that begins at the first tick at or after `start` seconds. Later ones win where they overlap.
@@ -49,11 +71,21 @@ impl TaskServer {
 
     /// Time of the next tick that can change anything; none when all tasks have ended.
     pub fn next_tick(&self) -> Option<f64> {
+        if self.always {
+            return Some(self.tick as f64 * self.period);
+        }
         let due = |s: &Slot| {
             let earliest = if s.begun { 0 } else { (s.start / self.period - 1e-9).ceil().max(0.0) as u64 };
             earliest.max(self.tick) as f64 * self.period
         };
         self.slots.iter().filter(|s| !s.ended).map(due).min_by(f64::total_cmp)
+    }
+
+    /// What the tasks that a tick at `time` would call read.
+    pub fn needs(&self, time: f64) -> Needs {
+        let soon = time + 1e-9 * self.period;
+        let active = self.slots.iter().filter(|s| !s.ended && s.start <= soon);
+        active.fold(Needs::NONE, |needs, s| needs | s.task.needs())
     }
 
     /// Runs every task whose time has come; `report(what, name)` hears of each that begins, changes or ends.
@@ -65,12 +97,13 @@ impl TaskServer {
         self.tick = (time / self.period).round() as u64 + 1;
         let soon = time + 1e-9 * self.period;
         let active = |s: &Slot| !s.ended && s.start <= soon;
-        let needs = self.slots.iter().filter(|s| active(s)).fold(Needs::NONE, |n, s| n | s.task.needs());
-        self.augmented.update(now.model, now.state, now.sensed, needs);
+        let needs = self.needs(time);
+        self.augmented.update(now.model, now.state, now.sensed, &now.gravity, &now.floor, needs);
         let context = Context {
             time,
             model: now.model,
             gravity: now.gravity,
+            floor: now.floor,
             state: now.state,
             sensed: now.sensed,
             data: &self.augmented,

@@ -68,6 +68,7 @@ pub fn joint(name: &str, kind: JointKind) -> Joint {
         damping: 0.0,
         friction: 0.0,
         armature: 0.0,
+        lag: 0.0,
         drive: Drive::default(),
         drive_configured: false,
     }
@@ -98,6 +99,7 @@ pub fn tree(seed: u64, joints: usize, base: Base) -> Model {
         links: vec![link("root", None, r.body())],
         joints: vec![],
         soles: vec![],
+        end_effectors: vec![],
         home: vec![0.0; joints],
     };
     for i in 0..joints {

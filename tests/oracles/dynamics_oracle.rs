@@ -107,6 +107,7 @@ impl Oracle {
             links: vec![],
             joints: vec![],
             soles: vec![],
+            end_effectors: vec![],
             home: vec![0.0; bodies.len() - 1],
         };
         // Oracle's link frame from our internal frame.
@@ -200,6 +201,7 @@ impl Oracle {
             damping: 0.0,
             friction: 0.0,
             armature: self.armature[index],
+            lag: 0.0,
             drive: Drive::default(),
             drive_configured: false,
         }

@@ -53,6 +53,7 @@ fn joint(name: &str, kind: JointKind) -> Joint {
         damping: 0.0,
         friction: 0.0,
         armature: 0.0,
+        lag: 0.0,
         drive: Drive::default(),
         drive_configured: false,
     }
@@ -116,6 +117,7 @@ pub fn model() -> Model {
             },
             Sole { name: "toe".into(), link: LinkId(2), vertices: vec![Vector3::new(0.0, 0.0, -0.03)] },
         ],
+        end_effectors: vec![],
         home: vec![0.0, 0.0],
     }
 }
@@ -168,6 +170,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
         com: vector(tick, 200),
         com_velocity: vector(tick, 203),
         centre_of_pressure: (state != "free").then(|| vector(tick, 206)),
+        stable_point: (state != "free").then(|| vector(tick, 209)),
         support_polygon: if state == "free" { Vec::new() } else { (0..5).map(|i| vector(tick, 300 + i)).collect() },
         soles: model
             .soles
@@ -194,6 +197,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
             impact_loss: wobble(tick, 515),
         },
         external: if tick.is_multiple_of(2) { vec![(vector(tick, 400), vector(tick, 403) * 30.0)] } else { Vec::new() },
+        estimate: None,
     }
 }
 

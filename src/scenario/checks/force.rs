@@ -31,6 +31,10 @@ impl Check<'_> {
                 self.inertia(&format!("{path}.inertia"), object.inertia);
                 return self.starts_in_time(path, object.start, end);
             }
+            ForceSpec::Script(script) => {
+                self.changes(path, &script.change);
+                return self.starts_in_time(path, script.start, end);
+            }
             ForceSpec::JointFriction(friction) => {
                 if friction.all.is_none() && friction.joints.is_empty() {
                     self.error(path, "needs `all`, or `joints` with at least one joint");

@@ -1,6 +1,7 @@
 //! Rules for `[[task]]`.
 
 use super::Check;
+use crate::scenario::spec::change::ChangeSpec;
 use crate::scenario::spec::task::TaskSpec;
 
 impl Check<'_> {
@@ -13,7 +14,36 @@ impl Check<'_> {
                 }
                 posture.start
             }
+            TaskSpec::Balance(balance) => {
+                self.stands(path, balance.soles.as_deref());
+                balance.start
+            }
+            TaskSpec::GravityCompensation(task) => {
+                self.stands(path, task.soles.as_deref());
+                task.start
+            }
+            TaskSpec::Script(script) => {
+                self.changes(path, &script.change);
+                script.start
+            }
         };
         self.starts_in_time(path, start, end);
+    }
+
+    /// Changes come one after the other.
+    pub(super) fn changes(&mut self, path: &str, changes: &[ChangeSpec]) {
+        for (i, pair) in changes.windows(2).enumerate() {
+            if pair[1].at <= pair[0].at {
+                let place = format!("{path}.change.{}.at", i + 1);
+                self.error(&place, format!("must be after the change before, at {}, not {}", pair[0].at, pair[1].at));
+            }
+        }
+    }
+
+    /// Named soles are at least one.
+    fn stands(&mut self, path: &str, soles: Option<&[String]>) {
+        if soles.is_some_and(<[String]>::is_empty) {
+            self.error(&format!("{path}.soles"), "must name at least one sole, or be left out: all");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What a log tells, as time series. World axes, SI units; entry `i` of every series belongs to `times[i]`.
 
 use super::super::messages::Residual;
+use super::estimate::EstimateSeries;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// A run as its log tells it. A group of topics the scenario did not log (`log.topics`) is `None`.
@@ -21,6 +22,8 @@ pub struct Trajectory {
     pub soles: Option<Vec<SoleSeries>>,
     /// What the contact laws miss, and the energy balance; topic `contact`. One entry per tick.
     pub residuals: Option<Vec<Residual>>,
+    /// What the robot knew; where sensors or estimator do not tell the truth. One entry per tick.
+    pub estimate: Option<EstimateSeries>,
     /// What happened, in the order of time; not bound to ticks.
     pub events: Vec<LoggedEvent>,
 }
@@ -70,6 +73,8 @@ pub struct Motion {
     pub com_velocity: Vec<Vector3<f64>>,
     /// Centre of pressure on the floor plane, m; `None` in flight.
     pub cop: Vec<Option<Vector3<f64>>>,
+    /// Point of optimal stability of the support polygon, m; none in flight.
+    pub stable_point: Vec<Option<Vector3<f64>>>,
     /// Convex hull of the touching vertices, m.
     pub support_polygon: Vec<Vec<Vector3<f64>>>,
     /// External forces: points, m, and forces, N.

@@ -7,6 +7,7 @@ mod joint_friction;
 mod push;
 mod ramp;
 mod random_pushes;
+mod script;
 mod spring;
 
 pub use carried_object::CarriedObject;
@@ -16,6 +17,7 @@ pub use joint_friction::JointFrictionForce;
 pub use push::{Profile, PushForce};
 pub use ramp::RampForce;
 pub use random_pushes::{Directions, RandomPushes};
+pub use script::ScriptForce;
 pub use spring::{AnchorSpec, PathShape, SineSpec, SpringForce, WaypointSpec};
 
 use schemars::JsonSchema;
@@ -42,6 +44,18 @@ tagged! {
         "drag" => Drag(DragForce),
         /// An object that a link holds for a time.
         "carried-object" => CarriedObject(CarriedObject),
+        /// Forces computed by a script.
+        "script" => Script(ScriptForce),
+    }
+}
+
+impl ForceSpec {
+    /// The file that the key `file` names, if the type has that key.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            ForceSpec::Script(script) => Some(&script.file),
+            _ => None,
+        }
     }
 }
 

@@ -1,8 +1,16 @@
 //! `[[task]]`: what the robot is told to do. One file per type.
 
+mod balance;
+mod balance_force;
+mod gravity_compensation;
 mod posture;
+mod script;
 
+pub use balance::{BalanceControl, BalanceTask};
+pub use balance_force::{Contacts, ForceBalance, Gains};
+pub use gravity_compensation::GravityCompensationTask;
 pub use posture::PostureTask;
+pub use script::ScriptTask;
 
 use super::tagged::tagged;
 
@@ -11,6 +19,12 @@ tagged! {
     TaskSpec, "task" {
         /// Move joints to a posture.
         "posture" => Posture(PostureTask),
+        /// Keep the centre of mass above the soles.
+        "balance" => Balance(BalanceTask),
+        /// Hold the robot up and give way to every push.
+        "gravity-compensation" => GravityCompensation(GravityCompensationTask),
+        /// What a script says.
+        "script" => Script(ScriptTask),
     }
 }
 
@@ -18,7 +32,8 @@ impl TaskSpec {
     /// The file that the key `file` names, if the type has that key.
     pub fn file(&self) -> Option<&str> {
         match self {
-            TaskSpec::Posture(_) => None,
+            TaskSpec::Posture(_) | TaskSpec::Balance(_) | TaskSpec::GravityCompensation(_) => None,
+            TaskSpec::Script(script) => Some(&script.file),
         }
     }
 }

@@ -7,7 +7,7 @@ mod spring;
 
 pub(super) use load::loads;
 
-use super::names;
+use super::{names, script};
 use crate::force::Force;
 use crate::force::friction::{Joint, JointFriction, SLIP_SPEED};
 use crate::force::profile::{Profile, Shape};
@@ -41,6 +41,10 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
             ForceSpec::Spring(spec) => forces.extend(spring::spring(run, model, i, spec, errors)),
             ForceSpec::RandomPushes(spec) => forces.extend(random_pushes::pushes(run, model, i, spec, errors)),
             ForceSpec::Drag(spec) => forces.extend(drag::drag(run, model, i, spec, errors)),
+            ForceSpec::Script(spec) => {
+                let span = span(spec.start, spec.duration);
+                forces.extend(script::force(run, model, i, spec, span, errors));
+            }
             // No force, but inertia: see `loads`.
             ForceSpec::CarriedObject(_) => {}
             ForceSpec::JointFriction(spec) => {
