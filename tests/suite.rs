@@ -12,4 +12,5 @@ mod oracles;
 mod record;
 mod robot;
 mod scenario;
+mod script;
 mod validation;

@@ -4,8 +4,11 @@
 //! the adaptive integrator visits. Models say beforehand at which times they are not smooth, so that steps end there.
 
 pub mod anchor;
+pub mod drag;
 pub mod friction;
 pub mod profile;
+pub mod random_pushes;
+pub mod script;
 pub mod spring;
 pub mod wrench;
 
@@ -97,4 +100,11 @@ pub trait Force: Send {
     fn fault(&mut self) -> Option<String> {
         None
     }
+}
+
+/// Stands for an entry that acts in another way than by forces.
+pub struct Nothing;
+
+impl Force for Nothing {
+    fn evaluate(&mut self, _: &Scene, _: &mut Applied) {}
 }

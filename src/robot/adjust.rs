@@ -166,11 +166,28 @@ pub fn add_payload(
     position: Vector3<f64>,
     inertia: [f64; 6],
 ) -> Result<(), RobotError> {
-    let (LinkId(index), frame) = find_link(model, link)?;
+    let (link, load) = load_on(model, link, mass, Translation3::from(position).into(), inertia)?;
+    let target = &mut model.links[link.0];
+    target.set_body(&target.body().plus(&load));
+    Ok(())
+}
+
+/// A load on the link named `link`, as seen from the internal frame of the link that carries it: mass (kg), pose of its
+/// centre of mass and axes in the named link's URDF frame, and inertia `[ixx, iyy, izz, ixy, ixz, iyz]` (kg m^2) in those
+/// axes. The model stays as it is. Errors: as [`add_payload`].
+pub fn load_on(
+    model: &Model,
+    link: &str,
+    mass: f64,
+    pose: Isometry3<f64>,
+    inertia: [f64; 6],
+) -> Result<(LinkId, RigidInertia), RobotError> {
+    let (id, frame) = find_link(model, link)?;
     let subject = |what: &str| format!("{what} of the payload on link `{link}`");
     if !(mass.is_finite() && mass > 0.0) {
         return Err(bad(subject("mass"), mass, "a finite number above 0"));
     }
+    let position = pose.translation.vector;
     if !position.iter().all(|x| x.is_finite()) {
         return Err(bad(subject("position"), format!("{:?}", position.as_slice()), "finite numbers"));
     }
@@ -185,11 +202,7 @@ pub fn add_payload(
         return Err(bad(subject("inertia"), moments_text(moments), wanted));
     }
     let load = RigidInertia { mass, com: Vector3::zeros(), tensor };
-    let load = load.moved(&(frame * Translation3::from(position)));
-    let target = &mut model.links[index];
-    let sum = RigidInertia { mass: target.mass, com: target.com, tensor: target.inertia }.plus(&load);
-    (target.mass, target.com, target.inertia) = (sum.mass, sum.com, sum.tensor);
-    Ok(())
+    Ok((id, load.moved(&(frame * pose))))
 }
 
 fn find_link(model: &Model, name: &str) -> Result<(LinkId, Isometry3<f64>), RobotError> {

@@ -29,7 +29,7 @@ pub use inspect::inspect;
 pub use model::*;
 pub use notice::{Notice, Severity};
 pub use source::Source;
-pub use urdf::InertiaPolicy;
+pub use urdf::{InertiaPolicy, RigidInertia};
 
 use file::{BaseWord, RobotFile};
 use notice::Notices;

@@ -9,6 +9,7 @@
 //!   velocity, both in world axes; then one number per joint. A fixed base has joints only.
 //! - The root's internal frame is its URDF frame.
 
+use super::urdf::RigidInertia;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 macro_rules! index {
@@ -168,6 +169,18 @@ pub struct Link {
     pub visuals: Vec<Shape>,
     /// Collision shapes.
     pub collisions: Vec<Shape>,
+}
+
+impl Link {
+    /// Mass, centre of mass and inertia, in the internal frame.
+    pub fn body(&self) -> RigidInertia {
+        RigidInertia { mass: self.mass, com: self.com, tensor: self.inertia }
+    }
+
+    /// Replaces them.
+    pub fn set_body(&mut self, body: &RigidInertia) {
+        (self.mass, self.com, self.inertia) = (body.mass, body.com, body.tensor);
+    }
 }
 
 /// A convex planar polygon of vertices that may touch the floor, fixed to one link.

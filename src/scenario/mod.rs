@@ -44,6 +44,7 @@ pub use overrides::parse_override;
 pub use scenario::{FORMAT, Scenario};
 pub use schema::schema;
 pub use spec::{
+    change::ChangeSpec,
     compare::{CompareSpec, TruthMetric},
     contact::{
         ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec, LcpSpec, NcpSpec,
@@ -54,8 +55,8 @@ pub use spec::{
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
     force::{
-        AnchorSpec, ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, PathShape, Profile, PushForce, RampForce,
-        SineSpec, SpringForce, WaypointSpec,
+        AnchorSpec, CarriedObject, ConstantForce, Directions, DragForce, ForceFrame, ForceSpec, JointFrictionForce,
+        PathShape, Profile, PushForce, RampForce, RandomPushes, ScriptForce, SineSpec, SpringForce, WaypointSpec,
     },
     planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},
@@ -67,7 +68,8 @@ pub use spec::{
     sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
     task::{
-        BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PostureTask, TaskSpec,
+        BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PostureTask, ScriptTask,
+        TaskSpec,
     },
 };
 pub use suggest::help as suggest;

@@ -30,6 +30,11 @@ impl Flows {
         actuators + external - joints - friction - dampers
     }
 
+    /// Adds energy that came from outside, J.
+    pub fn bring(&mut self, energy: f64) {
+        self.0[1] += energy;
+    }
+
     /// Adds the flows of a step.
     pub fn add(&mut self, more: &Flows) {
         self.0.iter_mut().zip(more.0).for_each(|(sum, x)| *sum += x);

@@ -17,6 +17,7 @@ mod jam;
 mod lag;
 pub mod layout;
 mod ledger;
+mod loads;
 mod marks;
 mod measure;
 pub mod noise;
@@ -36,6 +37,7 @@ mod zones;
 
 pub use error::Stop;
 pub use ledger::Balance;
+pub use loads::Load;
 pub use report::*;
 pub use setup::Setup;
 pub use simulation::Simulation;

@@ -20,7 +20,7 @@ use crate::contact::state::States;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, factor, kinematics, reduced, rnea};
 use crate::force::{Applied, Force, Scene, Tell};
 use crate::integrate::System;
-use crate::robot::{DriveMode, Model, SoleId};
+use crate::robot::{DriveMode, LinkId, Model, RigidInertia, SoleId};
 use crate::task::Command;
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
@@ -187,7 +187,7 @@ impl Plant {
     }
 
     /// Brings the kinematics to `self.state`, unless they are there: a fixed step begins where the last one ended.
-    fn move_links(&mut self) {
+    pub(super) fn move_links(&mut self) {
         let (state, at) = (&self.state, &mut self.placed);
         at.time = state.time;
         if *at != *state {
@@ -199,6 +199,15 @@ impl Plant {
     /// The links have changed: their kinematics are computed anew when they are next wanted.
     pub(super) fn displaced(&mut self) {
         self.placed.position.x = f64::NAN;
+    }
+
+    /// Replaces the inertia of a link at `self.state`.
+    pub(super) fn set_body(&mut self, link: LinkId, body: &RigidInertia) {
+        let model = Arc::make_mut(&mut self.model);
+        model.links[link.0].set_body(body);
+        self.problem.scale = load_scale(model, &self.gravity);
+        self.placed.copy_from(&self.state);
+        kinematics::update(&self.model, &self.state, &mut self.ws);
     }
 
     /// Fills tau with actuators, passive joint efforts and external forces. With a step size the position servo is
@@ -401,6 +410,11 @@ impl Plant {
     pub fn sole_origin(&self, s: usize) -> Vector3<f64> {
         self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point))
     }
+}
+
+/// The size of contact forces to expect: the weight, N, or the mass where little or nothing pulls.
+pub(super) fn load_scale(model: &Model, gravity: &Vector3<f64>) -> f64 {
+    model.mass() * gravity.norm().max(1.0)
 }
 
 impl System for Plant {

@@ -12,6 +12,7 @@ pub mod balance;
 pub mod command;
 pub mod needs;
 pub mod posture;
+pub mod script;
 pub mod sensed;
 pub mod server;
 

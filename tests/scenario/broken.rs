@@ -102,7 +102,44 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[sensors]\nsole_force = { delay = 11 }", (4, 24), "must be at most 10 s, not 11", ""),
     Broken("[control]\nkinematic = { threshold = 2 }", (4, 27), "between 0 and 1, not 2", ""),
     Broken("[[task]]\ntype = \"sine\"", (4, 8), "task type `sine` is not available yet", ""),
-    Broken("[[force]]\ntype = \"carried-object\"", (4, 8), "force type `carried-object` is not available yet", ""),
+    // Other forces.
+    Broken("[[force]]\ntype = \"drag\"\nlink = \"a\"", (3, 1), "`force.0` needs `linear` or `quadratic`", ""),
+    Broken(
+        "[[force]]\ntype = \"drag\"\nlinear = 1\npoint = [0, 0, 0]",
+        (6, 9),
+        "`force.0.point` needs `link`: without it the drag acts on every link",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"random-pushes\"\nlinks = [\"a\"]\nmagnitude = [1, 2]",
+        (3, 1),
+        "`force.0` needs either `number` or `rate`",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"random-pushes\"\nlinks = []\nmagnitude = [1, 2]\nrate = 1",
+        (5, 9),
+        "`force.0.links` must name at least one link",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"random-pushes\"\nlinks = [\"a\"]\nmagnitude = [3, 2]\nrate = 1",
+        (6, 13),
+        "`force.0.magnitude` must be [least, greatest], 0 or greater and in order, not [3, 2]",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"random-pushes\"\nlinks = [\"a\"]\nmagnitude = [1, 2]\nrate = 1\nprofile = \"ramp\"",
+        (8, 11),
+        "`force.0.profile` cannot be \"ramp\", which has no end",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"carried-object\"\nlink = \"a\"\nmass = 1\ninertia = [1, 1, 3, 0, 0, 0]",
+        (7, 11),
+        "`force.0.inertia` is not the inertia of a rigid body",
+        "",
+    ),
     // Springs.
     Broken("[[force]]\ntype = \"spring\"\nlink = \"a\"", (3, 1), "`force.0` lacks the key `stiffness`", ""),
     Broken(

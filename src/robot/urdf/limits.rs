@@ -68,6 +68,7 @@ pub(super) fn free_joint(name: String, kind: JointKind) -> Joint {
         damping: 0.0,
         friction: 0.0,
         armature: 0.0,
+        lag: 0.0,
         drive: Drive::default(),
         // Passive for good: a scenario's default drive must not hold it.
         drive_configured: true,

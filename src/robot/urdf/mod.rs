@@ -23,7 +23,8 @@ mod xml;
 
 use std::path::PathBuf;
 
-pub(super) use inertia::{Flaw, RigidInertia, examine, moments_text};
+pub use inertia::RigidInertia;
+pub(super) use inertia::{Flaw, examine, moments_text};
 pub(super) use limits::Mimic;
 
 use super::error::RobotError;

@@ -5,6 +5,7 @@ mod events;
 mod forces;
 mod model;
 mod names;
+mod script;
 mod sensors;
 mod start;
 mod tasks;
@@ -38,6 +39,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let floor = floor(run, &mut errors);
     let start = start::start(run, &model, &floor, &mut errors);
     let forces = forces::forces(run, &model, &mut errors);
+    let loads = forces::loads(run, &model, &mut errors);
     let tasks = tasks::tasks(run, &model, &start, &mut errors);
     let contact = ContactSetup {
         method: s.contact.method.name().to_owned(),
@@ -74,6 +76,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         joint_stops: s.robot.joint_limits == JointLimits::Stop,
         tasks,
         forces,
+        loads,
         sensors: sensors::errors(&s.sensors),
         estimator,
         seed: s.seed,

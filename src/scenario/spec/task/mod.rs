@@ -4,11 +4,13 @@ mod balance;
 mod balance_force;
 mod gravity_compensation;
 mod posture;
+mod script;
 
 pub use balance::{BalanceControl, BalanceTask};
 pub use balance_force::{Contacts, ForceBalance, Gains};
 pub use gravity_compensation::GravityCompensationTask;
 pub use posture::PostureTask;
+pub use script::ScriptTask;
 
 use super::tagged::tagged;
 
@@ -21,6 +23,8 @@ tagged! {
         "balance" => Balance(BalanceTask),
         /// Hold the robot up and give way to every push.
         "gravity-compensation" => GravityCompensation(GravityCompensationTask),
+        /// What a script says.
+        "script" => Script(ScriptTask),
     }
 }
 
@@ -29,6 +33,7 @@ impl TaskSpec {
     pub fn file(&self) -> Option<&str> {
         match self {
             TaskSpec::Posture(_) | TaskSpec::Balance(_) | TaskSpec::GravityCompensation(_) => None,
+            TaskSpec::Script(script) => Some(&script.file),
         }
     }
 }
