@@ -30,6 +30,11 @@ pub fn some_non_negative<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>,
     non_negative(d).map(Some)
 }
 
+/// Above zero, where leaving it out means something else.
+pub fn some_positive<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> {
+    positive(d).map(Some)
+}
+
 /// From 0 to 1.
 pub fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     number_where(d, |x| (0.0..=1.0).contains(&x), "between 0 and 1")

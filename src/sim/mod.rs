@@ -28,6 +28,7 @@ mod sample;
 mod sense;
 pub mod setup;
 pub mod simulation;
+mod speed;
 mod watch;
 mod zones;
 

@@ -92,6 +92,9 @@ pub struct State {
     /// External forces now acting.
     #[prost(message, repeated, tag = "15")]
     pub external: Vec<Force>,
+    /// Efforts that the drives ask for, before limits and lag, N m or N.
+    #[prost(double, repeated, tag = "16")]
+    pub effort_desired: Vec<f64>,
 }
 
 /// One sole at one tick. Arrays have one entry per vertex.

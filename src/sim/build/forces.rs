@@ -2,10 +2,10 @@
 
 use super::names;
 use crate::force::Force;
-use crate::force::friction::{Joint, JointFriction, SLIP_SPEED};
+use crate::force::friction::JointFriction;
 use crate::force::profile::{Profile, Shape};
 use crate::force::wrench::Wrench;
-use crate::robot::Model;
+use crate::robot::{Friction, Model};
 use crate::scenario::{ConstantForce, Diagnostic, ForceFrame, ForceSpec, Profile as ProfileSpec, PushForce, Run};
 use nalgebra::Point3;
 
@@ -35,15 +35,24 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
             ForceSpec::JointFriction(spec) => {
                 let unused: Vec<f64> = spec.joints.values().map(|_| 0.0).collect();
                 names::joints(model, run, &format!("force.{i}.joints"), spec.joints.keys().zip(&unused), errors);
-                let of = |(j, joint): (usize, &crate::robot::Joint)| {
-                    spec.of(&joint.name).map(|f| Joint { joint: j, coulomb: f.coulomb, viscous: f.viscous })
-                };
+                let of = |(j, joint): (usize, &crate::robot::Joint)| spec.of(&joint.name).map(|f| (j, friction(&f)));
                 let joints = model.joints.iter().enumerate().filter_map(of).collect();
-                forces.push(Box::new(JointFriction { joints, slip_speed: SLIP_SPEED }));
+                forces.push(Box::new(JointFriction { joints }));
             }
         }
     }
     forces
+}
+
+fn friction(f: &crate::scenario::JointFriction) -> Friction {
+    let default = Friction::default();
+    Friction {
+        coulomb: f.coulomb,
+        viscous: f.viscous,
+        static_: f.static_.unwrap_or(default.static_),
+        stribeck_velocity: f.stribeck_velocity.unwrap_or(default.stribeck_velocity),
+        slip_velocity: f.slip_velocity.unwrap_or(default.slip_velocity),
+    }
 }
 
 #[expect(clippy::too_many_arguments)]

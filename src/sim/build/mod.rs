@@ -62,6 +62,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     };
     let integrator = integrator(&s.integrator);
     pairing::check(run, &mut errors);
+    pairing::check_soles(run, &model, &mut errors);
     facets(run, &model, &mut errors);
     if !errors.is_empty() {
         return Err(Diagnostics(errors));
