@@ -91,6 +91,10 @@ pub trait Force: Send {
     /// Adds its forces at this instant, which may lie before or after that of the last call. Allocates nothing.
     fn evaluate(&mut self, scene: &Scene, applied: &mut Applied);
 
+    /// Adds to `out` (nv) by how much its generalised force falls per change of each velocity, N s/m or N m s: velocity-level
+    /// steps take it at the end of the step. For forces that would else turn a motion round within one; not negative.
+    fn damping(&self, _scene: &Scene, _out: &mut [f64]) {}
+
     /// Times at which its value or slope jumps, s.
     fn corners(&self) -> &[f64] {
         &[]

@@ -25,6 +25,14 @@ pub struct DriveSettings {
     pub coulomb: Option<f64>,
     /// Viscous friction.
     pub viscous: Option<f64>,
+    /// Static friction.
+    pub static_friction: Option<f64>,
+    /// Speed over which it falls to Coulomb friction.
+    pub stribeck_velocity: Option<f64>,
+    /// Speed below which friction has not its full size.
+    pub slip_velocity: Option<f64>,
+    /// Stiffness and damping of the end stops.
+    pub stop: Option<(f64, f64)>,
     /// Reflected rotor inertia.
     pub armature: Option<f64>,
     /// Time constant of the actuator.
@@ -42,6 +50,10 @@ impl DriveSettings {
             velocity: self.velocity.or(other.velocity),
             coulomb: self.coulomb.or(other.coulomb),
             viscous: self.viscous.or(other.viscous),
+            static_friction: self.static_friction.or(other.static_friction),
+            stribeck_velocity: self.stribeck_velocity.or(other.stribeck_velocity),
+            slip_velocity: self.slip_velocity.or(other.slip_velocity),
+            stop: self.stop.or(other.stop),
             armature: self.armature.or(other.armature),
             lag: self.lag.or(other.lag),
         }
@@ -90,6 +102,8 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
         ("velocity", s.velocity),
         ("friction.coulomb", s.coulomb),
         ("friction.viscous", s.viscous),
+        ("friction.static", s.static_friction),
+        ("stop.damping", s.stop.map(|s| s.1)),
         ("armature", s.armature),
         ("lag", s.lag),
     ];
@@ -100,6 +114,23 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
             let subject = format!("{what} of joint `{}`", joint.name);
             return Err(bad(subject, value, "a finite number, not negative"));
         }
+    }
+    let above = [
+        ("friction.stribeck_velocity", s.stribeck_velocity),
+        ("friction.slip_velocity", s.slip_velocity),
+        ("stop.stiffness", s.stop.map(|s| s.0)),
+    ];
+    for (what, value) in above {
+        if let Some(value) = value
+            && !(value.is_finite() && value > 0.0)
+        {
+            return Err(bad(format!("{what} of joint `{}`", joint.name), value, "a finite number above 0"));
+        }
+    }
+    let coulomb = s.coulomb.unwrap_or(joint.friction);
+    if let Some(value) = s.static_friction.filter(|s| *s > 0.0 && *s < coulomb) {
+        let subject = format!("friction.static of joint `{}`", joint.name);
+        return Err(bad(subject, value, &format!("at least friction.coulomb, {coulomb}")));
     }
     let implied = if joint.drive_configured { joint.drive.mode } else { DriveMode::Position };
     let mode = match s.mode {
@@ -118,7 +149,11 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
     joint.drive_configured |= s.configures_drive();
     joint.effort_limit = s.effort.unwrap_or(joint.effort_limit);
     joint.velocity_limit = s.velocity.unwrap_or(joint.velocity_limit);
-    joint.friction = s.coulomb.unwrap_or(joint.friction);
+    joint.friction = coulomb;
+    joint.static_friction = s.static_friction.unwrap_or(joint.static_friction);
+    joint.stribeck_velocity = s.stribeck_velocity.unwrap_or(joint.stribeck_velocity);
+    joint.slip_velocity = s.slip_velocity.unwrap_or(joint.slip_velocity);
+    joint.stop = s.stop.or(joint.stop);
     joint.damping = s.viscous.unwrap_or(joint.damping);
     joint.armature = s.armature.unwrap_or(joint.armature);
     joint.lag = s.lag.unwrap_or(joint.lag);

@@ -184,6 +184,16 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
         velocity: number("velocity", &entry.velocity)?,
         coulomb: number("friction.coulomb", &friction.coulomb)?,
         viscous: number("friction.viscous", &friction.viscous)?,
+        static_friction: number("friction.static", &friction.static_)?,
+        stribeck_velocity: number("friction.stribeck_velocity", &friction.stribeck_velocity)?,
+        slip_velocity: number("friction.slip_velocity", &friction.slip_velocity)?,
+        stop: match &entry.stop {
+            None => None,
+            Some(stop) => {
+                let stiffness = number("stop.stiffness", &Some(stop.stiffness.clone()))?.unwrap_or_default();
+                Some((stiffness, number("stop.damping", &stop.damping)?.unwrap_or_default()))
+            }
+        },
         armature: number("armature", &entry.armature)?,
         lag: number("lag", &entry.lag)?,
     })

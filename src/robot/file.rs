@@ -167,6 +167,8 @@ pub struct JointEntry {
     /// Time constant of the actuator, s: its effort follows what is asked as a first-order lag.
     #[schemars(with = "Option<f64>")]
     pub lag: Option<Spanned<f64>>,
+    /// End stops; left out: as stiff as lets the joint's own inertia swing at 300 rad/s, critically damped.
+    pub stop: Option<StopEntry>,
 }
 
 /// Joint friction.
@@ -179,6 +181,28 @@ pub struct Friction {
     /// Proportional to speed, N m s/rad or N s/m.
     #[schemars(with = "Option<f64>")]
     pub viscous: Option<Spanned<f64>>,
+    /// At rest, N m or N, not smaller than `coulomb`; left out: as `coulomb`.
+    #[serde(rename = "static")]
+    #[schemars(with = "Option<f64>")]
+    pub static_: Option<Spanned<f64>>,
+    /// Speed over which friction falls from `static` to `coulomb`, rad/s or m/s; 0.2.
+    #[schemars(with = "Option<f64>")]
+    pub stribeck_velocity: Option<Spanned<f64>>,
+    /// Speed below which friction has not its full size, rad/s or m/s; 0.05.
+    #[schemars(with = "Option<f64>")]
+    pub slip_velocity: Option<Spanned<f64>>,
+}
+
+/// A joint's end stops: springs and dampers beyond its limits.
+#[derive(Deserialize, JsonSchema, Clone, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct StopEntry {
+    /// N m/rad or N/m.
+    #[schemars(with = "f64")]
+    pub stiffness: Spanned<f64>,
+    /// N m s/rad or N s/m; 0.
+    #[schemars(with = "Option<f64>")]
+    pub damping: Option<Spanned<f64>>,
 }
 
 /// A frame fixed to a link.

@@ -10,6 +10,7 @@ mod apply;
 mod error;
 mod file;
 mod find;
+mod friction;
 mod hull;
 mod inspect;
 pub mod model;
@@ -25,6 +26,7 @@ use std::path::{Path, PathBuf};
 
 pub use error::{Fault, RobotError};
 pub use file::schema;
+pub use friction::Friction;
 pub use inspect::inspect;
 pub use model::*;
 pub use notice::{Notice, Severity};

@@ -32,6 +32,7 @@ mod sample;
 pub mod sensors;
 pub mod setup;
 pub mod simulation;
+mod speed;
 mod watch;
 mod zones;
 

@@ -65,6 +65,10 @@ const CASES: &[(&str, &str, usize, &str)] = &[
     ("kp = 10.0\n", "", 9, "position drive of joint `knee`"),
     ("kd = 1.0", "friction = { coulomb = 1.0, viscos = 1.0 }", 12, "did you mean `viscous`?"),
     ("kd = 1.0", "friction = { coulomb = -1.0 }", 12, "friction.coulomb of joint `knee`"),
+    ("kd = 1.0", "friction = { coulomb = 1.0, static = 0.5 }", 9, "at least friction.coulomb, 1"),
+    ("kd = 1.0", "friction = { slip_velocity = 0.0 }", 9, "friction.slip_velocity of joint `knee`"),
+    ("kd = 1.0", "stop = { stiffness = 0.0 }", 9, "stop.stiffness of joint `knee`"),
+    ("kd = 1.0", "stop = { damping = 1.0 }", 12, "missing field `stiffness`"),
     (
         "mode = \"passive\"",
         "mode = \"passive\"\n[[end_effector]]\nname = \"tip\"\nlink = \"fot\"",

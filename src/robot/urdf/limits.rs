@@ -6,6 +6,7 @@ use urdf_rs::JointType;
 
 use super::xml::{Xml, child};
 use crate::robot::error::RobotError;
+use crate::robot::friction::{SLIP_SPEED, STRIBECK_SPEED};
 use crate::robot::model::{Drive, Joint, JointKind};
 use crate::robot::notice::Notices;
 
@@ -67,6 +68,10 @@ pub(super) fn free_joint(name: String, kind: JointKind) -> Joint {
         effort_limit: f64::INFINITY,
         damping: 0.0,
         friction: 0.0,
+        static_friction: 0.0,
+        stribeck_velocity: STRIBECK_SPEED,
+        slip_velocity: SLIP_SPEED,
+        stop: None,
         armature: 0.0,
         lag: 0.0,
         drive: Drive::default(),
@@ -134,6 +139,10 @@ pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) ->
         effort_limit,
         damping: dynamics.damping,
         friction: dynamics.friction,
+        static_friction: 0.0,
+        stribeck_velocity: STRIBECK_SPEED,
+        slip_velocity: SLIP_SPEED,
+        stop: None,
         armature: 0.0,
         lag: 0.0,
         drive: Drive::default(),

@@ -39,6 +39,14 @@ impl Check<'_> {
                 if friction.all.is_none() && friction.joints.is_empty() {
                     self.error(path, "needs `all`, or `joints` with at least one joint");
                 }
+                let all = friction.all.iter().map(|f| ("all".to_owned(), f));
+                let joints = friction.joints.iter().map(|(name, f)| (format!("joints.{name}"), f));
+                for (key, f) in all.chain(joints) {
+                    if let Some(value) = f.static_.filter(|s| *s < f.coulomb) {
+                        let must = format!("must not be smaller than `coulomb` = {}, not {value}", f.coulomb);
+                        self.error(&format!("{path}.{key}.static"), must);
+                    }
+                }
                 return;
             }
         };

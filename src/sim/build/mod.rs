@@ -57,6 +57,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let integrator = integrator(&s.integrator);
     let estimator = sensors::estimator(run, &model, &mut errors);
     pairing::check(run, &mut errors);
+    pairing::check_soles(run, &model, &mut errors);
     facets(run, &model, &mut errors);
     // What is wrong at the start would be told again for every event.
     let (changes, saved_states) =

@@ -8,11 +8,11 @@ mod spring;
 pub(super) use load::loads;
 
 use super::{names, script};
-use crate::force::friction::{Joint, JointFriction, SLIP_SPEED};
+use crate::force::friction::JointFriction;
 use crate::force::profile::{Profile, Shape};
 use crate::force::wrench::Wrench;
 use crate::force::{Force, Nothing};
-use crate::robot::Model;
+use crate::robot::{Friction, Model};
 use crate::scenario::{
     ConstantForce, Diagnostic, ForceFrame, ForceSpec, Profile as ProfileSpec, PushForce, RampForce, Run,
 };
@@ -50,11 +50,9 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
             ForceSpec::JointFriction(spec) => {
                 let unused: Vec<f64> = spec.joints.values().map(|_| 0.0).collect();
                 names::joints(model, run, &format!("force.{i}.joints"), spec.joints.keys().zip(&unused), errors);
-                let of = |(j, joint): (usize, &crate::robot::Joint)| {
-                    spec.of(&joint.name).map(|f| Joint { joint: j, coulomb: f.coulomb, viscous: f.viscous })
-                };
+                let of = |(j, joint): (usize, &crate::robot::Joint)| spec.of(&joint.name).map(|f| (j, friction(&f)));
                 let joints = model.joints.iter().enumerate().filter_map(of).collect();
-                forces.push(Box::new(JointFriction { joints, slip_speed: SLIP_SPEED }));
+                forces.push(Box::new(JointFriction { joints }));
             }
         }
     }
@@ -73,6 +71,17 @@ fn shape(profile: ProfileSpec) -> Shape {
         ProfileSpec::HalfSine => Shape::HalfSine,
         ProfileSpec::Ramp => Shape::Ramp,
         ProfileSpec::Triangle => Shape::Triangle,
+    }
+}
+
+fn friction(f: &crate::scenario::JointFriction) -> Friction {
+    let default = Friction::default();
+    Friction {
+        coulomb: f.coulomb,
+        viscous: f.viscous,
+        static_: f.static_.unwrap_or(default.static_),
+        stribeck_velocity: f.stribeck_velocity.unwrap_or(default.stribeck_velocity),
+        slip_velocity: f.slip_velocity.unwrap_or(default.slip_velocity),
     }
 }
 
