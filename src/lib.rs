@@ -8,6 +8,7 @@ pub mod contact;
 pub mod dynamics;
 pub mod force;
 pub mod integrate;
+pub mod motion;
 pub mod record;
 pub mod robot;
 pub mod scenario;

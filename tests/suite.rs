@@ -5,6 +5,7 @@ mod cli;
 mod contact;
 mod determinism;
 mod identities;
+mod motion;
 mod oracles;
 mod record;
 mod robot;

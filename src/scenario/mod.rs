@@ -39,6 +39,7 @@ pub use file::{ScenarioFile, load, parse};
 pub use inputs::Input;
 pub use key::key;
 pub use overrides::parse_override;
+pub use quantity::Angle;
 pub use scenario::{FORMAT, Scenario};
 pub use schema::schema;
 pub use spec::{
@@ -58,6 +59,9 @@ pub use spec::{
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
     sweep::{Axis, SweepSpec},
-    task::{PostureTask, TaskSpec},
+    task::{
+        Ends, MocapTarget, MocapTask, PlaybackChange, PlaybackTask, PostureTask, Recorded, SineChange, SineJoint,
+        SineJointChange, SineTask, TaskSpec,
+    },
 };
 pub use suggest::help as suggest;

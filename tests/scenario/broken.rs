@@ -17,7 +17,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[[task]]\ntype = \"posture\"\njoint = { knee = 1 }", (5, 1), "unknown key `joint` in `task.0`", "`joints`"),
     Broken("soles = [{ name = \"l\", polygon = [[0, 0, 0]] }]", (3, 10), "`robot.soles.0` lacks the key `link`", ""),
     Broken("[[task]]\ntype = \"posture\"", (3, 1), "`task.0` lacks the key `joints`", ""),
-    Broken("[[task]]\nstart = 1", (3, 1), "`task.0` lacks the key `type`", "types: posture"),
+    Broken("[[task]]\nstart = 1", (3, 1), "`task.0` lacks the key `type`", "types: posture, sine, playback, mocap"),
     // Types.
     Broken("[floor]\nheight = \"low\"", (4, 10), "`floor.height` must be a number, not the string \"low\"", ""),
     Broken("[floor]\nfriction = [1, 2]", (4, 12), "must be a number or `{ static, kinetic }`, not an array", ""),
@@ -94,7 +94,7 @@ const BELOW_ROBOT: &[Broken] = &[
     // Known, not available.
     Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
     Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
-    Broken("[[task]]\ntype = \"sine\"", (4, 8), "task type `sine` is not available yet", ""),
+    Broken("[[task]]\ntype = \"balance\"", (4, 8), "task type `balance` is not available yet", ""),
     Broken("[[force]]\ntype = \"spring\"", (4, 8), "force type `spring` is not available yet", ""),
     Broken("[self_collision]\nmethod = 2", (3, 2), "`self_collision` is not available yet", ""),
     // Comparisons.
@@ -577,7 +577,7 @@ fn a_scenario_needs_a_robot() {
 
 #[test]
 fn mistakes_in_several_places_are_told_at_once() {
-    let text = "duraton = 1\n[robot]\nmodel = \"b\"\n[floor]\nheigt = 1\n[[task]]\ntype = \"sine\"\n[[task]]\ntype = \"posture\"\njoints = 1\n[log]\nrate = -1\n";
+    let text = "duraton = 1\n[robot]\nmodel = \"b\"\n[floor]\nheigt = 1\n[[task]]\ntype = \"balance\"\n[[task]]\ntype = \"posture\"\njoints = 1\n[log]\nrate = -1\n";
     let lines: Vec<_> = wrong(text, &[]).iter().map(|d| d.place.unwrap().line).collect();
     assert_eq!(lines, [1, 5, 7, 10, 12]);
 }

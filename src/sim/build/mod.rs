@@ -1,8 +1,10 @@
 //! From a scenario's run and a loaded robot to a [`Setup`]: the place where names meet what they name.
 
 mod forces;
+mod mocap;
 mod model;
 mod names;
+mod playback;
 mod start;
 mod tasks;
 
@@ -29,7 +31,7 @@ use std::sync::Arc;
 /// # Errors
 /// Every joint, link, sole or value of the scenario that does not fit the robot, each at its place in the file.
 pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
-    let mut errors = Vec::new();
+    let (mut notes, mut errors) = (Vec::new(), Vec::new());
     let model = model::adjusted(run, robot, &mut errors);
     let s = &run.scenario;
     let rotation = Rotation3::from_euler_angles(s.floor.rpy[0], s.floor.rpy[1], s.floor.rpy[2]);
@@ -46,7 +48,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     }
     let start = start::start(run, &model, &floor, &mut errors);
     let forces = forces::forces(run, &model, &mut errors);
-    let tasks = tasks::tasks(run, &model, &start, &mut errors);
+    let tasks = tasks::tasks(run, &model, &start, &mut notes, &mut errors);
     let contact = ContactSetup {
         method: s.contact.method.name().to_owned(),
         parameters: parameters(&s.contact),
@@ -79,6 +81,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         duration: s.duration,
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
+        notes,
     })
 }
 

@@ -1,8 +1,14 @@
 //! `[[task]]`: what the robot is told to do. One file per type.
 
+mod mocap;
+mod playback;
 mod posture;
+mod sine;
 
+pub use mocap::{MocapTarget, MocapTask};
+pub use playback::{Ends, PlaybackChange, PlaybackTask, Recorded};
 pub use posture::PostureTask;
+pub use sine::{SineChange, SineJoint, SineJointChange, SineTask};
 
 use super::tagged::tagged;
 
@@ -11,6 +17,12 @@ tagged! {
     TaskSpec, "task" {
         /// Move joints to a posture.
         "posture" => Posture(PostureTask),
+        /// Swing joints sinusoidally.
+        "sine" => Sine(SineTask),
+        /// Play a motion file.
+        "playback" => Playback(PlaybackTask),
+        /// Follow captured motion.
+        "mocap" => Mocap(MocapTask),
     }
 }
 
@@ -18,7 +30,9 @@ impl TaskSpec {
     /// The file that the key `file` names, if the type has that key.
     pub fn file(&self) -> Option<&str> {
         match self {
-            TaskSpec::Posture(_) => None,
+            TaskSpec::Playback(playback) => Some(&playback.file),
+            TaskSpec::Mocap(mocap) => Some(&mocap.file),
+            TaskSpec::Posture(_) | TaskSpec::Sine(_) => None,
         }
     }
 }
