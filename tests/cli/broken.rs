@@ -67,7 +67,7 @@ fn table() -> Vec<Broken> {
         scenario("not finite", "[floor]\nheight = inf #@@"),
         scenario("bad angle", "[floor]\nrpy = [0, \"30 dge\", 0] #@@"),
         scenario("unknown task", "[[task]]\ntype = \"posutre\" #@@"),
-        scenario("task not available yet", "[[task]]\ntype = \"sine\" #@@"),
+        scenario("task not available yet", "[[task]]\ntype = \"balance\" #@@"),
         scenario("unknown metric", "[[expect]]\nmetric = \"final_bas_x\" #@@\nmin = 0"),
         // Scenario: sweeps.
         scenario("swept key unknown", "[sweep]\ngrid = { \"floor.frction\" = [0.1, 0.2] } #@@"),
