@@ -57,7 +57,12 @@ const CASES: &[(&str, &str, usize, &str)] = &[
         "two soles named `s`",
     ),
     ("kp = 10.0", "lag = -0.1", 11, "lag of joint `knee` cannot be used: -0.1"),
-    ("mode = \"position\"", "mode = \"velocity\"\nkd = 0.0\nlag = 0.1 #", 9, "velocity drive of joint `knee`"),
+    (
+        "mode = \"position\"\nkp = 10.0\nkd = 1.0",
+        "mode = \"velocity\"\nkd = 0.0\nlag = 0.1",
+        9,
+        "velocity drive of joint `knee`",
+    ),
     ("mode = \"position\"", "mode = \"positon\"", 10, "did you mean `position`?"),
     ("kp = 10.0", "kq = 10.0", 11, "did you mean `kp`?"),
     ("kp = 10.0", "kp = -10.0", 11, "kp of joint `knee` cannot be used: -10"),
