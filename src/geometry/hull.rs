@@ -27,6 +27,15 @@ pub fn convex_hull(points: &mut Vec<Vector3<f64>>, plane: &Plane) {
         return;
     }
     let n = points.len();
+    // Points of one side across the first axis differ in x by rounding: the chain needs them in the order of y, or it
+    // passes a corner, comes back along the side and takes the corner for a point of it.
+    let mut start = 0;
+    for k in 1..=n {
+        if k == n || flat(&points[k]).x - flat(&points[k - 1]).x > FLAT * size {
+            points[start..k].sort_unstable_by(|a, b| flat(a).y.total_cmp(&flat(b).y));
+            start = k;
+        }
+    }
     // The chain is built behind the points and moved to the front.
     for pass in 0..2 {
         let begin = points.len();
@@ -60,6 +69,20 @@ mod tests {
         let mut points: Vec<_> = foot(-0.1).into_iter().chain(foot(0.1)).collect();
         points.push((0.05, 0.0));
         assert_eq!(hull(&points), [(0, -10), (10, -10), (10, 15), (0, 15)]);
+    }
+
+    #[test]
+    fn rounding_moves_no_corner() {
+        // Every order in x of the four points on each of two sides, by differences of one rounding.
+        for mask in 0u32..1 << 8 {
+            let mut points = Vec::new();
+            for (i, x) in [0.3f64, 0.7].into_iter().enumerate() {
+                for (j, y) in [0.1, 0.2, 0.3, 0.4].into_iter().enumerate() {
+                    points.push((if mask >> (4 * i + j) & 1 == 1 { x.next_up() } else { x }, y));
+                }
+            }
+            assert_eq!(hull(&points), [(30, 10), (70, 10), (70, 40), (30, 40)], "{mask:b}");
+        }
     }
 
     #[test]
