@@ -9,10 +9,14 @@
 
 pub mod augmented;
 pub mod command;
+pub mod gait;
+pub mod kinematic;
 pub mod needs;
 pub mod posture;
 pub mod sensed;
 pub mod server;
+pub mod squat;
+pub mod walk;
 
 pub use augmented::Augmented;
 pub use command::Command;

@@ -13,6 +13,14 @@ impl Check<'_> {
                 }
                 posture.start
             }
+            TaskSpec::Squat(squat) => squat.start,
+            TaskSpec::Walk(walk) => {
+                if walk.double_support >= walk.step_time {
+                    let message = format!("must be less than `step_time` = {}, not {}", walk.step_time, walk.double_support);
+                    self.error(&format!("{path}.double_support"), message);
+                }
+                walk.start
+            }
         };
         self.starts_in_time(path, start, end);
     }
