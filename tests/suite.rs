@@ -1,9 +1,11 @@
 //! The one integration test program; each folder is a kind of truth.
 
+mod actuation;
 mod analytic;
 mod cli;
 mod contact;
 mod determinism;
+mod force;
 mod identities;
 mod oracles;
 mod record;

@@ -74,6 +74,7 @@ fn joint() -> Joint {
         damping: 0.0,
         friction: 0.0,
         armature: 0.01,
+        lag: 0.0,
         drive: Drive::default(),
         drive_configured: false,
     }

@@ -4,7 +4,7 @@ use crate::robot::Robot;
 use crate::scenario::{CompareSpec, Run, Scenario, key};
 
 /// The key of a run with its robot: resolved scenario (seed included), bytes of the robot's files in the order in which
-/// they are read, version of this program. The robot's path and repetitions for timing are no part of it.
+/// they are read, bytes of the files that the scenario names, version of this program. The robot's path and repetitions for timing are no part of it.
 ///
 /// # Errors
 /// The scenario cannot be written as TOML, in words.
@@ -17,5 +17,6 @@ pub(super) fn of(run: &Run, robot: &Robot) -> Result<String, String> {
     let labels: Vec<String> = (0..robot.files.len()).map(|i| format!("robot file {i}")).collect();
     let files = labels.iter().zip(&robot.files).map(|(label, (_, bytes))| (label.as_str(), bytes.as_slice()));
     let own = [("scenario", text.as_bytes()), ("program", env!("CARGO_PKG_VERSION").as_bytes())];
-    Ok(key(&own.into_iter().chain(files).collect::<Vec<_>>()))
+    let inputs = run.inputs.iter().map(|input| (input.key.as_str(), &*input.bytes));
+    Ok(key(&own.into_iter().chain(files).chain(inputs).collect::<Vec<_>>()))
 }

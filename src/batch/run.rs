@@ -165,14 +165,16 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
     }
 }
 
-/// Files of the robot under their names from its folder, so that moving all of them changes nothing.
+/// Files of the robot under their names from its folder, so that moving all of them changes nothing, and those that the
+/// scenario names.
 fn inputs(job: &Job) -> Vec<InputHash> {
     let home = job.robot.files.first().and_then(|(path, _)| path.parent()).unwrap_or(Path::new(""));
     let name = |path: &Path| match path.strip_prefix(home) {
         Ok(below) => below.display().to_string(),
         Err(_) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
     };
-    job.robot.files.iter().map(|(path, bytes)| hash_input(&name(path), bytes)).collect()
+    let robot = job.robot.files.iter().map(|(path, bytes)| hash_input(&name(path), bytes));
+    robot.chain(job.run.inputs.iter().map(|input| hash_input(&input.name(), &input.bytes))).collect()
 }
 
 /// Nothing happened; what would have been measured is not a number.

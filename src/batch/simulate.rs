@@ -110,6 +110,10 @@ fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordEr
     let model: &Model = &setup.model;
     let (robot, urdf) = documents(&job.robot);
     let scenario_name = format!("{}.toml", job.run.name);
+    // What is no text, such as a log that is played back, is only hashed.
+    let texts = job.run.inputs.iter().filter_map(|i| Some((i.name(), std::str::from_utf8(&i.bytes).ok()?)));
+    let texts: Vec<_> = texts.collect();
+    let inputs: Vec<_> = texts.iter().map(|(name, text)| Document { name, text }).collect();
     let patches: Vec<_> = setup.floor.patches.iter().map(|p| setup.floor.outline(p)).collect();
     let header = LogHeader {
         scenario_name: &job.run.name,
@@ -118,6 +122,7 @@ fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordEr
         scenario: Document { name: &scenario_name, text: &job.run.resolved_toml },
         robot: robot.as_ref().map(|(name, text)| Document { name, text }),
         urdf: Document { name: &urdf, text: &job.robot.urdf_text },
+        inputs: &inputs,
         floor: pose(&setup.floor),
         patches: &patches,
         topics: topics(&job.run.scenario.log.topics),

@@ -28,6 +28,20 @@ pub fn factorize_shifted(ws: &mut Workspace, shift: &[f64]) -> Result<(), Dynami
     eliminate(&mut ws.factor, &mut ws.scratch)
 }
 
+/// As [`factorize_shifted`], with the velocities `prescribed` cut off: their rows and columns are those of the unit
+/// matrix, so [`solve`] works on the others alone and leaves theirs as they are.
+///
+/// # Errors
+/// As [`factorize`].
+pub fn factorize_prescribed(ws: &mut Workspace, shift: &[f64], prescribed: &[usize]) -> Result<(), DynamicsError> {
+    ws.factor.copy_from(&ws.mass);
+    for (k, s) in shift.iter().enumerate() {
+        *ws.factor.row_mut(k).1.last_mut().expect("a row holds its diagonal") += s;
+    }
+    prescribed.iter().for_each(|k| ws.factor.decouple(*k));
+    eliminate(&mut ws.factor, &mut ws.scratch)
+}
+
 /// `least` is scratch of length nv.
 fn eliminate(factor: &mut TreeMatrix, least: &mut [f64]) -> Result<(), DynamicsError> {
     for (k, least) in least.iter_mut().enumerate() {

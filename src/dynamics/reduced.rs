@@ -37,6 +37,8 @@ pub struct Reduced {
     pub reference: Vec<Vector3<f64>>,
     /// Orientation of the carrying links, floor axes from the link's internal frame, one per sole.
     pub orientation: Vec<Matrix3<f64>>,
+    /// Velocities whose motion is prescribed, ascending; contact moves the others alone. See [`assemble`].
+    pub prescribed: Vec<usize>,
     /// Vertices relative to their sole's reference point, floor axes, m; all soles in a row, see [`Reduced::vertices`].
     pub arms: Vec<Vector3<f64>>,
     vertex_start: Vec<usize>,
@@ -68,6 +70,7 @@ impl Reduced {
             free: vec![0.0; ws.nv()],
             reference: vec![Vector3::zeros(); n],
             orientation: vec![Matrix3::identity(); n],
+            prescribed: Vec::with_capacity(ws.nv()),
             arms: vec![Vector3::zeros(); vertex_start[n]],
             vertex_start,
             local,
@@ -105,6 +108,15 @@ impl Reduced {
 
 /// Fills `out` for the state in the workspace. `floor` turns floor axes into world axes; `tau` (length nv) is the
 /// generalised force of actuators, joint friction and external forces. Needs [`super::prepare`].
+///
+/// With velocities k in `out.prescribed` that accelerate by a given a_k the free ones f obey
+///
+/// ```text
+/// M_ff a_f = tau_f - M_fk a_k - h_f + J_f^T w
+/// ```
+///
+/// The caller factorises by [`factor::factorize_prescribed`], takes `M_fk a_k` off tau and puts `h_k + a_k` into its
+/// prescribed entries. Their part in a0 is then right, and their part in W, [`apply`] and Y is taken out.
 pub fn assemble(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
     for ((half, tau), h) in out.half.iter_mut().zip(tau).zip(&ws.bias) {
         *half = tau - h;
@@ -117,6 +129,7 @@ pub fn assemble(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64]
     for s in 0..out.n {
         half_solve(model, ws, floor, s, out);
         free_motion(model, ws, floor, s, out);
+        hold_prescribed(model, ws, s, out);
         for other in 0..=s {
             block(model, ws, s, other, out);
         }
@@ -179,6 +192,30 @@ fn free_motion(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, ou
             *a += y * out.half[k];
         }
     }
+}
+
+/// Takes the prescribed velocities out of Y of one sole.
+fn hold_prescribed(model: &Model, ws: &Workspace, s: usize, out: &mut Reduced) {
+    let chain = ws.support(model.soles[s].link);
+    for k in &out.prescribed {
+        if let Ok(e) = chain.binary_search(k) {
+            out.y[out.y_start[s] + e] = [0.0; 6];
+        }
+    }
+}
+
+/// Generalised force of sole wrenches on velocity `k`, `(J^T w)_k`; `w` has length 6F. Needs [`geometry`].
+pub fn load(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, reduced: &Reduced, w: &[f64], k: usize) -> f64 {
+    let mut sum = 0.0;
+    for (s, sole) in model.soles.iter().enumerate() {
+        if ws.support(sole.link).binary_search(&k).is_ok() {
+            let vector = |at: usize| floor * Vector3::new(w[6 * s + at], w[6 * s + at + 1], w[6 * s + at + 2]);
+            let axis = &ws.axes[k];
+            let r = reduced.reference[s] - ws.position;
+            sum += axis.at(&r).dot(&vector(0)) + axis.angular.dot(&vector(3));
+        }
+    }
+    sum
 }
 
 /// Block (s, other) of W and its mirror image.

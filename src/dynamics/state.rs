@@ -1,9 +1,9 @@
-//! What changes during a run: configuration and velocity.
+//! What changes during a run: configuration, velocity, and the efforts of actuators that lag.
 
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Configuration and velocity at one time. Small and cloneable: saving one saves the mechanical state of a run.
+/// Configuration, velocity and actuators at one time. Small and cloneable: saving one saves the mechanical state of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct State {
     /// Time, s.
@@ -16,6 +16,8 @@ pub struct State {
     pub joints: Vec<f64>,
     /// Velocities `[p' (world), omega (world), joint rates]`, length `nv`.
     pub v: Vec<f64>,
+    /// Efforts of the actuators that lag, N m or N, in the order of [`Model::lagging`].
+    pub actuators: Vec<f64>,
 }
 
 impl State {
@@ -27,6 +29,7 @@ impl State {
             rotation: UnitQuaternion::identity(),
             joints: model.home.clone(),
             v: vec![0.0; model.nv()],
+            actuators: vec![0.0; model.lagging().count()],
         }
     }
 
@@ -37,6 +40,7 @@ impl State {
         self.rotation = other.rotation;
         self.joints.copy_from_slice(&other.joints);
         self.v.copy_from_slice(&other.v);
+        self.actuators.copy_from_slice(&other.actuators);
     }
 
     /// Moves the configuration by `d`, of length `nv` and laid out as `v`: base translation (world, m), base rotation

@@ -120,6 +120,33 @@ impl TreeMatrix {
         }
     }
 
+    /// `out += factor A e_k`, the column of velocity `k` of the symmetric matrix; `out` has length nv.
+    pub fn add_column(&self, k: usize, factor: f64, out: &mut [f64]) {
+        for (&j, &a) in self.pattern.chain(k).iter().zip(self.row(k)) {
+            out[j] += factor * a;
+        }
+        let depth = self.pattern.chain(k).len() - 1;
+        for (i, out) in out.iter_mut().enumerate().skip(k + 1) {
+            if self.pattern.chain(i).get(depth) == Some(&k) {
+                *out += factor * self.row(i)[depth];
+            }
+        }
+    }
+
+    /// Makes row and column `k` those of the unit matrix.
+    pub(super) fn decouple(&mut self, k: usize) {
+        let depth = self.pattern.chain(k).len() - 1;
+        let (_, row) = self.row_mut(k);
+        row.fill(0.0);
+        row[depth] = 1.0;
+        for i in k + 1..self.len() {
+            let (chain, row) = self.row_mut(i);
+            if chain.get(depth) == Some(&k) {
+                row[depth] = 0.0;
+            }
+        }
+    }
+
     /// Becomes a copy of `other`, which has the same pattern, without allocating.
     pub fn copy_from(&mut self, other: &TreeMatrix) {
         self.values.copy_from_slice(&other.values);

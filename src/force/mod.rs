@@ -3,8 +3,10 @@
 //! As in the paper's section II.C a model is initialised once and then asked for its forces at any time and state that
 //! the adaptive integrator visits. Models say beforehand at which times they are not smooth, so that steps end there.
 
+pub mod anchor;
 pub mod friction;
 pub mod profile;
+pub mod spring;
 pub mod wrench;
 
 use crate::dynamics::{State, Workspace};
@@ -66,6 +68,9 @@ impl<'a> Applied<'a> {
     }
 }
 
+/// Hears what a force model has to tell: kind, subject and words of an event.
+pub type Tell<'a> = dyn FnMut(&'static str, &str, String) + 'a;
+
 /// An external force model.
 pub trait Force: Send {
     /// Called once at the start of the run, before anything is evaluated.
@@ -76,7 +81,11 @@ pub trait Force: Send {
         Ok(())
     }
 
-    /// Adds its forces at this instant. Allocates nothing.
+    /// Called at the start of the run and at each of the instants that are corners of any force model, before anything is
+    /// evaluated beyond it: the time never goes back between two such calls.
+    fn pass(&mut self, _scene: &Scene, _tell: &mut Tell) {}
+
+    /// Adds its forces at this instant, which may lie before or after that of the last call. Allocates nothing.
     fn evaluate(&mut self, scene: &Scene, applied: &mut Applied);
 
     /// Times at which its value or slope jumps, s.

@@ -154,6 +154,10 @@ pub(super) const COLUMNS: &[Column] = columns! {
     "first_impact_speed_ratio" Real |r| r.metrics.first_impact_speed_ratio;
     "max_flight_path_drift_m" Real |r| Some(r.metrics.max_flight_path_drift_m);
     "max_flight_spin_drift_Nms" Real |r| Some(r.metrics.max_flight_spin_drift_nms);
+    "max_estimate_error_m" Real |r| r.metrics.max_estimate_error_m;
+    "max_estimate_error_rad" Real |r| r.metrics.max_estimate_error_rad;
+    "final_estimate_error_m" Real |r| r.metrics.final_estimate_error_m;
+    "final_estimate_error_rad" Real |r| r.metrics.final_estimate_error_rad;
     "error_final_position_m" Real |r| r.comparison.error_final_position_m;
     "error_final_rotation_rad" Real |r| r.comparison.error_final_rotation_rad;
     "timing_wall_min_s" Real |r| r.repeats.map(|t| t.wall_min_s);

@@ -291,4 +291,12 @@ struct MetricsRecord {
     max_flight_path_drift_m: f64,
     #[serde(with = "number::real", rename = "max_flight_spin_drift_Nms")]
     max_flight_spin_drift_nms: f64,
+    #[serde(default, with = "number::some_real")]
+    max_estimate_error_m: Option<f64>,
+    #[serde(default, with = "number::some_real")]
+    max_estimate_error_rad: Option<f64>,
+    #[serde(default, with = "number::some_real")]
+    final_estimate_error_m: Option<f64>,
+    #[serde(default, with = "number::some_real")]
+    final_estimate_error_rad: Option<f64>,
 }

@@ -27,6 +27,8 @@ pub struct DriveSettings {
     pub viscous: Option<f64>,
     /// Reflected rotor inertia.
     pub armature: Option<f64>,
+    /// Time constant of the actuator.
+    pub lag: Option<f64>,
 }
 
 impl DriveSettings {
@@ -41,6 +43,7 @@ impl DriveSettings {
             coulomb: self.coulomb.or(other.coulomb),
             viscous: self.viscous.or(other.viscous),
             armature: self.armature.or(other.armature),
+            lag: self.lag.or(other.lag),
         }
     }
 
@@ -61,7 +64,7 @@ pub struct SoleSpec {
 }
 
 /// Sets drive, limits and friction of the joint named `joint`. Errors: unknown joint; a number negative or not finite;
-/// position mode without a position gain.
+/// position mode without a position gain, velocity mode without a velocity gain.
 pub fn set_drive(model: &mut Model, joint: &str, settings: &DriveSettings) -> Result<(), RobotError> {
     let JointId(index) =
         model.joint(joint).ok_or_else(|| unknown("joint", joint, model.joints.iter().map(|j| j.name.as_str())))?;
@@ -88,6 +91,7 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
         ("friction.coulomb", s.coulomb),
         ("friction.viscous", s.viscous),
         ("armature", s.armature),
+        ("lag", s.lag),
     ];
     for (what, value) in named {
         if let Some(value) = value
@@ -107,6 +111,9 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
     if s.configures_drive() && mode == DriveMode::Position && drive.kp == 0.0 {
         return Err(bad(format!("position drive of joint `{}`", joint.name), "kp = 0", "a position gain kp above 0"));
     }
+    if s.configures_drive() && mode == DriveMode::Velocity && drive.kd == 0.0 {
+        return Err(bad(format!("velocity drive of joint `{}`", joint.name), "kd = 0", "a velocity gain kd above 0"));
+    }
     joint.drive = drive;
     joint.drive_configured |= s.configures_drive();
     joint.effort_limit = s.effort.unwrap_or(joint.effort_limit);
@@ -114,6 +121,7 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
     joint.friction = s.coulomb.unwrap_or(joint.friction);
     joint.damping = s.viscous.unwrap_or(joint.damping);
     joint.armature = s.armature.unwrap_or(joint.armature);
+    joint.lag = s.lag.unwrap_or(joint.lag);
     Ok(())
 }
 

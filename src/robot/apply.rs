@@ -18,12 +18,9 @@ pub(super) fn apply(
     model: &mut Model,
     notices: &mut Notices,
 ) -> Result<(), RobotError> {
-    if let Some(kinematic) = &file.kinematic {
-        let fault = source.fault(kinematic.span(), "kinematic joints are not available yet").element("robot file");
-        return Err(fault.not_available());
-    }
     home(file, source, model)?;
-    drives(file, source, model)?;
+    let kinematic = kinematic(file, source, model)?;
+    drives(file, source, model, &kinematic)?;
     if let Some(soles) = &file.sole {
         given_soles(soles, source, model, notices)?;
     }
@@ -50,7 +47,51 @@ fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), Robo
     Ok(())
 }
 
-fn drives(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
+/// For every joint, is it matched by a pattern of `kinematic`.
+fn kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<Vec<bool>, RobotError> {
+    let mut matched = vec![false; model.joints.len()];
+    for pattern in file.kinematic.iter().flatten() {
+        let mut any = false;
+        for (matched, joint) in
+            matched.iter_mut().zip(&model.joints).filter(|(_, j)| matches(pattern.get_ref(), &j.name))
+        {
+            (any, *matched) = (true, true);
+            let own = file.joint.get(joint.name.as_str()).and_then(|entry| entry.get_ref().mode.as_ref());
+            if let Some(mode) = own.filter(|mode| *mode.get_ref() != ModeWord::Kinematic) {
+                let words = format!("joint `{}` is matched by `{}` of `kinematic`", joint.name, pattern.get_ref());
+                let fault = source.fault(mode.span(), words).element(format!("joint `{}`", joint.name));
+                return Err(fault.wanted("no other mode").invalid());
+            }
+        }
+        if !any {
+            let words = format!("no moving joint of the URDF matches `{}`", pattern.get_ref());
+            let known = model.joints.iter().map(|j| j.name.as_str());
+            return Err(source
+                .fault(pattern.span(), words)
+                .element("kinematic")
+                .suggest(pattern.get_ref(), known)
+                .invalid());
+        }
+    }
+    Ok(matched)
+}
+
+/// Does `name` match `pattern`, in which `*` stands for any characters and `?` for one?
+fn matches(pattern: &str, name: &str) -> bool {
+    let mut rest = pattern.chars();
+    match rest.next() {
+        None => name.is_empty(),
+        Some('*') => {
+            name.char_indices().map(|(i, _)| i).chain([name.len()]).any(|i| matches(rest.as_str(), &name[i..]))
+        }
+        Some(c) => {
+            let mut after = name.chars();
+            after.next().is_some_and(|n| c == '?' || c == n) && matches(rest.as_str(), after.as_str())
+        }
+    }
+}
+
+fn drives(file: &RobotFile, source: &Source, model: &mut Model, kinematic: &[bool]) -> Result<(), RobotError> {
     for name in file.joint.keys() {
         joint_index(name, source, model)?;
     }
@@ -59,13 +100,16 @@ fn drives(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), Ro
         None => DriveSettings::default(),
     };
     let names: Vec<String> = model.joints.iter().map(|j| j.name.clone()).collect();
-    for name in names {
+    for (name, kinematic) in names.into_iter().zip(kinematic) {
         let own = file.joint.get(name.as_str());
         let place = own.or(file.joint_default.as_ref()).map_or(0..0, Spanned::span);
-        let own = match own {
+        let mut own = match own {
             Some(entry) => settings(entry.get_ref(), &format!("joint `{name}`"), source)?,
             None => DriveSettings::default(),
         };
+        if *kinematic {
+            own.mode = Some(DriveMode::Kinematic);
+        }
         set_drive(model, &name, &own.or(default)).map_err(|error| match error {
             RobotError::BadValue { subject, seen, wanted } => {
                 source.fault(place, subject).element(format!("joint `{name}`")).seen(seen).wanted(wanted).invalid()
@@ -92,10 +136,8 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
             ModeWord::Position => DriveMode::Position,
             ModeWord::Force => DriveMode::Force,
             ModeWord::Passive => DriveMode::Passive,
-            ModeWord::Kinematic => {
-                let fault = source.fault(word.span(), format!("mode `kinematic` of {element} is not available yet"));
-                return Err(fault.element(element).wanted("position, force or passive").not_available());
-            }
+            ModeWord::Velocity => DriveMode::Velocity,
+            ModeWord::Kinematic => DriveMode::Kinematic,
         }),
     };
     let friction = entry.friction.clone().unwrap_or_default();
@@ -108,6 +150,7 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
         coulomb: number("friction.coulomb", &friction.coulomb)?,
         viscous: number("friction.viscous", &friction.viscous)?,
         armature: number("armature", &entry.armature)?,
+        lag: number("lag", &entry.lag)?,
     })
 }
 

@@ -34,9 +34,10 @@ pub struct RobotFile {
     /// For every joint, what its own table leaves out.
     #[schemars(with = "Option<JointEntry>")]
     pub joint_default: Option<Spanned<JointEntry>>,
-    /// Patterns of joints that follow their command exactly, without dynamics.
+    /// Joints that follow their command exactly, without dynamics (mode `kinematic`): names in which `*` stands for any
+    /// characters and `?` for one.
     #[schemars(with = "Option<Vec<String>>")]
-    pub kinematic: Option<Spanned<Vec<String>>>,
+    pub kinematic: Option<Vec<Spanned<String>>>,
     /// Frames of interest.
     #[serde(default)]
     #[schemars(with = "Vec<Frame>")]
@@ -81,7 +82,9 @@ pub enum ModeWord {
     Position,
     /// Commanded effort.
     Force,
-    /// Exactly on its command, without dynamics. Not available yet.
+    /// A velocity, by `kd`.
+    Velocity,
+    /// Exactly on its command, without dynamics.
     Kinematic,
     /// No actuator.
     Passive,
@@ -111,6 +114,9 @@ pub struct JointEntry {
     /// Reflected rotor inertia, kg m^2 or kg.
     #[schemars(with = "Option<f64>")]
     pub armature: Option<Spanned<f64>>,
+    /// Time constant of the actuator, s: its effort follows what is asked as a first-order lag.
+    #[schemars(with = "Option<f64>")]
+    pub lag: Option<Spanned<f64>>,
 }
 
 /// Joint friction.

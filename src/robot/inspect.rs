@@ -98,12 +98,17 @@ fn joints(out: &mut String, model: &Model) -> std::fmt::Result {
 }
 
 fn drive(joint: &Joint) -> String {
-    let armature = format!("armature {}", number(joint.armature));
+    let mut armature = format!("armature {}", number(joint.armature));
+    if joint.lag > 0.0 {
+        let _ = write!(armature, ", lag {} s", number(joint.lag));
+    }
     let (kp, kd) = (number(joint.drive.kp), number(joint.drive.kd));
     match joint.drive.mode {
         _ if !joint.drive_configured => format!("drive not configured, {armature}"),
         DriveMode::Position => format!("position kp {kp} kd {kd}, {armature}"),
         DriveMode::Force => format!("force, {armature}"),
+        DriveMode::Velocity => format!("velocity kd {kd}, {armature}"),
+        DriveMode::Kinematic => format!("kinematic, {armature}"),
         DriveMode::Passive => format!("passive, {armature}"),
     }
 }

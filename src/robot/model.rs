@@ -59,6 +59,10 @@ pub enum DriveMode {
     Position,
     /// `tau` = feed-forward only, clipped.
     Force,
+    /// `tau = kd (qd_des - qd) + feed-forward`, clipped.
+    Velocity,
+    /// Exactly on its command, without dynamics of its own: a prescribed motion. Limits, stops and gains do not hold it.
+    Kinematic,
     /// No actuator torque.
     #[default]
     Passive,
@@ -96,6 +100,8 @@ pub struct Joint {
     pub friction: f64,
     /// Reflected rotor inertia, kg m^2 or kg.
     pub armature: f64,
+    /// Time constant with which the actuator's effort follows what is asked, s; 0 when it follows at once.
+    pub lag: f64,
     /// The actuator.
     pub drive: Drive,
     /// True when the URDF or robot file configured the drive; `joint_default` of a scenario fills the others.
@@ -216,6 +222,11 @@ impl Model {
     pub fn mass(&self) -> f64 {
         let first = usize::from(self.base == Base::Fixed);
         self.links[first..].iter().map(|l| l.mass).sum()
+    }
+
+    /// Joints whose actuators lag, in ascending order.
+    pub fn lagging(&self) -> impl Iterator<Item = JointId> {
+        self.joints.iter().enumerate().filter(|(_, j)| j.lag > 0.0).map(|(i, _)| JointId(i))
     }
 
     /// The joint of that name.

@@ -10,17 +10,10 @@ use super::{
 /// A place (a dotted path, `*` for every entry of an array or table) and the word there that is not available; no word
 /// means that the place itself may not be given.
 const PLANNED: &[(&str, Option<&str>)] = &[
-    ("robot.joint_default.mode", Some("kinematic")),
-    ("robot.joint.*.mode", Some("kinematic")),
-    ("control.estimator", Some("kinematic")),
-    ("control.estimator", Some("inertial")),
     ("task.*.type", Some("playback")),
     ("task.*.type", Some("sine")),
-    ("task.*.type", Some("balance")),
     ("task.*.type", Some("mocap")),
     ("task.*.type", Some("script")),
-    ("force.*.type", Some("ramp")),
-    ("force.*.type", Some("spring")),
     ("force.*.type", Some("carried-object")),
     ("force.*.type", Some("script")),
     ("event", None),

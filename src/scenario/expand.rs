@@ -10,6 +10,7 @@ use super::{
     diagnostic::{Diagnostic, Diagnostics, Findings, Severity},
     file::{ScenarioFile, resolve},
     grid::Grid,
+    inputs::{Files, Input},
     overrides,
     path::Path,
     reference::Reference,
@@ -46,6 +47,8 @@ pub struct Run {
     pub warnings: Diagnostics,
     /// The run it is compared with.
     pub reference: Option<Box<Run>>,
+    /// The files it names beside its robot.
+    pub inputs: Vec<Input>,
     /// Where the values come from.
     pub origin: Origin,
 }
@@ -59,6 +62,11 @@ pub struct Origin {
 }
 
 impl Run {
+    /// The file that the value at a dotted path (such as `task.0.file`) names.
+    pub fn input(&self, key: &str) -> Option<&Input> {
+        self.inputs.iter().find(|input| input.key == key)
+    }
+
     /// Where a path written in the scenario leads: relative ones start at the scenario file's folder.
     pub fn resolve(&self, written: impl AsRef<FsPath>) -> PathBuf {
         resolve(&self.file, written.as_ref())
@@ -148,6 +156,7 @@ fn expand(
     base.remove("sweep");
     let base = Arc::new(base);
     let mut runs = Vec::with_capacity(grid.runs());
+    let mut files = Files::default();
     for cell in 0..grid.cells() {
         let cell = grid.cell(cell);
         let swept = cell.values();
@@ -167,10 +176,13 @@ fn expand(
             return None;
         }
         let Some(scenario) = scenario else { continue };
+        let inputs = files.of(&scenario, &file.path, &root, findings);
+        let of_reference =
+            reference.as_ref().map(|r| files.of(&r.scenario, &file.path, &root, findings)).unwrap_or_default();
         for repetition in 0..grid.repeat {
             let mut scenario = scenario.clone();
             scenario.seed += u64::from(repetition);
-            let mut make = |scenario: Scenario, values: &[(Path, Node)]| match resolved(&scenario) {
+            let mut make = |scenario: Scenario, inputs: &[Input], values: &[(Path, Node)]| match resolved(&scenario) {
                 Ok((resolved_toml, table)) => Some((
                     Run {
                         name: file.name(),
@@ -181,6 +193,7 @@ fn expand(
                         parameters: Vec::new(),
                         warnings: Diagnostics::default(),
                         reference: None,
+                        inputs: inputs.to_vec(),
                         origin: Origin {
                             sources: sources.clone(),
                             base: base.clone(),
@@ -198,11 +211,11 @@ fn expand(
                 Some(reference) => {
                     let mut scenario = reference.scenario.clone();
                     scenario.seed += if reference.fixes_seed() { 0 } else { u64::from(repetition) };
-                    Some(Box::new(make(scenario, &reference.values)?.0))
+                    Some(Box::new(make(scenario, &of_reference, &reference.values)?.0))
                 }
                 None => None,
             };
-            let (run, table) = make(scenario, &[])?;
+            let (run, table) = make(scenario, &inputs, &[])?;
             let (parameters, warnings) = (cell.parameters(&root, &table), std::mem::take(&mut warnings));
             runs.push(Run { parameters, warnings, reference, ..run });
         }

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! [`load`] reads a file, [`ScenarioFile::expand`] gives its [`Run`]s. Whatever is wrong comes back as [`Diagnostics`]:
-//! with file, line and column, the line itself, and a guess at what was meant. Nothing here opens a robot file, loads a
-//! mesh or steps.
+//! with file, line and column, the line itself, and a guess at what was meant. Files that a scenario names beside
+//! its robot are read, but nothing here opens a robot file, loads a mesh or steps.
 
 mod availability;
 mod axis;
@@ -17,6 +17,7 @@ mod dimensions;
 mod expand;
 mod file;
 mod grid;
+mod inputs;
 mod key;
 mod overrides;
 mod path;
@@ -35,6 +36,7 @@ mod tree;
 pub use diagnostic::{Diagnostic, Diagnostics, Place, Severity};
 pub use expand::{DEFAULT_MAX_RUNS, Origin, Run};
 pub use file::{ScenarioFile, load, parse};
+pub use inputs::Input;
 pub use key::key;
 pub use overrides::parse_override;
 pub use scenario::{FORMAT, Scenario};
@@ -42,20 +44,27 @@ pub use schema::schema;
 pub use spec::{
     compare::{CompareSpec, TruthMetric},
     contact::{
-        ContactMethod, ContactSpec, ControlSpec, Estimator, EventHandling, ForcedState, IntegratorMethod,
-        IntegratorSpec, LcpSpec, NcpSpec, PenaltySpec,
+        ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec, LcpSpec, NcpSpec,
+        PenaltySpec,
     },
+    control::{AccelerationSource, ControlSpec, Estimator, InertialSpec, KinematicSpec},
     event::EventSpec,
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
-    force::{ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, Profile, PushForce},
+    force::{
+        AnchorSpec, ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, PathShape, Profile, PushForce, RampForce,
+        SineSpec, SpringForce, WaypointSpec,
+    },
     planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},
     robot::{
         BaseSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec, SoleSpec,
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
+    sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
-    task::{PostureTask, TaskSpec},
+    task::{
+        BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PostureTask, TaskSpec,
+    },
 };
 pub use suggest::help as suggest;

@@ -35,6 +35,11 @@ pub fn some_non_negative<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>,
     non_negative(d).map(Some)
 }
 
+/// Above zero, where leaving it out means something else.
+pub fn some_positive<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> {
+    positive(d).map(Some)
+}
+
 /// From 0 to 1.
 pub fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     number_where(d, |x| (0.0..=1.0).contains(&x), "between 0 and 1")
@@ -112,6 +117,11 @@ impl<'de> Deserialize<'de> for AngularRate {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         d.deserialize_any(AngleVisitor { per: "/s" }).map(AngularRate)
     }
+}
+
+/// One angle.
+pub fn angle<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
+    Ok(Angle::deserialize(d)?.0)
 }
 
 /// Three angles.

@@ -12,7 +12,8 @@ use super::{
     quantity::{json, positive},
     spec::{
         compare::CompareSpec,
-        contact::{ContactSpec, ControlSpec, IntegratorSpec},
+        contact::{ContactSpec, IntegratorSpec},
+        control::ControlSpec,
         event::EventSpec,
         expect::Expect,
         floor::FloorSpec,
@@ -20,6 +21,7 @@ use super::{
         planned::SelfCollisionSpec,
         robot::RobotSpec,
         run::{LogSpec, StopSpec},
+        sensors::SensorsSpec,
         sweep::SweepSpec,
         tagged::{self, Tagged},
         task::TaskSpec,
@@ -58,6 +60,9 @@ pub struct Scenario {
     pub integrator: IntegratorSpec,
     /// The task server.
     pub control: ControlSpec,
+    /// Errors of the sensors.
+    #[serde(skip_serializing_if = "SensorsSpec::is_none")]
+    pub sensors: SensorsSpec,
     /// Tasks; where they overlap in time, later ones win per joint.
     pub task: Vec<TaskSpec>,
     /// External forces.
@@ -95,6 +100,7 @@ impl Default for Scenario {
             contact: ContactSpec::default(),
             integrator: IntegratorSpec::default(),
             control: ControlSpec::default(),
+            sensors: SensorsSpec::default(),
             task: Vec::new(),
             force: Vec::new(),
             event: Vec::new(),
@@ -142,6 +148,7 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
         contact: part.value("contact", default.contact),
         integrator: part.value("integrator", default.integrator),
         control: part.value("control", default.control),
+        sensors: part.value("sensors", default.sensors),
         task: part.tagged("task"),
         force: part.tagged("force"),
         event: part.list("event"),

@@ -1,7 +1,9 @@
 //! Joint efforts: servo, passive friction, stops.
 //!
 //! ```text
-//! servo     tau = clip(kp (q_des - q) + kd (qd_des - qd) + feed-forward, effort limit)
+//! position  tau = clip(kp (q_des - q) + kd (qd_des - qd) + feed-forward, effort limit)
+//! velocity  tau = clip(kd (qd_des - qd) + feed-forward, effort limit)
+//! force     tau = clip(feed-forward, effort limit)
 //! friction  tau = -d qd - c tanh(qd / v_s)                                 (URDF dynamics)
 //! stop      tau = -max(0, k p + b p')   with p the travel beyond the limit
 //! ```
@@ -50,11 +52,23 @@ pub fn servo(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command) -> (f6
         DriveMode::Position => {
             command.kp[j] * (command.position[j] - q) + command.kd[j] * (command.velocity[j] - qd) + command.effort[j]
         }
+        DriveMode::Velocity => command.kd[j] * (command.velocity[j] - qd) + command.effort[j],
         DriveMode::Force => command.effort[j],
-        DriveMode::Passive => 0.0,
+        // What moves a kinematic joint follows from its motion.
+        DriveMode::Passive | DriveMode::Kinematic => 0.0,
     };
     let clipped = wanted.clamp(-joint.effort_limit, joint.effort_limit);
     (clipped, clipped != wanted)
+}
+
+/// How much less effort a servo gives over a velocity-level step of size `dt` per change of the velocity, times `dt`.
+pub fn implicit_gain(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command, dt: f64) -> f64 {
+    let gain = match command.mode[j] {
+        DriveMode::Position => dt * command.kd[j] + dt * dt * command.kp[j],
+        DriveMode::Velocity => dt * command.kd[j],
+        _ => return 0.0,
+    };
+    if servo(joint, j, q, qd, command).1 { 0.0 } else { gain }
 }
 
 /// Adds the passive efforts of all joints: URDF friction and, if wanted, stops. `q` and `qd` per joint, `tau` per joint.

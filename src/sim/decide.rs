@@ -169,9 +169,10 @@ impl Simulation {
         self.freeze_answer(observer, &selection)?;
         let plant = &mut self.plant;
         let impulses = std::mem::take(&mut plant.solution.wrench);
-        let loss = -plant.kick(&impulses);
+        let jump = plant.kick(&impulses);
         plant.solution.wrench = impulses;
-        self.work -= loss;
+        let loss = -jump.contact;
+        self.take(jump);
         self.metrics.impacts += 1;
         self.mark_impact(loss);
         self.count(&selection);
@@ -262,7 +263,8 @@ impl Simulation {
                 change = change.max((p.vertex_motion(&self.projection.motion, s, i) - v.velocity).norm());
             }
         }
-        self.work += plant.kick(&self.projection.wrench);
+        let jump = plant.kick(&self.projection.wrench);
+        self.take(jump);
         change
     }
 }

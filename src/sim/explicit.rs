@@ -147,7 +147,7 @@ impl Explicit {
             sim.metrics.rejected_steps += 1;
             h *= factor;
             if !(h > SMALLEST * (1.0 + t0)) {
-                layout.unpack(t0, &self.y, &mut sim.plant.state);
+                sim.plant.unpack(t0, &self.y);
                 sim.plant.evaluate_free();
                 let burst = sim.locates() && sim.burst(observer)?;
                 if burst || sim.locates() && sim.crawls(CRAWL) {
@@ -178,7 +178,7 @@ impl Explicit {
         sim.metrics.steps += 1;
         let t1 = if h == remaining { until } else { t0 + h };
         self.snapshots(sim, t0, t1, h, observer)?;
-        layout.unpack(t1, &self.rk.end, &mut sim.plant.state);
+        sim.plant.unpack(t1, &self.rk.end);
         sim.flows = layout.flows(&self.rk.end);
         if located {
             // The search may have ended with the plant anywhere in the step.
@@ -258,7 +258,7 @@ impl Explicit {
         self.left.copy_from_slice(&self.start);
         first_crossing(0.0, 1.0, &mut self.left, &mut self.right, &mut self.scratch, LOCATE, |theta, g| {
             rk.interpolate(theta, dense);
-            sim.plant.layout.unpack(t0 + theta * h, dense, &mut sim.plant.state);
+            sim.plant.unpack(t0 + theta * h, dense);
             sim.plant.evaluate();
             watch.fill(sim, g);
         })
@@ -279,7 +279,7 @@ impl Explicit {
         let due = |next: Option<f64>| next.filter(|&t| t < t1);
         while let Some(t) = due(sim.next_snapshot()).into_iter().chain(due(sim.next_sample())).reduce(f64::min) {
             self.rk.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
-            sim.plant.layout.unpack(t, &self.dense, &mut sim.plant.state);
+            sim.plant.unpack(t, &self.dense);
             sim.plant.evaluate();
             sim.flows = sim.plant.layout.flows(&self.dense);
             if sim.next_sample() == Some(t) {
@@ -292,7 +292,7 @@ impl Explicit {
         }
         if moved {
             // Put the plant back to the end of the step.
-            sim.plant.layout.unpack(t1, &self.rk.end, &mut sim.plant.state);
+            sim.plant.unpack(t1, &self.rk.end);
             sim.plant.evaluate();
         }
         sim.plant.evaluations = evaluations;

@@ -36,6 +36,8 @@ impl Fixed {
     pub fn look_ahead(&mut self, sim: &mut Simulation, observer: &mut dyn Observer) -> Result<(), Stop> {
         sim.plant.within = sim.plant.state.time + 0.5 * self.dt;
         self.decide(sim, self.dt, observer)?;
+        self.displace(sim, self.dt);
+        sim.plant.react_to_step(&sim.displacement, self.dt);
         sim.plant.solution.scale(1.0 / self.dt);
         sim.plant.refresh();
         Ok(())
@@ -54,19 +56,20 @@ impl Fixed {
         sim.plant.within = t + 0.5 * dt;
         let stored = sim.plant.stored().energy;
         self.decide(sim, dt, observer)?;
-        // v+ = v + dt M^-1 (tau - h) + M^-1 J^T p
+        self.displace(sim, dt);
         let plant = &mut sim.plant;
-        sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
-        reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
         plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
         plant.share_forces();
+        plant.react_to_step(&sim.displacement, dt);
         let (flows, jumps) = plant.step_flows(&sim.displacement, dt);
         sim.flows.add(&flows);
         sim.work += jumps;
+        plant.lag_over(&sim.displacement, dt);
         plant.solution.scale(1.0 / dt);
         plant.state.v.iter().zip(&mut sim.displacement).for_each(|(v, d)| *d = v * dt);
         plant.state.displace(&sim.displacement);
         plant.state.time = if dt == remaining { until } else { t + dt };
+        plant.arrive();
         plant.refresh();
         // What the springs have taken is not lost.
         sim.work += plant.stored().energy - stored;
@@ -79,6 +82,13 @@ impl Fixed {
         sim.sample_step(observer)?;
         let now = sim.plant.state.time;
         sim.snapshot_now(now, observer)
+    }
+
+    /// The change of velocity over the step: v+ - v = dt M^-1 (tau - h) + M^-1 J^T p, in `sim.displacement`.
+    fn displace(&self, sim: &mut Simulation, dt: f64) {
+        let plant = &mut sim.plant;
+        sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
+        reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
     }
 
     /// Poses the problem of a step at the present state and solves it.

@@ -84,8 +84,9 @@ impl Simulation {
     /// The impulse of a jam, if there is one.
     fn strike(&mut self, drive: &Drive, observer: &mut dyn Observer) -> Result<bool, Stop> {
         let Some(states) = self.stop_at_once(drive) else { return Ok(false) };
-        let loss = -self.plant.kick(&self.projection.wrench);
-        self.work -= loss;
+        let jump = self.plant.kick(&self.projection.wrench);
+        let loss = -jump.contact;
+        self.take(jump);
         let what = format!("no finite force; slip ended by an impulse, energy lost {loss:.6e} J");
         self.tell_jam(drive, &what, observer)?;
         self.adopt(states, observer)?;
@@ -115,12 +116,12 @@ impl Simulation {
             let plant = &mut self.plant;
             plant.state.v.copy_from_slice(&start);
             plant.evaluate_free();
-            let change = plant.kick(&scaled(&drive.wrench, size));
+            let jump = plant.kick(&scaled(&drive.wrench, size));
             plant.evaluate_free();
             // Beyond rounding, or sliding with K nearly zero would be found again.
             let size = plant.problem.b.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
             let leaves = plant.problem.vertex_motion(&plant.problem.b, s, i).z >= LEAVES * size;
-            (leaves, plant.problem.soles[s].vertices[i].velocity.xy().dot(&slip) > 0.0, change)
+            (leaves, plant.problem.soles[s].vertices[i].velocity.xy().dot(&slip) > 0.0, jump)
         };
         // The impulse that would stop the slip bounds the search.
         let mut most = self.tolerances.rest;
@@ -133,10 +134,11 @@ impl Simulation {
             let (leaves, slips, _) = kicked(middle);
             if leaves || !slips { high = middle } else { low = middle }
         }
-        let (leaves, _, change) = kicked(high);
-        self.work += change;
+        let (leaves, _, jump) = kicked(high);
+        self.take(jump);
         let end = if leaves { "until it lets go" } else { "until it stops" };
-        let what = format!("force without bound; an impulse of {high:.6e} N s {end}, energy lost {:.6e} J", -change);
+        let what =
+            format!("force without bound; an impulse of {high:.6e} N s {end}, energy lost {:.6e} J", -jump.contact);
         self.tell_jam(&drive, &what, observer)?;
         Ok(true)
     }

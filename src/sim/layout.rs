@@ -1,4 +1,5 @@
-//! How a state lies in the integrator's vector: position 3, quaternion 4 (i, j, k, w), joints, velocities, work.
+//! How a state lies in the integrator's vector: position 3, quaternion 4 (i, j, k, w), joints, velocities, actuators
+//! that lag, work.
 //!
 //! The quaternion is integrated as four numbers, `q' = 1/2 (omega, 0) q`, and normalised after every step; the last
 //! entries are the energies that flowed ([`super::ledger`]), kept out of the error control.
@@ -14,17 +15,19 @@ pub struct Layout {
     nj: usize,
     nv: usize,
     nb: usize,
+    /// Actuators that lag.
+    na: usize,
 }
 
 impl Layout {
     /// For this robot.
     pub fn new(model: &Model) -> Self {
-        Layout { nj: model.nj(), nv: model.nv(), nb: model.nb() }
+        Layout { nj: model.nj(), nv: model.nv(), nb: model.nb(), na: model.lagging().count() }
     }
 
     /// Length of the vector.
     pub fn size(&self) -> usize {
-        7 + self.nj + self.nv + FLOWS
+        7 + self.nj + self.nv + self.na + FLOWS
     }
 
     /// Number of leading entries under error control.
@@ -46,6 +49,7 @@ impl Layout {
         state.rotation = UnitQuaternion::from_quaternion(Quaternion::new(y[6], y[3], y[4], y[5]));
         state.joints.copy_from_slice(&y[7..7 + self.nj]);
         state.v.copy_from_slice(&y[7 + self.nj..7 + self.nj + self.nv]);
+        state.actuators.copy_from_slice(&y[self.controlled() - self.na..self.controlled()]);
     }
 
     /// Writes a state and the energies that flowed.
@@ -54,10 +58,11 @@ impl Layout {
         y[3..7].copy_from_slice(state.rotation.coords.as_slice());
         y[7..7 + self.nj].copy_from_slice(&state.joints);
         y[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(&state.v);
+        y[self.controlled() - self.na..self.controlled()].copy_from_slice(&state.actuators);
         y[self.controlled()..].copy_from_slice(&flows.0);
     }
 
-    /// Writes the derivative from velocities `v`, accelerations and powers.
+    /// Writes the derivative from velocities `v`, accelerations and powers; that of the actuators is [`Layout::actuators`].
     pub fn derivative(&self, y: &[f64], v: &[f64], acceleration: &[f64], powers: &Flows, dy: &mut [f64]) {
         dy[..7].fill(0.0);
         if self.nb == 6 {
@@ -69,5 +74,16 @@ impl Layout {
         dy[7..7 + self.nj].copy_from_slice(&v[self.nb..]);
         dy[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(acceleration);
         dy[self.controlled()..].copy_from_slice(&powers.0);
+    }
+
+    /// The entries of the actuators.
+    pub fn actuators<'a>(&self, y: &'a mut [f64]) -> &'a mut [f64] {
+        &mut y[self.controlled() - self.na..self.controlled()]
+    }
+
+    /// Position and velocity of a joint do not change.
+    pub fn hold(&self, joint: usize, dy: &mut [f64]) {
+        dy[7 + joint] = 0.0;
+        dy[7 + self.nj + self.nb + joint] = 0.0;
     }
 }

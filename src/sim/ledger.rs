@@ -11,6 +11,7 @@
 //! the normal motion and its springs do not hold. Flows are integrated with the state; jumps are added as
 //! they happen. What is left, drift projections and work of normal forces included, is the error.
 
+use super::prescribe::Jump;
 use super::simulation::Simulation;
 use crate::dynamics::body;
 
@@ -61,6 +62,12 @@ impl Balance {
 }
 
 impl Simulation {
+    /// Adds what a velocity jump has worked.
+    pub(super) fn take(&mut self, jump: Jump) {
+        self.work += jump.contact;
+        self.flows.0[0] += jump.drives;
+    }
+
     /// The balance at the plant's present state. Needs kinematics at it.
     pub(super) fn balance(&self) -> Balance {
         let [actuators, external, joint_loss, friction_loss, dampers] = self.flows.0;

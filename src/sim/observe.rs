@@ -1,10 +1,12 @@
 //! What a run tells: snapshots.
 
+use super::estimate::Estimator;
 use super::plant::Plant;
-use super::report::{Snapshot, SoleSnapshot};
+use super::report::{EstimateSnapshot, Snapshot, SoleSnapshot};
 use crate::contact::residual;
 use crate::dynamics::body;
 use crate::robot::Model;
+use crate::task::Sensed;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::fmt::Write;
 
@@ -33,6 +35,39 @@ pub fn blank(model: &Model) -> Snapshot {
             .collect(),
         ..Snapshot::default()
     }
+}
+
+/// An estimate of the right size.
+pub(super) fn blank_estimate(model: &Model) -> EstimateSnapshot {
+    EstimateSnapshot {
+        q: vec![0.0; model.nj()],
+        qd: vec![0.0; model.nj()],
+        load: vec![0.0; model.nj()],
+        soles: vec![(Vector3::zeros(), Vector3::zeros()); model.soles.len()],
+        static_soles: Vec::with_capacity(model.soles.len()),
+        ..EstimateSnapshot::default()
+    }
+}
+
+/// Fills it from the readings and the estimator of the last tick.
+pub(super) fn fill_estimate(estimator: &Estimator, readings: &Sensed, out: &mut EstimateSnapshot) {
+    let state = &estimator.state;
+    out.time = state.time;
+    out.base_pose = Isometry3::from_parts(Translation3::from(state.position), state.rotation);
+    if state.v.len() > state.joints.len() {
+        out.base_linear_velocity = Vector3::new(state.v[0], state.v[1], state.v[2]);
+        out.base_angular_velocity = Vector3::new(state.v[3], state.v[4], state.v[5]);
+    }
+    out.q.copy_from_slice(&readings.position);
+    out.qd.copy_from_slice(&readings.velocity);
+    out.load.copy_from_slice(&readings.load);
+    (out.orientation, out.angular_velocity) = (readings.orientation, readings.angular_velocity);
+    out.specific_force = readings.specific_force;
+    for (to, sole) in out.soles.iter_mut().zip(&readings.soles) {
+        *to = (sole.force, sole.moment);
+    }
+    out.static_soles.clear();
+    out.static_soles.extend_from_slice(estimator.static_soles());
 }
 
 /// Fills a snapshot from the plant's last evaluation.

@@ -8,6 +8,8 @@
 //! accelerations. `contact.md` section 2: every candidate state is judged with W and a0 alone.
 
 use super::actuator::{self, Stop};
+use super::guide::Guide;
+use super::lag;
 use super::layout::Layout;
 use super::setup::{Floor, Setup};
 use super::zones::Place;
@@ -16,7 +18,7 @@ use crate::contact::method::{Manner, Method, Stored};
 use crate::contact::problem::{Level, Problem};
 use crate::contact::state::States;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, factor, kinematics, reduced, rnea};
-use crate::force::{Applied, Force, Scene};
+use crate::force::{Applied, Force, Scene, Tell};
 use crate::integrate::System;
 use crate::robot::{DriveMode, Model, SoleId};
 use crate::task::Command;
@@ -83,7 +85,17 @@ pub struct Plant {
     pub acceleration: Vec<f64>,
     /// What the implicit step adds to the diagonal of M; zero for evaluations in continuous time.
     pub(super) shift: Vec<f64>,
-    scratch: Vec<f64>,
+    /// What the servos themselves would add there, by joint.
+    pub(super) gains: Vec<f64>,
+    /// Motions of kinematic joints.
+    pub(super) guide: Guide,
+    /// Prescribed accelerations, by joint.
+    pub(super) demanded: Vec<f64>,
+    /// Joints whose actuators lag.
+    pub(super) lagging: Vec<usize>,
+    /// What was asked of these at the last evaluation.
+    pub(super) asked: Vec<f64>,
+    pub(super) scratch: Vec<f64>,
     /// Evaluations so far.
     pub evaluations: u64,
     /// Why the last evaluation failed: M could not be factorised and the accelerations are not a number.
@@ -133,6 +145,11 @@ impl Plant {
             arrows: Vec::with_capacity(16),
             acceleration: vec![0.0; nv],
             shift: vec![0.0; nv],
+            gains: vec![0.0; nj],
+            guide: Guide::new(nj),
+            demanded: vec![0.0; nj],
+            asked: vec![0.0; model.lagging().count()],
+            lagging: model.lagging().map(|j| j.0).collect(),
             scratch: vec![0.0; nv],
             evaluations: 0,
             failure: None,
@@ -147,6 +164,7 @@ impl Plant {
         self.move_links();
         self.efforts(None);
         self.shift.fill(0.0);
+        self.demand(None);
         self.finish_free();
     }
 
@@ -159,11 +177,12 @@ impl Plant {
         let nb = self.model.nb();
         for (j, joint) in self.model.joints.iter().enumerate() {
             let (q, qd) = (self.state.joints[j], self.state.v[nb + j]);
-            let c = &self.command;
-            let follows = c.mode[j] == DriveMode::Position && !actuator::servo(joint, j, q, qd, c).1;
-            let gains = if follows { dt * c.kd[j] + dt * dt * c.kp[j] } else { 0.0 };
-            self.shift[nb + j] = dt * joint.damping + gains;
+            let gains = actuator::implicit_gain(joint, j, q, qd, &self.command, dt);
+            self.gains[j] = gains;
+            let share = if joint.lag > 0.0 { lag::shares(dt / joint.lag).1 } else { 1.0 };
+            self.shift[nb + j] = dt * joint.damping + gains * share;
         }
+        self.demand(Some(dt));
         self.finish_free();
     }
 
@@ -191,6 +210,7 @@ impl Plant {
             self.efforts[j] = effort;
             self.servo[j] = effort + ahead;
         }
+        self.lag_behind(dt);
         self.passive.fill(0.0);
         let (stops, state) = (self.stops.as_deref(), &self.state);
         actuator::passive(&self.model, stops, &state.joints, &state.v[nb..], &mut self.passive);
@@ -226,11 +246,32 @@ impl Plant {
         self.forces.iter_mut().try_for_each(|force| force.init(&scene))
     }
 
+    /// Calls every force model's `pass` at the present state, whose kinematics it brings up to date.
+    pub(super) fn pass_forces(&mut self, tell: &mut Tell) {
+        self.move_links();
+        let scene = Scene {
+            model: &self.model,
+            state: &self.state,
+            kinematics: &self.ws,
+            time: self.state.time,
+            // The piece that begins here.
+            within: self.state.time,
+        };
+        self.forces.iter_mut().for_each(|force| force.pass(&scene, tell));
+    }
+
     fn finish_free(&mut self) {
         rnea::bias(&self.model, &mut self.ws, &self.gravity);
         crba::mass_matrix(&self.model, &mut self.ws);
-        self.failure = factor::factorize_shifted(&mut self.ws, &self.shift).err();
-        reduced::assemble(&self.model, &self.ws, &self.floor.rotation, &self.tau, &mut self.reduced);
+        if self.reduced.prescribed.is_empty() {
+            self.failure = factor::factorize_shifted(&mut self.ws, &self.shift).err();
+            reduced::assemble(&self.model, &self.ws, &self.floor.rotation, &self.tau, &mut self.reduced);
+        } else {
+            let prescribed = &self.reduced.prescribed;
+            self.failure = factor::factorize_prescribed(&mut self.ws, &self.shift, prescribed).err();
+            self.carry_over();
+            reduced::assemble(&self.model, &self.ws, &self.floor.rotation, &self.scratch, &mut self.reduced);
+        }
         self.acceleration.copy_from_slice(&self.reduced.free);
         if self.failure.is_some() {
             self.acceleration.fill(f64::NAN);
@@ -335,13 +376,9 @@ impl Plant {
     /// Adds the contact wrenches of the solution to the accelerations.
     pub fn close(&mut self) {
         reduced::apply(&self.model, &self.ws, &mut self.reduced, &self.solution.wrench, &mut self.acceleration);
-    }
-
-    /// Adds the velocity jump of sole impulses (6F, floor axes) to the state. Returns the change of kinetic energy, J.
-    pub fn kick(&mut self, impulses: &[f64]) -> f64 {
-        let before = self.kinetic_energy();
-        reduced::apply(&self.model, &self.ws, &mut self.reduced, impulses, &mut self.state.v);
-        self.kinetic_energy() - before
+        if !self.reduced.prescribed.is_empty() {
+            self.react();
+        }
     }
 
     /// Kinetic energy of the state's velocity at the configuration of the last evaluation, J.
@@ -359,8 +396,11 @@ impl Plant {
 impl System for Plant {
     fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) {
         let layout = self.layout;
-        layout.unpack(t, y, &mut self.state);
+        self.unpack(t, y);
         self.evaluate();
         layout.derivative(y, &self.state.v, &self.acceleration, &self.powers(), dy);
+        layout.actuators(dy).iter_mut().zip(self.lag_rates()).for_each(|(rate, lag)| *rate = lag);
+        // Where these are does not come from integration.
+        self.guide.joints().iter().for_each(|j| layout.hold(*j, dy));
     }
 }

@@ -46,6 +46,37 @@ pub struct Snapshot {
     pub residual: Residual,
     /// The energy balance since the start.
     pub energy: Balance,
+    /// What the robot knew at its last control tick; none when sensors and estimator tell the truth.
+    pub estimate: Option<EstimateSnapshot>,
+}
+
+/// Readings of the sensors and the estimated base at a control tick. World axes unless said, SI units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EstimateSnapshot {
+    /// The tick, s.
+    pub time: f64,
+    /// Estimated pose of the root link's URDF frame.
+    pub base_pose: Isometry3<f64>,
+    /// Estimated velocity of its origin.
+    pub base_linear_velocity: Vector3<f64>,
+    /// Estimated angular velocity of the root.
+    pub base_angular_velocity: Vector3<f64>,
+    /// Joint positions read.
+    pub q: Vec<f64>,
+    /// Joint velocities read.
+    pub qd: Vec<f64>,
+    /// Joint loads read.
+    pub load: Vec<f64>,
+    /// Orientation read.
+    pub orientation: UnitQuaternion<f64>,
+    /// Angular velocity read, base axes.
+    pub angular_velocity: Vector3<f64>,
+    /// Specific force read, base axes.
+    pub specific_force: Vector3<f64>,
+    /// Force and moment about the centroid read at each sole.
+    pub soles: Vec<(Vector3<f64>, Vector3<f64>)>,
+    /// For each sole: is it taken to stand still? Empty when the estimator does not ask.
+    pub static_soles: Vec<bool>,
 }
 
 /// Motion and contact at an instant of comparison. World axes, SI units.
@@ -255,6 +286,14 @@ pub struct Metrics {
     pub max_flight_path_drift_m: f64,
     /// Greatest change of the angular momentum about the centre of mass during a flight, kg m^2/s.
     pub max_flight_spin_drift_nms: f64,
+    /// Greatest distance of the estimated base from the true one at a control tick, m; none without an estimator.
+    pub max_estimate_error_m: Option<f64>,
+    /// Greatest angle between them, rad.
+    pub max_estimate_error_rad: Option<f64>,
+    /// The distance at the last tick, m.
+    pub final_estimate_error_m: Option<f64>,
+    /// The angle at the last tick, rad.
+    pub final_estimate_error_rad: Option<f64>,
 }
 
 impl Metrics {

@@ -155,6 +155,7 @@ mod tests {
             rotation: UnitQuaternion::from_scaled_axis(axis * turned),
             joints: vec![2.0 * x],
             v: vec![v, 0.0, 0.0, omega.x, omega.y, omega.z, 2.0 * v],
+            actuators: vec![],
         }
     }
 

@@ -1,6 +1,8 @@
 //! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
 
+use super::estimate::EstimatorSetup;
 use super::patch::Patch;
+use super::sensors::SensorErrors;
 use crate::contact::method::Parameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
@@ -129,6 +131,12 @@ pub struct Setup {
     pub tasks: TaskServer,
     /// External forces.
     pub forces: Vec<Box<dyn Force>>,
+    /// Errors of the sensors; none: they tell the truth.
+    pub sensors: Option<SensorErrors>,
+    /// Where tasks have the base's state from.
+    pub estimator: EstimatorSetup,
+    /// Seed of all random numbers drawn while running.
+    pub seed: u64,
     /// Simulated time, s.
     pub duration: f64,
     /// Snapshots per second, 0 for none but the last.

@@ -1,6 +1,7 @@
 //! One run from start to end.
 
 use super::error::Stop;
+use super::estimate::Estimator;
 use super::explicit::{Explicit, Sizes};
 use super::fixed::Fixed;
 use super::ledger::Flows;
@@ -9,6 +10,7 @@ use super::measure::Tally;
 use super::plant::Plant;
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::sample::Sampler;
+use super::sensors::Sensors;
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
 use crate::contact::candidate::Solution;
 use crate::contact::frozen::Frozen;
@@ -17,8 +19,8 @@ use crate::contact::method::{self, Manner};
 use crate::contact::problem::{Problem, Tolerances};
 use crate::contact::state::MAX_SOLES;
 use crate::integrate::StepControl;
+use crate::task::TaskServer;
 use crate::task::server::Situation;
-use crate::task::{Sensed, TaskServer};
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -42,7 +44,7 @@ enum Stepper {
 pub(super) enum Jump {
     /// Nothing.
     None,
-    /// What the joints are asked.
+    /// What the joints are asked, or a prescribed acceleration.
     Tick,
     /// A force, or which states are imposed.
     Corner,
@@ -54,8 +56,8 @@ pub struct Simulation {
     pub(super) tolerances: Tolerances,
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
-    /// What the sensors said at the last tick.
-    sensed: Sensed,
+    sensors: Sensors,
+    estimator: Estimator,
     pub(super) metrics: Metrics,
     /// Work of velocity jumps since the start, J: impacts, jams, and what a new contact state ends.
     pub(super) work: f64,
@@ -141,14 +143,21 @@ impl Simulation {
             // Nor does one have to be let into it: what a vertex may accelerate downwards only covers rounding.
             tolerances.acceleration = tolerances.acceleration.min(SINKING);
         }
-        let snapshot = super::observe::blank(&model);
+        let sensors = Sensors::new(&plant, setup.sensors, setup.tasks.period(), setup.seed);
+        let estimator = Estimator::new(&setup.estimator, &model, setup.gravity);
+        let mut snapshot = super::observe::blank(&model);
+        if setup.sensors.is_some() || estimator.estimates() {
+            setup.tasks.tick_always();
+            snapshot.estimate = Some(super::observe::blank_estimate(&model));
+        }
         let v = &plant.state.v;
         let launch = if model.nb() == 6 { Vector3::new(v[0], v[1], v[2]) } else { Vector3::zeros() };
         let mut sim = Simulation {
             tolerances,
             contact: setup.contact,
             tasks: setup.tasks,
-            sensed: Sensed::blank(&model),
+            sensors,
+            estimator,
             metrics: Metrics::default(),
             work: 0.0,
             flows: Flows::default(),
@@ -206,7 +215,9 @@ impl Simulation {
         let rate = observer.sample_rate();
         self.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, self.duration, &self.plant.state)));
         self.init_forces()?;
+        self.pass_forces(observer)?;
         self.run_tasks(observer)?;
+        self.plant.fill_actuators();
         self.plant.within = 0.0;
         self.tell_imposed(observer)?;
         let mut stepper = self.stepper.take();
@@ -228,19 +239,23 @@ impl Simulation {
         let t = self.plant.state.time;
         let tick = self.tasks.next_tick();
         let ticks = tick.is_some_and(|tick| tick <= t);
+        let corner = self.corners.contains(&t);
+        if corner {
+            self.pass_forces(observer)?;
+        }
         if ticks {
             self.run_tasks(observer)?;
         }
-        let jump = if self.corners.contains(&t) {
+        let jump = if corner {
             self.tell_imposed(observer)?;
             Jump::Corner
-        } else if ticks {
+        } else if ticks || self.plant.guide.ends(t) {
             Jump::Tick
         } else {
             Jump::None
         };
         let corner = self.corners.iter().copied().find(|c| *c > t);
-        let stops = [self.tasks.next_tick(), corner];
+        let stops = [self.tasks.next_tick(), corner, self.plant.guide.corner(t)];
         let until = stops.into_iter().flatten().fold(self.duration, f64::min);
         let mut stepper = self.stepper.take().expect("put back below");
         let result = match &mut stepper {
@@ -271,11 +286,17 @@ impl Simulation {
     }
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        super::sense::truth(&mut self.plant, &mut self.sensed);
+        self.sensors.read(&mut self.plant);
+        self.estimator.update(&self.plant.model, &self.plant.state, &self.sensors.readings);
+        self.take_estimate();
         let plant = &self.plant;
         let time = plant.state.time;
-        let situation =
-            Situation { model: &plant.model, gravity: plant.gravity, state: &plant.state, sensed: &self.sensed };
+        let situation = Situation {
+            model: &plant.model,
+            gravity: plant.gravity,
+            state: &self.estimator.state,
+            sensed: &self.sensors.readings,
+        };
         let mut failure = None;
         let ran = self.tasks.run(&situation, |what, name| {
             let message = format!("task {name} {what}");
@@ -283,12 +304,37 @@ impl Simulation {
             failure = observer.event(&event).err().or(failure.take());
         });
         self.plant.command.copy_from(&self.tasks.command);
+        self.plant.plan(self.tasks.period(), self.tasks.next_tick());
         failure.map_or(ran, Err).map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Keeps what was estimated for the log, and how far it is from the truth.
+    fn take_estimate(&mut self) {
+        let Some(out) = &mut self.snapshot.estimate else { return };
+        super::observe::fill_estimate(&self.estimator, &self.sensors.readings, out);
+        if self.estimator.estimates() {
+            let (position, angle) = self.estimator.error(&self.plant.state);
+            let m = &mut self.metrics;
+            m.max_estimate_error_m = Some(m.max_estimate_error_m.unwrap_or(0.0).max(position));
+            m.max_estimate_error_rad = Some(m.max_estimate_error_rad.unwrap_or(0.0).max(angle));
+            (m.final_estimate_error_m, m.final_estimate_error_rad) = (Some(position), Some(angle));
+        }
     }
 
     /// Prepares the force models.
     fn init_forces(&mut self) -> Result<(), Stop> {
         self.plant.init_forces().map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Tells the force models that a corner, or the start, is reached.
+    fn pass_forces(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let time = self.plant.state.time;
+        let mut failure = None;
+        self.plant.pass_forces(&mut |kind, subject, message| {
+            let event = SimEvent { time, kind, subject: subject.to_string(), message };
+            failure = failure.take().or(observer.event(&event).err());
+        });
+        failure.map_or(Ok(()), |m| Err(Stop::new(Outcome::Error, m)))
     }
 
     /// Ends the run when a force model has failed.

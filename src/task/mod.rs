@@ -8,6 +8,7 @@
 //! is computed only in ticks at which a task asks for it by its [`Needs`].
 
 pub mod augmented;
+pub mod balance;
 pub mod command;
 pub mod gait;
 pub mod kinematic;

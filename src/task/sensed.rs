@@ -16,6 +16,8 @@ pub struct Sensed {
     pub orientation: UnitQuaternion<f64>,
     /// Angular velocity of the base in its own axes, rad/s.
     pub angular_velocity: Vector3<f64>,
+    /// Specific force at the base's origin in its own axes, m/s^2: acceleration less free fall, at rest 9.81 upwards.
+    pub specific_force: Vector3<f64>,
     /// What the floor does to each sole, in the model's order.
     pub soles: Vec<SoleLoad>,
 }
@@ -45,6 +47,7 @@ impl Sensed {
             load: zero,
             orientation: UnitQuaternion::identity(),
             angular_velocity: Vector3::zeros(),
+            specific_force: Vector3::zeros(),
             soles: model.soles.iter().map(|s| sole(s.vertices.len())).collect(),
         }
     }

@@ -22,6 +22,8 @@ pub struct TaskServer {
     augmented: Augmented,
     period: f64,
     tick: u64,
+    /// Does it tick with no task to run?
+    always: bool,
 }
 
 /// The robot at a tick.
@@ -39,7 +41,24 @@ pub struct Situation<'a> {
 impl TaskServer {
     /// A server that ticks `rate` times a second and starts from `command`.
     pub fn new(rate: f64, model: &Model, command: Command) -> Self {
-        TaskServer { slots: Vec::new(), command, augmented: Augmented::new(model), period: 1.0 / rate, tick: 0 }
+        TaskServer {
+            slots: Vec::new(),
+            command,
+            augmented: Augmented::new(model),
+            period: 1.0 / rate,
+            tick: 0,
+            always: false,
+        }
+    }
+
+    /// Makes it tick whether or not a task is active: for sensors that are to be read.
+    pub fn tick_always(&mut self) {
+        self.always = true;
+    }
+
+    /// Time between ticks, s.
+    pub fn period(&self) -> f64 {
+        self.period
     }
 
     /// Adds a task that begins at the first tick at or after `start` seconds. Later ones win where they overlap.
@@ -47,8 +66,16 @@ impl TaskServer {
         self.slots.push(Slot { start, task, begun: false, ended: false, changed: 0 });
     }
 
+    /// Time between two ticks, s.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
     /// Time of the next tick that can change anything; none when all tasks have ended.
     pub fn next_tick(&self) -> Option<f64> {
+        if self.always {
+            return Some(self.tick as f64 * self.period);
+        }
         let due = |s: &Slot| {
             let earliest = if s.begun { 0 } else { (s.start / self.period - 1e-9).ceil().max(0.0) as u64 };
             earliest.max(self.tick) as f64 * self.period

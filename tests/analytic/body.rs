@@ -59,4 +59,9 @@ impl Body {
             self.folder.path().join("body.urdf")
         )
     }
+
+    /// As [`robot`](Self::robot) without a sole.
+    pub fn floating(&self, base: &str) -> String {
+        format!("robot = {{ model = {:?}, base = {{ {base} }}, soles = [] }}\n", self.folder.path().join("body.urdf"))
+    }
 }

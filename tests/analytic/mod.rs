@@ -4,6 +4,7 @@ mod block;
 pub mod body;
 mod breakaway;
 mod energy;
+mod estimators;
 mod feet;
 mod flight;
 mod forced;

@@ -42,6 +42,7 @@ fn break_down(job: &Job, log: &Path) -> End {
         urdf: Document { name: "block.urdf", text: &job.robot.urdf_text },
         floor: nalgebra::Isometry3::identity(),
         patches: &[],
+        inputs: &[],
         topics: Topics::ALL,
     };
     let _writer = LogWriter::create(log, &job.robot.model, &header).unwrap();

@@ -68,6 +68,7 @@ pub fn joint(name: &str, kind: JointKind) -> Joint {
         damping: 0.0,
         friction: 0.0,
         armature: 0.0,
+        lag: 0.0,
         drive: Drive::default(),
         drive_configured: false,
     }

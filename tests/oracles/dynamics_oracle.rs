@@ -200,6 +200,7 @@ impl Oracle {
             damping: 0.0,
             friction: 0.0,
             armature: self.armature[index],
+            lag: 0.0,
             drive: Drive::default(),
             drive_configured: false,
         }

@@ -69,6 +69,10 @@ pub fn metrics() -> Metrics {
         first_impact_speed_ratio: Some(0.75),
         max_flight_path_drift_m: 3e-12,
         max_flight_spin_drift_nms: 4e-13,
+        max_estimate_error_m: Some(0.002),
+        max_estimate_error_rad: None,
+        final_estimate_error_m: Some(1e-3),
+        final_estimate_error_rad: Some(0.004),
     }
 }
 

@@ -53,6 +53,7 @@ fn joint(name: &str, kind: JointKind) -> Joint {
         damping: 0.0,
         friction: 0.0,
         armature: 0.0,
+        lag: 0.0,
         drive: Drive::default(),
         drive_configured: false,
     }
@@ -194,6 +195,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
             impact_loss: wobble(tick, 515),
         },
         external: if tick.is_multiple_of(2) { vec![(vector(tick, 400), vector(tick, 403) * 30.0)] } else { Vec::new() },
+        estimate: None,
     }
 }
 
@@ -221,6 +223,7 @@ pub fn header(topics: Topics) -> LogHeader<'static> {
         urdf: Document { name: "sample.urdf", text: URDF },
         floor: isometry(0.0, 0.0, -0.1, [0.2, 0.0, 0.0]),
         patches: &PATCHES,
+        inputs: &[],
         topics,
     }
 }

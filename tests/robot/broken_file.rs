@@ -55,7 +55,8 @@ const CASES: &[(&str, &str, usize, &str)] = &[
         9,
         "two soles named `s`",
     ),
-    ("mode = \"position\"", "mode = \"kinematic\"", 10, "`kinematic` of joint `knee` is not available yet"),
+    ("kp = 10.0", "lag = -0.1", 11, "lag of joint `knee` cannot be used: -0.1"),
+    ("mode = \"position\"", "mode = \"velocity\"\nkd = 0.0\nlag = 0.1 #", 9, "velocity drive of joint `knee`"),
     ("mode = \"position\"", "mode = \"positon\"", 10, "did you mean `position`?"),
     ("kp = 10.0", "kq = 10.0", 11, "did you mean `kp`?"),
     ("kp = 10.0", "kp = -10.0", 11, "kp of joint `knee` cannot be used: -10"),
@@ -81,7 +82,9 @@ const CASES: &[(&str, &str, usize, &str)] = &[
         16,
         "unknown link",
     ),
-    ("[home]", "kinematic = [\"eye_*\"]\n[home]", 3, "kinematic joints are not available yet"),
+    ("[home]", "kinematic = [\"eye_*\"]\n[home]", 3, "no moving joint of the URDF matches `eye_*`"),
+    ("[home]", "kinematic = [\"sl*\", \"kne\"]\n[home]", 3, "did you mean `knee`?"),
+    ("[home]", "kinematic = [\"k*\"]\n[home]", 11, "joint `knee` is matched by `k*` of `kinematic`"),
 ];
 
 #[test]

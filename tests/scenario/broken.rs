@@ -17,7 +17,12 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[[task]]\ntype = \"posture\"\njoint = { knee = 1 }", (5, 1), "unknown key `joint` in `task.0`", "`joints`"),
     Broken("soles = [{ name = \"l\", polygon = [[0, 0, 0]] }]", (3, 10), "`robot.soles.0` lacks the key `link`", ""),
     Broken("[[task]]\ntype = \"posture\"", (3, 1), "`task.0` lacks the key `joints`", ""),
-    Broken("[[task]]\nstart = 1", (3, 1), "`task.0` lacks the key `type`", "types: posture"),
+    Broken(
+        "[[task]]\nstart = 1",
+        (3, 1),
+        "`task.0` lacks the key `type`",
+        "types: posture, balance, gravity-compensation",
+    ),
     // Types.
     Broken("[floor]\nheight = \"low\"", (4, 10), "`floor.height` must be a number, not the string \"low\"", ""),
     Broken("[floor]\nfriction = [1, 2]", (4, 12), "must be a number or `{ static, kinetic }`, not an array", ""),
@@ -92,10 +97,38 @@ const BELOW_ROBOT: &[Broken] = &[
         "",
     ),
     // Known, not available.
-    Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
-    Broken("[control]\nestimator = \"inertial\"", (4, 13), "control.estimator `inertial` is not available yet", ""),
+    Broken("[sensors]\ngyroscope = { noise = -1 }", (4, 23), "must be 0 or greater, not -1", ""),
+    Broken("[sensors]\ngyro = {}", (4, 1), "unknown key `gyro` in `sensors`", "`gyroscope`"),
+    Broken("[sensors]\nsole_force = { delay = 11 }", (4, 24), "must be at most 10 s, not 11", ""),
+    Broken("[control]\nkinematic = { threshold = 2 }", (4, 27), "between 0 and 1, not 2", ""),
     Broken("[[task]]\ntype = \"sine\"", (4, 8), "task type `sine` is not available yet", ""),
-    Broken("[[force]]\ntype = \"spring\"", (4, 8), "force type `spring` is not available yet", ""),
+    Broken("[[force]]\ntype = \"carried-object\"", (4, 8), "force type `carried-object` is not available yet", ""),
+    // Springs.
+    Broken("[[force]]\ntype = \"spring\"\nlink = \"a\"", (3, 1), "`force.0` lacks the key `stiffness`", ""),
+    Broken(
+        "[[force]]\ntype = \"spring\"\nlink = \"a\"\nstiffness = -1",
+        (6, 13),
+        "`force.0.stiffness` must be 0 or greater, not -1",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"spring\"\nlink = \"a\"\nstiffness = 1\nanchor = { velocity = [0, 0, 0], sine = { amplitude = [1, 0, 0], frequency = 1 } }",
+        (7, 10),
+        "`force.0.anchor` must move in one way",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"spring\"\nlink = \"a\"\nstiffness = 1\nanchor = { waypoints = [{ at = 1, position = [0, 0, 0] }, { at = 1, position = [1, 0, 0] }] }",
+        (7, 66),
+        "`force.0.anchor.waypoints.1.at` must be after the waypoint before, at 1, not 1",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"spring\"\nlink = \"a\"\nstiffness = 1\nanchor = { position = [0, 0, 0], waypoints = [{ at = 1, position = [0, 0, 0] }] }",
+        (7, 23),
+        "`force.0.anchor.position` has no meaning beside `waypoints`",
+        "",
+    ),
     Broken("[self_collision]\nmethod = 2", (3, 2), "`self_collision` is not available yet", ""),
     // Comparisons.
     Broken("[compare]", (3, 1), "`compare` needs `reference`, `truth` or `timing_repeats`", ""),
@@ -222,10 +255,10 @@ const BELOW_ROBOT: &[Broken] = &[
     // Sweeps.
     Broken("[sweep]\ngrid = { \"contact.metod\" = [\"exact\"] }", (4, 19), "unknown key `metod`", "`method`"),
     Broken(
-        "[sweep]\ngrid = { \"control.estimator\" = [\"truth\", \"inertial\"] }",
+        "[sweep]\ngrid = { \"control.estimator\" = [\"truth\", \"inertal\"] }",
         (4, 42),
-        "`inertial` is not available yet",
-        "",
+        "`control.estimator` cannot be \"inertal\"",
+        "did you mean `inertial`?",
     ),
     Broken("[sweep]\ngrid = { \"floor.friction\" = [0.1, -1] }", (4, 35), "must be 0 or greater", ""),
     Broken("[sweep]\ngrid = { \"force.0.force\" = [[1, 0, 0]] }", (4, 11), "the file has no `force`", ""),

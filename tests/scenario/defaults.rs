@@ -81,7 +81,7 @@ joints = {{ knee = {{ coulomb = 1 }} }}
 "
     );
     let s = runs(&text).remove(0).scenario;
-    let TaskSpec::Posture(posture) = &s.task[0];
+    let TaskSpec::Posture(posture) = &s.task[0] else { panic!("{:?}", s.task[0]) };
     assert_eq!((posture.start, posture.duration, posture.joints["knee"]), (0.0, 1.0, 1.0));
     let ForceSpec::Push(push) = &s.force[0] else { panic!("{:?}", s.force[0]) };
     assert_eq!((push.point, push.force, push.moment), ([0.0; 3], [1.0, 2.0, 3.0], [0.0; 3]));

@@ -3,7 +3,7 @@
 use super::super::log::messages::Residual;
 use super::instants::Sample;
 use super::table::Values;
-use crate::record::{JointSeries, Motion, SoleSeries, Trajectory};
+use crate::record::{EstimateSeries, JointSeries, Motion, SoleSeries, Trajectory};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Name of the first column.
@@ -50,6 +50,9 @@ pub(super) fn of(log: &Trajectory) -> Vec<Column<'_>> {
     log.soles.iter().flatten().for_each(|sole| all.sole(sole));
     if let Some(residuals) = &log.residuals {
         all.residuals(residuals);
+    }
+    if let Some(estimate) = &log.estimate {
+        all.estimate(estimate);
     }
     all.0
 }
@@ -115,6 +118,35 @@ impl<'a> Columns<'a> {
             self.vector(&format!("{of_vertex}."), "m", &vertex.position);
             self.vector(&format!("{of_vertex}.v"), "m_s", &vertex.velocity);
             self.vector(&format!("{of_vertex}.force_"), "N", &vertex.force);
+        }
+    }
+
+    fn estimate(&mut self, e: &'a EstimateSeries) {
+        self.scalar("estimate.tick_s", &e.tick);
+        self.vector("estimate.base_", "m", &e.base_position);
+        let orientation = |s: Sample| s.turned(&e.base_orientation[s.before], &e.base_orientation[s.after]);
+        let angle = |q: UnitQuaternion<f64>, k: usize| <[f64; 3]>::from(q.euler_angles())[k];
+        for (k, name) in ["roll", "pitch", "yaw"].into_iter().enumerate() {
+            self.real(format!("estimate.base_{name}_rad"), move |s| Some(angle(orientation(s), k)));
+        }
+        self.vector("estimate.base_v", "m_s", &e.base_linear_velocity);
+        self.vector("estimate.base_w", "rad_s", &e.base_angular_velocity);
+        self.vector("sensor.gyroscope_", "rad_s", &e.angular_velocity);
+        self.vector("sensor.accelerometer_", "m_s2", &e.specific_force);
+        for j in &e.joints {
+            let (position, effort) = if j.prismatic { ("m", "N") } else { ("rad", "Nm") };
+            let name = |what: &str, unit: &str| format!("sensor.joint.{}.{what}_{unit}", j.name);
+            self.scalar(name("position", position), &j.position);
+            self.scalar(name("velocity", &format!("{position}_s")), &j.velocity);
+            self.scalar(name("load", effort), &j.load);
+        }
+        for sole in &e.soles {
+            let of_sole = format!("sensor.sole.{}", sole.name);
+            self.vector(&format!("{of_sole}.force_"), "N", &sole.force);
+            self.vector(&format!("{of_sole}.moment_"), "Nm", &sole.moment);
+            if let Some(held) = &sole.held {
+                self.0.push(Column { name: format!("{of_sole}.static"), get: Get::Flag(held) });
+            }
         }
     }
 

@@ -181,6 +181,65 @@ pub struct Residual {
     pub energy_error: f64,
 }
 
+/// Force and moment read at one sole.
+#[derive(Clone, Copy, PartialEq, prost::Message)]
+pub struct Wrench {
+    /// Force, world axes, N.
+    #[prost(message, optional, tag = "1")]
+    pub force: Option<Vector3>,
+    /// Moment about the mean of the sole's vertices, world axes, N m.
+    #[prost(message, optional, tag = "2")]
+    pub moment: Option<Vector3>,
+}
+
+/// What the robot knew at its last control tick, topic `/estimate`; written where sensors or estimator do not tell the
+/// truth. Joint arrays follow the channel's metadata entry `joints`, those of soles its entry `soles`.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Estimate {
+    /// Simulated time of the record, s.
+    #[prost(double, tag = "1")]
+    pub time: f64,
+    /// Time of the tick, s.
+    #[prost(double, tag = "2")]
+    pub tick: f64,
+    /// Estimated origin of the root link's URDF frame, m.
+    #[prost(message, optional, tag = "3")]
+    pub base_position: Option<Vector3>,
+    /// Its estimated orientation.
+    #[prost(message, optional, tag = "4")]
+    pub base_orientation: Option<Quaternion>,
+    /// Estimated velocity of that origin, m/s.
+    #[prost(message, optional, tag = "5")]
+    pub base_linear_velocity: Option<Vector3>,
+    /// Estimated angular velocity, rad/s.
+    #[prost(message, optional, tag = "6")]
+    pub base_angular_velocity: Option<Vector3>,
+    /// Joint positions read, rad or m.
+    #[prost(double, repeated, tag = "7")]
+    pub q: Vec<f64>,
+    /// Joint velocities read.
+    #[prost(double, repeated, tag = "8")]
+    pub qd: Vec<f64>,
+    /// Joint loads read, N m or N.
+    #[prost(double, repeated, tag = "9")]
+    pub load: Vec<f64>,
+    /// Orientation read.
+    #[prost(message, optional, tag = "10")]
+    pub orientation: Option<Quaternion>,
+    /// Angular velocity read, base axes, rad/s.
+    #[prost(message, optional, tag = "11")]
+    pub angular_velocity: Option<Vector3>,
+    /// Specific force read, base axes, m/s^2.
+    #[prost(message, optional, tag = "12")]
+    pub specific_force: Option<Vector3>,
+    /// Forces and moments read, one per sole.
+    #[prost(message, repeated, tag = "13")]
+    pub soles: Vec<Wrench>,
+    /// Is the sole taken to stand still? Empty when the estimator does not ask.
+    #[prost(bool, repeated, tag = "14")]
+    pub static_soles: Vec<bool>,
+}
+
 /// Something that happened, topic `/events`.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Event {

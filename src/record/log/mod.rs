@@ -10,6 +10,7 @@
 mod contact;
 mod convert;
 mod descriptor;
+mod estimate;
 mod events;
 mod frames;
 mod marks;
@@ -27,6 +28,7 @@ use crate::robot::Model;
 use crate::sim::{Observer, SimEvent, Snapshot};
 use nalgebra::{Isometry3, Vector3};
 pub use read::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
+pub use read::{EstimateSeries, JointReadings, SoleReadings};
 use sink::Sink;
 use std::path::Path;
 pub use topics::{ParseTopicError, Topics};
@@ -55,6 +57,8 @@ pub struct LogHeader<'a> {
     pub robot: Option<Document<'a>>,
     /// The URDF, attached and published.
     pub urdf: Document<'a>,
+    /// Other texts that the run is made of, attached.
+    pub inputs: &'a [Document<'a>],
     /// Pose of the floor in the world: a point of the plane, z its normal.
     pub floor: Isometry3<f64>,
     /// Outlines of the floor's patches, world, m.
@@ -74,6 +78,7 @@ fn open_topics(sink: &mut Sink, model: &Model, header: &LogHeader) -> Result<Vec
     if header.topics.state {
         topics.push(Box::new(state::StateTopic::open(sink, model)?));
         topics.push(Box::new(state::JointStates::open(sink, model, header)?));
+        topics.push(Box::new(estimate::EstimateTopic::new(model)));
     }
     if header.topics.contact {
         topics.push(Box::new(contact::ContactTopic::open(sink, model)?));
@@ -112,6 +117,9 @@ impl LogWriter {
             sink.attach(robot.name, "application/toml", robot.text)?;
         }
         sink.attach(header.urdf.name, "application/xml", header.urdf.text)?;
+        for input in header.inputs {
+            sink.attach(input.name, "text/plain", input.text)?;
+        }
         sink.metadata(
             "run",
             &[

@@ -96,6 +96,7 @@ pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) ->
         damping: dynamics.damping,
         friction: dynamics.friction,
         armature: 0.0,
+        lag: 0.0,
         drive: Drive::default(),
         drive_configured: false,
     })

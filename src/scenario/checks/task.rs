@@ -13,6 +13,14 @@ impl Check<'_> {
                 }
                 posture.start
             }
+            TaskSpec::Balance(balance) => {
+                self.stands(path, balance.soles.as_deref());
+                balance.start
+            }
+            TaskSpec::GravityCompensation(task) => {
+                self.stands(path, task.soles.as_deref());
+                task.start
+            }
             TaskSpec::Squat(squat) => squat.start,
             TaskSpec::Walk(walk) => {
                 if walk.double_support >= walk.step_time {
@@ -23,5 +31,12 @@ impl Check<'_> {
             }
         };
         self.starts_in_time(path, start, end);
+    }
+
+    /// Named soles are at least one.
+    fn stands(&mut self, path: &str, soles: Option<&[String]>) {
+        if soles.is_some_and(<[String]>::is_empty) {
+            self.error(&format!("{path}.soles"), "must name at least one sole, or be left out: all");
+        }
     }
 }

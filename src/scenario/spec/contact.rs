@@ -1,4 +1,4 @@
-//! `[contact]`, `[integrator]`, `[control]`: how the run is computed.
+//! `[contact]`, `[integrator]`: how the run is computed.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
@@ -261,32 +261,6 @@ impl IntegratorMethod {
             IntegratorMethod::SemiImplicit => "semi-implicit",
         }
     }
-}
-
-/// The task server.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ControlSpec {
-    /// How often tasks run, Hz.
-    #[serde(deserialize_with = "positive")]
-    #[schemars(with = "json::Positive")]
-    pub rate: f64,
-    /// Where tasks have the base's state from.
-    pub estimator: Estimator,
-}
-
-impl Default for ControlSpec {
-    fn default() -> Self {
-        ControlSpec { rate: 1000.0, estimator: Estimator::Truth }
-    }
-}
-
-/// Where tasks have the base's state from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Estimator {
-    /// The simulated state itself.
-    Truth,
 }
 
 #[cfg(test)]

@@ -86,6 +86,10 @@ pub const METRICS: &[&str] = &[
     "first_impact_speed_ratio",
     "max_flight_path_drift_m",
     "max_flight_spin_drift_Nms",
+    "max_estimate_error_m",
+    "max_estimate_error_rad",
+    "final_estimate_error_m",
+    "final_estimate_error_rad",
     "error_final_position_m",
     "error_final_rotation_rad",
 ];

@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod contact;
+pub mod control;
 pub mod event;
 pub mod expect;
 pub mod floor;
@@ -10,6 +11,7 @@ pub mod planned;
 pub mod random;
 pub mod robot;
 pub mod run;
+pub mod sensors;
 pub mod sweep;
 pub mod tagged;
 pub mod task;

@@ -72,6 +72,10 @@ pub enum JointMode {
     Position,
     /// A force or torque, as commanded.
     Force,
+    /// A velocity, by `kd`.
+    Velocity,
+    /// Its command exactly, without dynamics: a prescribed motion.
+    Kinematic,
 }
 
 /// The drive of joints that no robot file configures.
@@ -84,7 +88,7 @@ pub struct JointDefault {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub kp: f64,
-    /// Velocity gain, N m s/rad or N s/m; only for `position`.
+    /// Velocity gain, N m s/rad or N s/m; only for `position` and `velocity`.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub kd: f64,
@@ -161,6 +165,18 @@ pub struct JointSpec {
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub effort: Option<f64>,
+    /// Greatest speed of the actuator, rad/s or m/s.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub velocity: Option<f64>,
+    /// Reflected rotor inertia, kg m^2 or kg.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub armature: Option<f64>,
+    /// Time constant of the actuator, s: its effort follows what is asked as a first-order lag.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub lag: Option<f64>,
 }
 
 /// Friction in a joint.

@@ -1,8 +1,11 @@
 //! From a scenario's run and a loaded robot to a [`Setup`]: the place where names meet what they name.
 
+mod balance;
 mod forces;
 mod model;
 mod names;
+mod planned;
+mod sensors;
 mod start;
 mod tasks;
 
@@ -61,6 +64,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         forced: forced(run, &model, &mut errors),
     };
     let integrator = integrator(&s.integrator);
+    let estimator = sensors::estimator(run, &model, &mut errors);
     pairing::check(run, &mut errors);
     facets(run, &model, &mut errors);
     if !errors.is_empty() {
@@ -76,6 +80,9 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         joint_stops: s.robot.joint_limits == JointLimits::Stop,
         tasks,
         forces,
+        sensors: sensors::errors(&s.sensors),
+        estimator,
+        seed: s.seed,
         duration: s.duration,
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),

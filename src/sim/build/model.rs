@@ -14,9 +14,11 @@ pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -
             kp: joint.kp,
             kd: joint.kd,
             effort: joint.effort,
+            velocity: joint.velocity,
+            armature: joint.armature,
+            lag: joint.lag,
             coulomb: joint.friction.map(|f| f.coulomb),
             viscous: joint.friction.map(|f| f.viscous),
-            ..DriveSettings::default()
         };
         if let Err(e) = adjust::set_drive(&mut model, name, &settings) {
             errors.push(run.error_at_key(&format!("robot.joint.{name}"), e.to_string(), None));
@@ -57,5 +59,7 @@ fn mode(mode: JointMode) -> DriveMode {
         JointMode::Passive => DriveMode::Passive,
         JointMode::Position => DriveMode::Position,
         JointMode::Force => DriveMode::Force,
+        JointMode::Velocity => DriveMode::Velocity,
+        JointMode::Kinematic => DriveMode::Kinematic,
     }
 }

@@ -1,6 +1,6 @@
 //! Where names of a scenario meet what the robot has.
 
-use crate::robot::{JointId, LinkId, Model};
+use crate::robot::{JointId, LinkId, Model, SoleId};
 use crate::scenario::{Diagnostic, Run, suggest};
 use nalgebra::Isometry3;
 
@@ -44,6 +44,31 @@ pub(super) fn link(
         let help = suggest(name, names.collect::<Vec<_>>());
         let message = format!("the robot `{}` has no link `{name}`", model.name);
         errors.push(run.error_at(path, message, Some(help)));
+    }
+    found
+}
+
+/// Numbers of named soles; unknown and repeated names are errors at their places under `path`.
+pub(super) fn soles(
+    model: &Model,
+    run: &Run,
+    path: &str,
+    named: &[String],
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<SoleId> {
+    let mut found = Vec::new();
+    for (i, name) in named.iter().enumerate() {
+        match model.soles.iter().position(|s| s.name == *name).map(SoleId) {
+            Some(id) if found.contains(&id) => {
+                errors.push(run.error_at(&format!("{path}.{i}"), format!("the sole `{name}` is named twice"), None));
+            }
+            Some(id) => found.push(id),
+            None => {
+                let help = suggest(name, model.soles.iter().map(|s| s.name.as_str()));
+                let message = format!("the robot `{}` has no sole `{name}`", model.name);
+                errors.push(run.error_at(&format!("{path}.{i}"), message, Some(help)));
+            }
+        }
     }
     found
 }

@@ -3,10 +3,12 @@
 //! A log is read whole: its index says which texts and tables it holds, its messages become a [`Trajectory`]. Topics a
 //! program has no use for (frames, scene, ROS 2) are passed over.
 
+mod estimate;
 mod file;
 mod series;
 mod ticks;
 
+pub use estimate::{EstimateSeries, JointReadings, SoleReadings};
 pub use file::LogError;
 pub use series::{Attachment, JointSeries, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
 

@@ -1,6 +1,7 @@
 //! What a log tells, as time series. World axes, SI units; entry `i` of every series belongs to `times[i]`.
 
 use super::super::messages::Residual;
+use super::estimate::EstimateSeries;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// A run as its log tells it. A group of topics the scenario did not log (`log.topics`) is `None`.
@@ -10,7 +11,7 @@ pub struct Trajectory {
     pub info: RunInfo,
     /// Did the run end by itself; false for one that was cancelled or broke down, whose series then end early.
     pub complete: bool,
-    /// Scenario, robot file (if there is one) and URDF.
+    /// Scenario, robot file (if there is one), URDF, and other texts that the run was made of.
     pub attachments: Vec<Attachment>,
     /// Simulated times of the ticks, s, as they were logged: rising, mostly at the log's rate. Empty when the log holds
     /// neither `state` nor `contact`.
@@ -21,6 +22,8 @@ pub struct Trajectory {
     pub soles: Option<Vec<SoleSeries>>,
     /// What the contact laws miss, and the energy balance; topic `contact`. One entry per tick.
     pub residuals: Option<Vec<Residual>>,
+    /// What the robot knew; where sensors or estimator do not tell the truth. One entry per tick.
+    pub estimate: Option<EstimateSeries>,
     /// What happened, in the order of time; not bound to ticks.
     pub events: Vec<LoggedEvent>,
 }

@@ -1,7 +1,8 @@
 //! From messages to series: collects each topic, sees that they tell of the same ticks and bodies, and turns rows into
 //! columns.
 
-use super::super::messages::{Contact, Event, Quaternion, Residual, State, Vector3 as Triple};
+use super::super::messages::{Contact, Estimate, Event, Quaternion, Residual, State, Vector3 as Triple};
+use super::estimate;
 use super::file::{LogError, LogFile};
 use super::series::{Attachment, JointSeries, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -15,6 +16,8 @@ pub(super) struct Ticks {
     state: Option<Vec<State>>,
     contact: Option<Vec<Contact>>,
     residual: Option<Vec<Residual>>,
+    estimate: Option<Vec<Estimate>>,
+    estimated_soles: Vec<String>,
     events: Vec<Event>,
 }
 
@@ -29,6 +32,10 @@ impl Ticks {
                 }
                 "/contact" => all.contact = Some(Vec::new()),
                 "/residual" => all.residual = Some(Vec::new()),
+                "/estimate" => {
+                    all.estimated_soles = list(topic, metadata, "soles").map_err(|reason| file.damage(reason))?;
+                    all.estimate = Some(Vec::new());
+                }
                 _ => {}
             }
         }
@@ -47,6 +54,7 @@ impl Ticks {
             "/state" => self.state.get_or_insert_default().push(State::decode(data)?),
             "/contact" => self.contact.get_or_insert_default().push(Contact::decode(data)?),
             "/residual" => self.residual.get_or_insert_default().push(Residual::decode(data)?),
+            "/estimate" => self.estimate.get_or_insert_default().push(Estimate::decode(data)?),
             "/events" => self.events.push(Event::decode(data)?),
             _ => {}
         }
@@ -59,6 +67,7 @@ impl Ticks {
             self.state.as_ref().map(Vec::len),
             self.contact.as_ref().map(Vec::len),
             self.residual.as_ref().map(Vec::len),
+            self.estimate.as_ref().map(Vec::len),
         ];
         let known = || counts.iter().flatten().copied();
         let (Some(least), Some(most)) = (known().min(), known().max()) else { return };
@@ -66,6 +75,7 @@ impl Ticks {
             self.state.iter_mut().for_each(|v| v.truncate(least));
             self.contact.iter_mut().for_each(|v| v.truncate(least));
             self.residual.iter_mut().for_each(|v| v.truncate(least));
+            self.estimate.iter_mut().for_each(|v| v.truncate(least));
         }
     }
 
@@ -101,6 +111,10 @@ impl Ticks {
         if let Some(all) = &self.residual {
             same("/residual", &mut all.iter().map(|r| r.time))?;
         }
+        if let Some(all) = &self.estimate {
+            same("/estimate", &mut all.iter().map(|e| e.time))?;
+            estimate::check(all, self.joints.len(), self.estimated_soles.len())?;
+        }
         for s in self.state.iter().flatten() {
             let arrays = [&s.q, &s.qd, &s.q_desired, &s.qd_desired, &s.effort];
             if let Some(odd) = arrays.into_iter().find(|a| a.len() != self.joints.len()) {
@@ -117,6 +131,7 @@ impl Ticks {
             complete,
             attachments,
             times: self.times(),
+            estimate: self.estimate.map(|rows| estimate::series(&self.joints, &self.estimated_soles, &rows)),
             motion: self.state.map(|rows| motion(&self.joints, &rows)),
             soles: self.contact.map(|rows| soles(&rows)),
             residuals: self.residual,
@@ -127,15 +142,17 @@ impl Ticks {
 
 /// Names of the joints, and which are prismatic.
 fn joints(metadata: &BTreeMap<String, String>) -> Result<Vec<(String, bool)>, String> {
-    let list = |key: &str| {
-        let text = metadata.get(key).ok_or_else(|| format!("/state does not say its `{key}`"))?;
-        serde_json::from_str::<Vec<String>>(text).map_err(|e| format!("`{key}` of /state: {e}"))
-    };
-    let (names, kinds) = (list("joints")?, list("joint_kinds")?);
+    let (names, kinds) = (list("/state", metadata, "joints")?, list("/state", metadata, "joint_kinds")?);
     if names.len() != kinds.len() {
         return Err(format!("/state has {} joints and {} kinds of joints", names.len(), kinds.len()));
     }
     Ok(names.into_iter().zip(kinds).map(|(name, kind)| (name, kind == "prismatic")).collect())
+}
+
+/// A list of words that a channel says about itself.
+fn list(topic: &str, metadata: &BTreeMap<String, String>, key: &str) -> Result<Vec<String>, String> {
+    let text = metadata.get(key).ok_or_else(|| format!("{topic} does not say its `{key}`"))?;
+    serde_json::from_str::<Vec<String>>(text).map_err(|e| format!("`{key}` of {topic}: {e}"))
 }
 
 fn motion(joints: &[(String, bool)], rows: &[State]) -> Motion {
@@ -192,12 +209,12 @@ fn vector(v: &Triple) -> Vector3<f64> {
 }
 
 /// A message of zeros only may be left out by other writers of protobuf.
-fn some_vector(v: &Option<Triple>) -> Vector3<f64> {
+pub(super) fn some_vector(v: &Option<Triple>) -> Vector3<f64> {
     v.as_ref().map_or_else(Vector3::zeros, vector)
 }
 
 /// To the last bit: a normalised one again would be another.
-fn quaternion(q: Option<Quaternion>) -> UnitQuaternion<f64> {
+pub(super) fn quaternion(q: Option<Quaternion>) -> UnitQuaternion<f64> {
     let q = q.unwrap_or(Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 });
     UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(q.w, q.x, q.y, q.z))
 }

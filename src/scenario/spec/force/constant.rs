@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::ForceFrame;
-use crate::scenario::quantity::{json, non_negative, positive};
+use crate::scenario::quantity::{json, non_negative, some_positive};
 
 /// A constant force on a link. At least one of `force` and `moment` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -32,8 +32,4 @@ pub struct ConstantForce {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,
-}
-
-fn some_positive<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> {
-    positive(d).map(Some)
 }

@@ -3,10 +3,14 @@
 mod constant;
 mod joint_friction;
 mod push;
+mod ramp;
+mod spring;
 
 pub use constant::ConstantForce;
 pub use joint_friction::JointFrictionForce;
 pub use push::{Profile, PushForce};
+pub use ramp::RampForce;
+pub use spring::{AnchorSpec, PathShape, SineSpec, SpringForce, WaypointSpec};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,6 +26,10 @@ tagged! {
         "constant" => Constant(ConstantForce),
         /// Friction in joints, beside what the robot's files give.
         "joint-friction" => JointFriction(JointFrictionForce),
+        /// A force on a link that rises linearly and stays.
+        "ramp" => Ramp(RampForce),
+        /// A spring and damper to an anchor that may move.
+        "spring" => Spring(SpringForce),
     }
 }
 

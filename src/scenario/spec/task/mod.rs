@@ -1,9 +1,15 @@
 //! `[[task]]`: what the robot is told to do. One file per type.
 
+mod balance;
+mod balance_force;
+mod gravity_compensation;
 mod posture;
 mod squat;
 mod walk;
 
+pub use balance::{BalanceControl, BalanceTask};
+pub use balance_force::{Contacts, ForceBalance, Gains};
+pub use gravity_compensation::GravityCompensationTask;
 pub use posture::PostureTask;
 pub use squat::SquatTask;
 pub use walk::WalkTask;
@@ -15,9 +21,22 @@ tagged! {
     TaskSpec, "task" {
         /// Move joints to a posture.
         "posture" => Posture(PostureTask),
+        /// Keep the centre of mass above the soles.
+        "balance" => Balance(BalanceTask),
+        /// Hold the robot up and give way to every push.
+        "gravity-compensation" => GravityCompensation(GravityCompensationTask),
         /// Bend the legs and rise again.
         "squat" => Squat(SquatTask),
         /// Walk, or step in place.
         "walk" => Walk(WalkTask),
+    }
+}
+
+impl TaskSpec {
+    /// The file that the key `file` names, if the type has that key.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            _ => None,
+        }
     }
 }

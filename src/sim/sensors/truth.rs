@@ -1,11 +1,11 @@
 //! What the sensors say of the plant.
 
-use super::plant::Plant;
+use crate::sim::plant::Plant;
 use crate::task::Sensed;
 use nalgebra::Vector3;
 
 /// Readings without any error: the plant's state and what its last evaluation found.
-pub(super) fn truth(plant: &mut Plant, out: &mut Sensed) {
+pub(super) fn read(plant: &mut Plant, out: &mut Sensed) {
     plant.share_forces();
     let state = &plant.state;
     let nb = plant.model.nb();

@@ -1,12 +1,16 @@
 //! External force models from their entries.
 
+mod spring;
+
 use super::names;
 use crate::force::Force;
 use crate::force::friction::{Joint, JointFriction, SLIP_SPEED};
 use crate::force::profile::{Profile, Shape};
 use crate::force::wrench::Wrench;
 use crate::robot::Model;
-use crate::scenario::{ConstantForce, Diagnostic, ForceFrame, ForceSpec, Profile as ProfileSpec, PushForce, Run};
+use crate::scenario::{
+    ConstantForce, Diagnostic, ForceFrame, ForceSpec, Profile as ProfileSpec, PushForce, RampForce, Run,
+};
 use nalgebra::Point3;
 
 /// The force models, in file order.
@@ -32,6 +36,12 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
                 let made = wrench(run, model, i, link, [point, force, moment], *frame, profile, errors);
                 forces.extend(made);
             }
+            ForceSpec::Ramp(RampForce { link, point, force, moment, frame, start, duration }) => {
+                let profile = Profile::new(Shape::Ramp, *start, *duration);
+                let made = wrench(run, model, i, link, [point, force, moment], *frame, profile, errors);
+                forces.extend(made);
+            }
+            ForceSpec::Spring(spec) => forces.extend(spring::spring(run, model, i, spec, errors)),
             ForceSpec::JointFriction(spec) => {
                 let unused: Vec<f64> = spec.joints.values().map(|_| 0.0).collect();
                 names::joints(model, run, &format!("force.{i}.joints"), spec.joints.keys().zip(&unused), errors);

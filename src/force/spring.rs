@@ -1,0 +1,105 @@
+//! `spring`: a spring and damper between a point of a link and an anchor that may move, such as a person's hand.
+//!
+//! ```text
+//! f = k (1 - l0 / |d|) d + c d',    d = p_anchor - p_point
+//! ```
+//!
+//! k stiffness, c damping, l0 rest length: Hooke's law along the line between the two and a viscous damper. With l0 = 0
+//! the spring is linear in all three directions. The damper works on the whole relative velocity, across the line too, as
+//! an arm's does. Where the point meets the anchor (`d = 0`) a spring with a rest length has no direction: it pushes nowhere.
+
+use super::anchor::Anchor;
+use super::profile::{Profile, Shape};
+use super::{Applied, Force, Scene, Tell};
+use crate::dynamics::jacobian;
+use crate::robot::LinkId;
+use nalgebra::Vector3;
+
+/// Between what a spring acts, and how strongly.
+#[derive(Clone, Debug)]
+pub struct Hold {
+    /// Name of the link, for messages.
+    pub name: String,
+    /// Link it pulls on.
+    pub link: LinkId,
+    /// Point in the link's internal frame, m.
+    pub point: Vector3<f64>,
+    /// Stiffness k, N/m.
+    pub stiffness: f64,
+    /// Damping c, N s/m.
+    pub damping: f64,
+    /// Rest length l0, m.
+    pub rest_length: f64,
+}
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Spring {
+    hold: Hold,
+    anchor: Anchor,
+    /// Does the anchor's path start where the point is when the spring is attached?
+    from_point: bool,
+    start: f64,
+    end: f64,
+    /// 1 while it is attached.
+    span: Profile,
+    corners: Vec<f64>,
+    attached: bool,
+    released: bool,
+}
+
+impl Spring {
+    /// A spring attached from `start` for `duration` seconds, which may be infinite. With `from_point` the anchor's
+    /// origin is where the point is then.
+    pub fn new(hold: Hold, anchor: Anchor, from_point: bool, start: f64, duration: f64) -> Self {
+        let span = Profile::new(Shape::Constant, start, duration);
+        let mut corners = span.corners().to_vec();
+        corners.extend(anchor.corners());
+        let end = start + duration;
+        Spring { hold, anchor, from_point, start, end, span, corners, attached: false, released: false }
+    }
+
+    fn point(&self, scene: &Scene) -> Vector3<f64> {
+        let (rotation, origin) = scene.frame(self.hold.link);
+        origin + rotation * self.hold.point
+    }
+}
+
+impl Force for Spring {
+    fn pass(&mut self, scene: &Scene, tell: &mut Tell) {
+        if !self.attached && scene.time >= self.start {
+            self.attached = true;
+            if self.from_point {
+                self.anchor.origin = self.point(scene);
+            }
+            let [x, y, z] = self.anchor.at(scene.time, scene.within).0.into();
+            tell("spring", &self.hold.name, format!("attached to ({x:.4}, {y:.4}, {z:.4})"));
+        }
+        if !self.released && scene.time >= self.end {
+            self.released = true;
+            tell("spring", &self.hold.name, "released".into());
+        }
+    }
+
+    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
+        if self.span.factor(scene.time, scene.within) == 0.0 {
+            return;
+        }
+        let Hold { link, stiffness, damping, rest_length, .. } = self.hold;
+        let point = self.point(scene);
+        let (place, velocity) = self.anchor.at(scene.time, scene.within);
+        let d = place - point;
+        let length = d.norm();
+        let elastic = match rest_length {
+            0.0 => d * stiffness,
+            rest if length > 0.0 => d * (stiffness * (1.0 - rest / length)),
+            _ => Vector3::zeros(),
+        };
+        let approach = velocity - jacobian::point_velocity(scene.kinematics, link, &point);
+        applied.wrench(scene, link, &point, &(elastic + approach * damping), &Vector3::zeros());
+    }
+
+    fn corners(&self) -> &[f64] {
+        &self.corners
+    }
+}

@@ -1,0 +1,99 @@
+//! `spring`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::quantity::{angle, json, non_negative, positive, some_positive};
+
+/// A spring and damper between a point of a link and an anchor, such as a person's hand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpringForce {
+    /// The link.
+    pub link: String,
+    /// Where it is attached, in the link's frame, m.
+    #[serde(default)]
+    pub point: [f64; 3],
+    /// Stiffness, N/m.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub stiffness: f64,
+    /// Damping of the whole relative velocity, N s/m.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub damping: f64,
+    /// Length at which it neither pulls nor pushes, m.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub rest_length: f64,
+    /// Its other end.
+    #[serde(default)]
+    pub anchor: AnchorSpec,
+    /// When it is attached, s.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub start: f64,
+    /// How long it stays attached, s; left out: to the end of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub duration: Option<f64>,
+}
+
+/// The far end of a spring, world axes. At most one of `velocity`, `sine` and `waypoints` is given.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct AnchorSpec {
+    /// Where it is at `start`, m. Left out: where the point of the link is then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
+    /// It drifts with this velocity from `start` on, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<[f64; 3]>,
+    /// It oscillates about `position`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sine: Option<SineSpec>,
+    /// It passes these points at these instants, which ascend.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub waypoints: Vec<WaypointSpec>,
+    /// How it moves between waypoints.
+    pub path: PathShape,
+}
+
+/// An oscillation `amplitude sin(2 pi frequency (t - start) + phase)`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SineSpec {
+    /// Amplitude along each axis, m.
+    pub amplitude: [f64; 3],
+    /// Frequency, Hz.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub frequency: f64,
+    /// Phase at `start`, rad.
+    #[serde(default, deserialize_with = "angle")]
+    #[schemars(with = "json::Angle")]
+    pub phase: f64,
+}
+
+/// A point that an anchor passes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WaypointSpec {
+    /// When, s since the run's start.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub at: f64,
+    /// Where, m.
+    pub position: [f64; 3],
+}
+
+/// How an anchor moves between waypoints.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PathShape {
+    /// From rest to rest with least jerk.
+    #[default]
+    MinimumJerk,
+    /// At constant velocity.
+    Linear,
+}

@@ -1,0 +1,77 @@
+//! Settings of `balance` with `control = "force"`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::quantity::{fraction, json, non_negative, positive};
+
+/// Gains and assumptions of the force-controlled balance. Gains are accelerations per displacement (1/s^2) and per
+/// velocity (1/s), to be multiplied by the robot's own mass and inertias, so that they suit robots of any size.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ForceBalance {
+    /// Of the centre of mass towards its reference.
+    pub com: Gains,
+    /// Of the base's orientation towards the one at the start.
+    pub orientation: Gains,
+    /// Of all joints towards the positions they are asked for, where that moves neither centre of mass nor base nor soles;
+    /// `kd` damps every joint, always.
+    pub joints: Gains,
+    /// Displacement of the reference of the centre of mass from its default, above the centre of the soles at the height
+    /// it has at the start; world axes, m.
+    pub offset: [f64; 3],
+    /// Time in which the reference of the centre of mass moves from where it is to there, s.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub approach: f64,
+    /// Friction coefficient that contact forces may use.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub friction: f64,
+    /// How far inside each sole contact forces stay: 0 lets them reach its edges, 1 leaves its centre alone.
+    #[serde(deserialize_with = "fraction")]
+    #[schemars(with = "json::Fraction")]
+    pub margin: f64,
+    /// Which vertices of the soles may carry.
+    pub contacts: Contacts,
+}
+
+impl Default for ForceBalance {
+    fn default() -> Self {
+        ForceBalance {
+            com: Gains { kp: 100.0, kd: 20.0 },
+            orientation: Gains { kp: 100.0, kd: 20.0 },
+            joints: Gains { kp: 25.0, kd: 2.0 },
+            offset: [0.0; 3],
+            approach: 1.0,
+            friction: 0.5,
+            margin: 0.1,
+            contacts: Contacts::Assumed,
+        }
+    }
+}
+
+/// Acceleration per displacement and per velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gains {
+    /// Per displacement, 1/s^2.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub kp: f64,
+    /// Per velocity, 1/s.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub kd: f64,
+}
+
+/// Which vertices of the soles are taken to carry.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Contacts {
+    /// All: nothing is sensed.
+    #[default]
+    Assumed,
+    /// Those that the floor held at the tick before.
+    Sensed,
+}

@@ -1,0 +1,48 @@
+//! `gravity-compensation`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::quantity::{fraction, json, non_negative, positive, some_positive};
+
+/// Efforts that hold the robot up where it is, whatever its posture, and that give way to every push: the force control of
+/// `balance` without any reference.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GravityCompensationTask {
+    /// When it starts, s.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub start: f64,
+    /// How long it lasts, s. Left out: to the end of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub duration: Option<f64>,
+    /// The soles it stands on. Left out: all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub soles: Option<Vec<String>>,
+    /// Damping of every joint: deceleration per velocity, 1/s.
+    #[serde(default = "two", deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub damping: f64,
+    /// Friction coefficient that contact forces may use.
+    #[serde(default = "half", deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub friction: f64,
+    /// How far inside each sole contact forces stay: 0 lets them reach its edges, 1 leaves its centre alone.
+    #[serde(default = "tenth", deserialize_with = "fraction")]
+    #[schemars(with = "json::Fraction")]
+    pub margin: f64,
+}
+
+fn two() -> f64 {
+    2.0
+}
+
+fn half() -> f64 {
+    0.5
+}
+
+fn tenth() -> f64 {
+    0.1
+}

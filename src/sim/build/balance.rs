@@ -1,0 +1,78 @@
+//! Tasks that balance, from their entries.
+
+use super::names;
+use crate::robot::{Base, Model, SoleId};
+use crate::scenario::{BalanceControl, BalanceTask, Contacts, Diagnostic, GravityCompensationTask, Run};
+use crate::task::Task;
+use crate::task::balance::force::{ForceBalance, Gains, Settings};
+use nalgebra::Vector3;
+
+/// The task of the entry at `path`.
+pub(super) fn balance(
+    run: &Run,
+    model: &Model,
+    path: &str,
+    spec: &BalanceTask,
+    errors: &mut Vec<Diagnostic>,
+) -> Box<dyn Task> {
+    let soles = footing(run, model, path, spec.soles.as_deref(), errors);
+    match spec.control {
+        BalanceControl::Force => {
+            let s = &spec.force;
+            let gains = |g: crate::scenario::Gains| Gains { kp: g.kp, kd: g.kd };
+            let settings = Settings {
+                duration: spec.duration.unwrap_or(f64::INFINITY),
+                com: gains(s.com),
+                orientation: gains(s.orientation),
+                joints: gains(s.joints),
+                offset: s.offset.into(),
+                approach: s.approach,
+                friction: s.friction,
+                margin: s.margin,
+                sensed: s.contacts == Contacts::Sensed,
+            };
+            Box::new(ForceBalance::new("balance", model, soles, settings))
+        }
+    }
+}
+
+/// The task of the entry at `path`.
+pub(super) fn gravity_compensation(
+    run: &Run,
+    model: &Model,
+    path: &str,
+    spec: &GravityCompensationTask,
+    errors: &mut Vec<Diagnostic>,
+) -> Box<dyn Task> {
+    let soles = footing(run, model, path, spec.soles.as_deref(), errors);
+    let settings = Settings {
+        duration: spec.duration.unwrap_or(f64::INFINITY),
+        com: Gains::default(),
+        orientation: Gains::default(),
+        joints: Gains { kp: 0.0, kd: spec.damping },
+        offset: Vector3::zeros(),
+        approach: 0.0,
+        friction: spec.friction,
+        margin: spec.margin,
+        sensed: false,
+    };
+    Box::new(ForceBalance::new("gravity-compensation", model, soles, settings))
+}
+
+/// The soles that the entry at `path` stands on; unknown ones are errors, and none under a free robot.
+fn footing(
+    run: &Run,
+    model: &Model,
+    path: &str,
+    named: Option<&[String]>,
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<SoleId> {
+    if model.soles.is_empty() && model.base == Base::Floating {
+        let message = format!("the robot `{}` has no soles to stand on", model.name);
+        errors.push(run.error_at(&format!("{path}.type"), message, Some("give it `robot.soles`".into())));
+    }
+    match named {
+        None => (0..model.soles.len()).map(SoleId).collect(),
+        Some(named) => names::soles(model, run, &format!("{path}.soles"), named, errors),
+    }
+}

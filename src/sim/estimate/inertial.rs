@@ -1,0 +1,97 @@
+//! `inertial`: gyroscope and acceleration integrated.
+//!
+//! Over a period T between ticks k-1 and k, with the gyroscope's omega and the specific force f in base axes,
+//!
+//! ```text
+//! R_k = R_{k-1} exp(T (omega_{k-1} + omega_k) / 2)        R_mid = R_{k-1} exp(T (omega_{k-1} + omega_k) / 4)
+//! a = R_mid f_k + g        p_k = p_{k-1} + T v_{k-1} + T^2 a / 2        v_k = v_{k-1} + T a
+//! ```
+//!
+//! of second order in T; `f_k` is the mean over the period (see [`crate::sim::sensors`]), so that velocity changes at
+//! impacts are kept. By soles, as the paper's section II integrates gyroscopes and force plates, the centre of mass is
+//! integrated instead,
+//!
+//! ```text
+//! a = (F_{k-1} + F_k) / 2m + g        F = sum of the forces on the soles
+//! ```
+//!
+//! and the base follows from it and the joints; forces elsewhere, and impacts between ticks, are not seen. Nothing holds
+//! either to the floor: errors of the readings add up.
+
+use crate::dynamics::{State, Workspace, body, kinematics};
+use crate::robot::Model;
+use crate::task::Sensed;
+use nalgebra::{UnitQuaternion, Vector3};
+
+pub(super) struct Inertial {
+    by_soles: bool,
+    gravity: Vector3<f64>,
+    mass: f64,
+    omega: Vector3<f64>,
+    /// Sum of the sole forces at the last tick; none at the first, when they are not known yet.
+    force: Option<Vector3<f64>>,
+    /// Centre of mass and its velocity.
+    com: Vector3<f64>,
+    com_velocity: Vector3<f64>,
+    ws: Workspace,
+    /// The estimate with its base at the origin and at rest.
+    relative: State,
+}
+
+impl Inertial {
+    pub fn new(model: &Model, gravity: Vector3<f64>, by_soles: bool) -> Self {
+        Inertial {
+            by_soles,
+            gravity,
+            mass: model.mass(),
+            omega: Vector3::zeros(),
+            force: None,
+            com: Vector3::zeros(),
+            com_velocity: Vector3::zeros(),
+            ws: Workspace::new(model),
+            relative: State::home(model),
+        }
+    }
+
+    pub fn begin(&mut self, model: &Model, state: &State, sensed: &Sensed) {
+        self.omega = sensed.angular_velocity;
+        let (c, u) = self.com_from_base(model, state);
+        self.com = state.position + c;
+        self.com_velocity = Vector3::from_column_slice(&state.v[..3]) + u;
+    }
+
+    /// `out` holds the last estimate of the base and the joints as now sensed.
+    pub fn update(&mut self, model: &Model, sensed: &Sensed, dt: f64, out: &mut State) {
+        let mean = (self.omega + sensed.angular_velocity) * 0.5;
+        self.omega = sensed.angular_velocity;
+        let middle = out.rotation * UnitQuaternion::from_scaled_axis(mean * (0.5 * dt));
+        out.rotation *= UnitQuaternion::from_scaled_axis(mean * dt);
+        out.rotation.renormalize();
+        let omega = out.rotation * sensed.angular_velocity;
+        out.v[3..6].copy_from_slice(omega.as_slice());
+        if !self.by_soles {
+            let velocity = Vector3::from_column_slice(&out.v[..3]);
+            let a = middle * sensed.specific_force + self.gravity;
+            out.position += velocity * dt + a * (0.5 * dt * dt);
+            out.v[..3].copy_from_slice((velocity + a * dt).as_slice());
+            return;
+        }
+        let force: Vector3<f64> = sensed.soles.iter().map(|s| s.force).sum();
+        let before = self.force.replace(force).unwrap_or(force);
+        let a = (before + force) / (2.0 * self.mass) + self.gravity;
+        self.com += self.com_velocity * dt + a * (0.5 * dt * dt);
+        self.com_velocity += a * dt;
+        let (c, u) = self.com_from_base(model, out);
+        out.position = self.com - c;
+        out.v[..3].copy_from_slice((self.com_velocity - u).as_slice());
+    }
+
+    /// Centre of mass from the base's origin and its velocity relative to it, world axes.
+    fn com_from_base(&mut self, model: &Model, state: &State) -> (Vector3<f64>, Vector3<f64>) {
+        self.relative.copy_from(state);
+        self.relative.position = Vector3::zeros();
+        self.relative.v[..3].fill(0.0);
+        kinematics::update(model, &self.relative, &mut self.ws);
+        (body::center_of_mass(&self.ws), body::center_of_mass_velocity(&self.ws))
+    }
+}

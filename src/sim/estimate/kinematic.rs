@@ -1,0 +1,126 @@
+//! `kinematic`: the base hangs on the soles that stand still.
+//!
+//! With the measured orientation R, angular velocity omega and joints q, forward kinematics gives for each sole s the
+//! vector `r_s(R, q)` from the base's origin to the centroid of its vertices and the velocity `u_s(omega, q, q')` that the
+//! centroid has relative to it. A static sole has an anchor `a_s` in the world, so
+//!
+//! ```text
+//! p = sum w_s (a_s - r_s) / sum w_s        p' = - sum w_s u_s / sum w_s
+//! ```
+//!
+//! The weight w_s of a sole is what the floor carries on it, `max(0, -F_s . g/|g| - threshold)`, so that the estimate does
+//! not jump when a step is taken; soles that are said to be static weigh equally. A sole becomes static where the present
+//! estimate places it. With no sole static the base flies: `p'' = g`.
+//!
+//! After the paper's section II: base orientation and joint angles combined with assumptions about which feet are static.
+//! A sole that slides under load carries the estimate with it.
+
+use crate::dynamics::{State, Workspace, jacobian, kinematics};
+use crate::robot::Model;
+use crate::task::Sensed;
+use nalgebra::Vector3;
+
+pub(super) struct Kinematic {
+    ws: Workspace,
+    /// The estimate with its base at the origin and at rest.
+    relative: State,
+    gravity: Vector3<f64>,
+    /// Load from which on a sole is static, N.
+    threshold: f64,
+    imposed: Option<Vec<bool>>,
+    soles: Vec<Held>,
+    /// Which soles are static.
+    held: Vec<bool>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Held {
+    anchor: Vector3<f64>,
+    weight: f64,
+    /// Centroid relative to the base's origin, world axes, and its velocity.
+    r: Vector3<f64>,
+    u: Vector3<f64>,
+}
+
+impl Kinematic {
+    pub fn new(model: &Model, gravity: Vector3<f64>, threshold: f64, imposed: Option<Vec<bool>>) -> Self {
+        let n = model.soles.len();
+        Kinematic {
+            ws: Workspace::new(model),
+            relative: State::home(model),
+            gravity,
+            threshold,
+            imposed,
+            soles: vec![Held::default(); n],
+            held: vec![false; n],
+        }
+    }
+
+    pub fn held(&self) -> &[bool] {
+        &self.held
+    }
+
+    /// Anchors all soles where the known start has them.
+    pub fn begin(&mut self, model: &Model, state: &State) {
+        self.place(model, state);
+        for sole in &mut self.soles {
+            sole.anchor = state.position + sole.r;
+        }
+        self.held.fill(true);
+    }
+
+    /// `out` holds the last estimate of the base and the joints as now sensed.
+    pub fn update(&mut self, model: &Model, sensed: &Sensed, dt: f64, out: &mut State) {
+        out.rotation = sensed.orientation;
+        let omega = sensed.orientation * sensed.angular_velocity;
+        out.v[3..6].copy_from_slice(omega.as_slice());
+        self.place(model, out);
+        let up = -self.gravity.try_normalize(0.0).unwrap_or(-Vector3::z());
+        for (s, sole) in self.soles.iter_mut().enumerate() {
+            sole.weight = match &self.imposed {
+                Some(imposed) => f64::from(u8::from(imposed[s])),
+                None => (sensed.soles[s].force.dot(&up) - self.threshold).max(0.0),
+            };
+        }
+        let kept = |(sole, held): (&Held, &bool)| if *held { sole.weight } else { 0.0 };
+        let total: f64 = self.soles.iter().zip(&self.held).map(kept).sum();
+        let velocity = Vector3::from_column_slice(&out.v[..3]);
+        let (mut position, mut rate) = (Vector3::zeros(), Vector3::zeros());
+        if total > 0.0 {
+            for (sole, _) in self.soles.iter().zip(&self.held).filter(|(_, held)| **held) {
+                position += (sole.anchor - sole.r) * (sole.weight / total);
+                rate -= sole.u * (sole.weight / total);
+            }
+        } else {
+            position = out.position + velocity * dt + self.gravity * (0.5 * dt * dt);
+            rate = velocity + self.gravity * dt;
+        }
+        for (sole, held) in self.soles.iter_mut().zip(&mut self.held) {
+            let holds = sole.weight > 0.0;
+            if holds && !*held {
+                sole.anchor = position + sole.r;
+            }
+            *held = holds;
+        }
+        if total == 0.0 && self.held.contains(&true) {
+            // Just landed: from now on the base moves with the soles.
+            let weight: f64 = self.soles.iter().map(|s| s.weight).sum();
+            rate = -self.soles.iter().map(|s| s.u * (s.weight / weight)).sum::<Vector3<f64>>();
+        }
+        out.position = position;
+        out.v[..3].copy_from_slice(rate.as_slice());
+    }
+
+    /// Where the soles are relative to the base.
+    fn place(&mut self, model: &Model, state: &State) {
+        self.relative.copy_from(state);
+        self.relative.position = Vector3::zeros();
+        self.relative.v[..3].fill(0.0);
+        kinematics::update(model, &self.relative, &mut self.ws);
+        for (held, sole) in self.soles.iter_mut().zip(&model.soles) {
+            let centroid = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len() as f64;
+            held.r = self.ws.point(sole.link, &centroid);
+            held.u = jacobian::point_velocity(&self.ws, sole.link, &held.r);
+        }
+    }
+}

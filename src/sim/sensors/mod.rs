@@ -1,0 +1,143 @@
+//! Sensors: what the robot can know of itself at a control tick.
+//!
+//! A reading y of a channel with true value x(t) is
+//!
+//! ```text
+//! y_k = round_r( x(t_k - delay) + bias + sigma n_k )        n_k standard normal, white
+//! ```
+//!
+//! with `round_r` to whole multiples of the resolution r. Between ticks x is interpolated linearly; before the start it
+//! is what it was at the start. A measured orientation is `R(t_k - delay) exp(bias + sigma n_k)`, the exponential in the
+//! base's axes.
+//!
+//! The gyroscope reads the angular velocity in base axes at the tick. The accelerometer reads the mean specific force
+//! since the last tick, as units that put out velocity increments do, so that impacts are in it:
+//!
+//! ```text
+//! f_k = R_mid^T ((v_k - v_{k-1}) / T - g)        R_mid half way between the orientations at the two ticks
+//! ```
+
+mod delay;
+mod error;
+mod truth;
+mod wrench;
+
+use super::noise;
+use super::plant::Plant;
+use crate::task::Sensed;
+use delay::Delay;
+pub use error::{ChannelError, SensorErrors, TurnError};
+use nalgebra::{UnitQuaternion, Vector3};
+use rand_chacha::ChaCha8Rng;
+
+/// The sensors of one run.
+pub struct Sensors {
+    /// None: all of them tell the truth.
+    faulty: Option<Box<Faulty>>,
+    /// Readings of the last tick.
+    pub readings: Sensed,
+    /// Time, velocity of the base's origin and orientation at the last tick.
+    last: Option<(f64, Vector3<f64>, UnitQuaternion<f64>)>,
+}
+
+struct Faulty {
+    errors: SensorErrors,
+    stream: ChaCha8Rng,
+    position: Delay,
+    velocity: Delay,
+    load: Delay,
+    orientation: Delay,
+    gyroscope: Delay,
+    accelerometer: Delay,
+    sole_force: Delay,
+    sole_moment: Delay,
+    /// Forces, then moments of the soles, to be delayed.
+    scratch: Vec<f64>,
+}
+
+impl Sensors {
+    /// For a plant, read every `period` seconds; `errors` none when all sensors tell the truth.
+    pub fn new(plant: &Plant, errors: Option<SensorErrors>, period: f64, seed: u64) -> Self {
+        let readings = Sensed::blank(&plant.model);
+        let (nj, ns) = (plant.model.nj(), plant.model.soles.len());
+        let faulty = errors.map(|e| {
+            let delay = |channels: usize, error: &ChannelError| Delay::new(channels, error.delay, period);
+            Box::new(Faulty {
+                position: delay(nj, &e.joint_position),
+                velocity: delay(nj, &e.joint_velocity),
+                load: delay(nj, &e.joint_load),
+                orientation: Delay::new(4, e.orientation.delay, period),
+                gyroscope: delay(3, &e.gyroscope),
+                accelerometer: delay(3, &e.accelerometer),
+                sole_force: delay(3 * ns, &e.sole_force),
+                sole_moment: delay(3 * ns, &e.sole_moment),
+                scratch: vec![0.0; 3 * ns],
+                stream: noise::stream(seed, "sensors"),
+                errors: e,
+            })
+        });
+        Sensors { faulty, readings, last: None }
+    }
+
+    /// Reads all sensors at the plant's present state, `time` ahead of every earlier call.
+    pub fn read(&mut self, plant: &mut Plant) {
+        truth::read(plant, &mut self.readings);
+        self.accelerate(plant);
+        if let Some(faulty) = &mut self.faulty {
+            faulty.spoil(plant, &mut self.readings);
+        }
+    }
+
+    /// The accelerometer.
+    fn accelerate(&mut self, plant: &Plant) {
+        let state = &plant.state;
+        let v = if plant.model.nb() == 6 { Vector3::from_column_slice(&state.v[..3]) } else { Vector3::zeros() };
+        let (mean, middle) = match self.last {
+            Some((t, before, rotation)) if state.time > t => {
+                ((v - before) / (state.time - t), rotation.slerp(&state.rotation, 0.5))
+            }
+            // The first reading: at rest.
+            _ => (Vector3::zeros(), state.rotation),
+        };
+        self.readings.specific_force = middle.inverse() * (mean - plant.gravity);
+        self.last = Some((state.time, v, state.rotation));
+    }
+}
+
+impl Faulty {
+    fn spoil(&mut self, plant: &Plant, out: &mut Sensed) {
+        let (e, stream, now) = (&self.errors, &mut self.stream, plant.state.time);
+        self.position.pass(now, &mut out.position);
+        e.joint_position.spoil(&mut out.position, stream);
+        self.velocity.pass(now, &mut out.velocity);
+        e.joint_velocity.spoil(&mut out.velocity, stream);
+        self.load.pass(now, &mut out.load);
+        e.joint_load.spoil(&mut out.load, stream);
+        self.orientation.turn(now, &mut out.orientation);
+        e.orientation.spoil(&mut out.orientation, stream);
+        self.gyroscope.pass(now, out.angular_velocity.as_mut_slice());
+        e.gyroscope.spoil(out.angular_velocity.as_mut_slice(), stream);
+        self.accelerometer.pass(now, out.specific_force.as_mut_slice());
+        e.accelerometer.spoil(out.specific_force.as_mut_slice(), stream);
+        if e.sole_force.is_none() && e.sole_moment.is_none() {
+            return;
+        }
+        let parts = [
+            (&mut self.sole_force, &e.sole_force, wrench::force as wrench::Part),
+            (&mut self.sole_moment, &e.sole_moment, wrench::moment),
+        ];
+        for (delay, error, part) in parts {
+            for (to, sole) in self.scratch.chunks_exact_mut(3).zip(&mut out.soles) {
+                to.copy_from_slice(part(sole).as_slice());
+            }
+            delay.pass(now, &mut self.scratch);
+            error.spoil(&mut self.scratch, stream);
+            for (from, sole) in self.scratch.chunks_exact(3).zip(&mut out.soles) {
+                part(sole).copy_from_slice(from);
+            }
+        }
+        for (s, sole) in out.soles.iter_mut().enumerate() {
+            wrench::share(&plant.problem.soles[s], &plant.floor.rotation, sole);
+        }
+    }
+}

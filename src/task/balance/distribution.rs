@@ -1,0 +1,284 @@
+//! Splits a wanted wrench on the body over contact points, optimally and within their friction cones.
+//!
+//! ```text
+//! minimise  1/2 sum |f_i|^2   subject to   sum f_i = F,   sum r_i x f_i = N,   f_i in K_i                          (1)
+//! K_i = { f : f_n >= 0, |f_t| <= mu f_n }    about the normal n_i of the contact
+//! ```
+//!
+//! **Inside all cones** the answer is the pseudo-inverse, in closed form: with `G_i = (1; [r_i]x)` and
+//! `y = (sum G_i G_i^T)^-1 (F, N)`, `f_i = G_i^T y`, which is an affine field over the points. This is the least-norm
+//! distribution at the wanted centre of pressure of S.-H. Hyon, J. G. Hale, G. Cheng, Full-body compliant human-humanoid
+//! interaction: balancing in the presence of unknown external forces, IEEE Trans. Robotics 23(5), 2007, section III.
+//!
+//! **Otherwise** (1) is solved by its dual, in six unknowns however many contacts there are: its minimiser has the form
+//! `f_i = P_i(G_i^T y)`, P_i the projection on K_i, and y maximises a concave function with the gradient
+//! `w - sum G_i P_i(G_i^T y)`, w = (F, N). Each step of the method of multipliers
+//!
+//! ```text
+//! y_k+1 = argmin  1/2 sum |P_i(G_i^T y)|^2 - w . y + eps/2 |y - y_k|^2                                             (2)
+//! ```
+//!
+//! is smooth once, strongly convex, and solved by Newton's method with the derivative of P_i (a semi-smooth Newton
+//! method) and a line search. If no forces in the cones make w, the same steps lead to the wrench nearest to it (A. Chiche,
+//! J. Ch. Gilbert, How the augmented Lagrangian algorithm can deal with an infeasible convex quadratic optimization problem,
+//! J. Convex Analysis 23, 2016). Nearest is meant in the norm of [`Measure`]: moments over a length smaller than the height
+//! of the centre of mass, so that a push past the edge of the soles is answered with less horizontal force, not with a
+//! moment that would turn the body over.
+
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+
+/// A force (N) and its moment (N m) about the common reference point.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Wrench {
+    /// Force, N.
+    pub force: Vector3<f64>,
+    /// Moment, N m.
+    pub moment: Vector3<f64>,
+}
+
+/// How the distance between the wanted wrench and one that cannot be had is measured.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Measure {
+    /// A force to compare with, N: the robot's weight. Above zero.
+    pub force: f64,
+    /// A moment of this length times a force counts as much as the force, m. Above zero.
+    pub length: f64,
+    /// Unit vector upwards; a force missing along it counts [`VERTICAL`] times.
+    pub up: Vector3<f64>,
+}
+
+/// How much more a missing vertical force counts: without it a robot rather jumps than gives way.
+pub const VERTICAL: f64 = 10.0;
+
+/// Weights eps of (2), one step each, relative to the number of contacts. The last is repeated.
+const WEIGHTS: [f64; 10] = [1e-1, 1e-3, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5];
+/// Newton steps for one step of (2): convergence takes about ten.
+const NEWTON_STEPS: usize = 40;
+/// What is left of w, relative to it, that counts as rounding.
+const ROUNDING: f64 = 1e-15;
+
+/// The contacts of one instant and their forces. Allocated once; `add` within the capacity allocates nothing.
+#[derive(Clone, Debug)]
+pub struct Distribution {
+    contacts: Vec<Contact>,
+    forces: Vec<Vector3<f64>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Contact {
+    arm: Vector3<f64>,
+    normal: Vector3<f64>,
+}
+
+impl Distribution {
+    /// For up to `capacity` contacts.
+    pub fn new(capacity: usize) -> Self {
+        Distribution { contacts: Vec::with_capacity(capacity), forces: Vec::with_capacity(capacity) }
+    }
+
+    /// Forgets all contacts.
+    pub fn clear(&mut self) {
+        self.contacts.clear();
+        self.forces.clear();
+    }
+
+    /// A contact at `arm` from the reference point (m) with the unit normal `normal`, which points to the robot.
+    pub fn add(&mut self, arm: Vector3<f64>, normal: Vector3<f64>) {
+        self.contacts.push(Contact { arm, normal });
+        self.forces.push(Vector3::zeros());
+    }
+
+    /// Forces on the robot found last, N, in the order of [`add`](Self::add).
+    pub fn forces(&self) -> &[Vector3<f64>] {
+        &self.forces
+    }
+
+    /// Finds the forces; returns what they add up to, which is `wanted` if the cones of coefficient `friction` allow.
+    pub fn solve(&mut self, wanted: &Wrench, friction: f64, measure: &Measure) -> Wrench {
+        let map = Map {
+            lift: Matrix3::identity() + measure.up * measure.up.transpose() * (VERTICAL - 1.0),
+            length: measure.length,
+        };
+        let force = map.lift * wanted.force;
+        let moment = wanted.moment / measure.length;
+        let w = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z) / measure.force;
+        if !self.unbounded(&map, &w, friction) {
+            self.bounded(&map, &w, friction);
+        }
+        for f in &mut self.forces {
+            *f *= measure.force;
+        }
+        self.sum()
+    }
+
+    /// What the forces add up to.
+    fn sum(&self) -> Wrench {
+        let mut sum = Wrench { force: Vector3::zeros(), moment: Vector3::zeros() };
+        for (contact, f) in self.contacts.iter().zip(&self.forces) {
+            sum.force += f;
+            sum.moment += contact.arm.cross(f);
+        }
+        sum
+    }
+
+    /// The closed form; false if it leaves a cone, or if the contacts cannot make every wrench.
+    fn unbounded(&mut self, map: &Map, w: &Vector6<f64>, friction: f64) -> bool {
+        let mut gram = Matrix6::zeros();
+        for contact in &self.contacts {
+            let g = map.columns(&contact.arm);
+            gram += g * g.transpose();
+        }
+        let scale = gram.diagonal().max();
+        let Some(factor) = gram.cholesky() else { return false };
+        let l = factor.l_dirty();
+        if (0..6).any(|k| l[(k, k)] * l[(k, k)] < 1e-12 * scale) {
+            return false;
+        }
+        let mut y = Vector6::zeros();
+        // The second round takes off the rounding of the first.
+        for _ in 0..2 {
+            let mut rest = *w;
+            for contact in &self.contacts {
+                rest -= map.wrench(&contact.arm, &map.field(&y, &contact.arm));
+            }
+            y += factor.solve(&rest);
+        }
+        for (contact, f) in self.contacts.iter().zip(&mut self.forces) {
+            *f = map.field(&y, &contact.arm);
+            let normal = f.dot(&contact.normal);
+            if (*f - contact.normal * normal).norm() > friction * normal {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The dual method.
+    fn bounded(&mut self, map: &Map, w: &Vector6<f64>, friction: f64) {
+        let size = w.norm().max(f64::MIN_POSITIVE);
+        let mut y = Vector6::zeros();
+        let mut missing = f64::INFINITY;
+        for weight in WEIGHTS {
+            let eps = weight * self.contacts.len() as f64;
+            y = self.proximal(map, w, friction, &y, eps);
+            let mut rest = *w;
+            for (contact, f) in self.contacts.iter().zip(&mut self.forces) {
+                *f = project(&map.field(&y, &contact.arm), &contact.normal, friction).0;
+                rest -= map.wrench(&contact.arm, f);
+            }
+            let left = rest.norm() / size;
+            // Either all is there, or no more comes: w cannot be had.
+            if left <= ROUNDING || (weight == WEIGHTS[9] && left > 0.5 * missing) {
+                return;
+            }
+            missing = left;
+        }
+    }
+
+    /// One step of (2) from `centre`.
+    fn proximal(&self, map: &Map, w: &Vector6<f64>, friction: f64, centre: &Vector6<f64>, eps: f64) -> Vector6<f64> {
+        let mut y = *centre;
+        let (mut value, mut gradient) = self.dual(map, w, friction, &y, centre, eps);
+        for _ in 0..NEWTON_STEPS {
+            let Some(factor) = self.curvature(map, friction, &y, eps).cholesky() else { return y };
+            let step = -factor.solve(&gradient);
+            let slope = gradient.dot(&step);
+            let mut length = 1.0;
+            loop {
+                let next = y + step * length;
+                let (v, g) = self.dual(map, w, friction, &next, centre, eps);
+                if v <= value + 1e-4 * length * slope {
+                    (y, value, gradient) = (next, v, g);
+                    break;
+                }
+                length *= 0.5;
+                if length < 1e-3 {
+                    // Less than the rounding of the value: a full step if it makes the gradient smaller, then it is done.
+                    let next = y + step;
+                    let (_, g) = self.dual(map, w, friction, &next, centre, eps);
+                    return if g.norm() < gradient.norm() { next } else { y };
+                }
+            }
+        }
+        y
+    }
+
+    /// The function of (2) and its gradient.
+    fn dual(
+        &self,
+        map: &Map,
+        w: &Vector6<f64>,
+        friction: f64,
+        y: &Vector6<f64>,
+        centre: &Vector6<f64>,
+        eps: f64,
+    ) -> (f64, Vector6<f64>) {
+        let away = y - centre;
+        let mut value = 0.5 * eps * away.norm_squared() - w.dot(y);
+        let mut gradient = away * eps - w;
+        for contact in &self.contacts {
+            let f = project(&map.field(y, &contact.arm), &contact.normal, friction).0;
+            value += 0.5 * f.norm_squared();
+            gradient += map.wrench(&contact.arm, &f);
+        }
+        (value, gradient)
+    }
+
+    /// A generalised second derivative of the function of (2), positive definite.
+    fn curvature(&self, map: &Map, friction: f64, y: &Vector6<f64>, eps: f64) -> Matrix6<f64> {
+        let mut h = Matrix6::identity() * eps;
+        for contact in &self.contacts {
+            let g = map.columns(&contact.arm);
+            let derivative = project(&map.field(y, &contact.arm), &contact.normal, friction).1;
+            h += g * derivative * g.transpose();
+        }
+        h
+    }
+}
+
+/// Wrenches in the norm of a [`Measure`].
+struct Map {
+    lift: Matrix3<f64>,
+    length: f64,
+}
+
+impl Map {
+    /// `G f`.
+    fn wrench(&self, arm: &Vector3<f64>, f: &Vector3<f64>) -> Vector6<f64> {
+        let (force, moment) = (self.lift * f, arm.cross(f) / self.length);
+        Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
+    }
+
+    /// `G^T y`.
+    fn field(&self, y: &Vector6<f64>, arm: &Vector3<f64>) -> Vector3<f64> {
+        self.lift * y.fixed_rows::<3>(0) + y.fixed_rows::<3>(3).cross(arm) / self.length
+    }
+
+    /// G.
+    fn columns(&self, arm: &Vector3<f64>) -> nalgebra::SMatrix<f64, 6, 3> {
+        let mut g = nalgebra::SMatrix::<f64, 6, 3>::zeros();
+        g.fixed_view_mut::<3, 3>(0, 0).copy_from(&self.lift);
+        g.fixed_view_mut::<3, 3>(3, 0).copy_from(&(arm.cross_matrix() / self.length));
+        g
+    }
+}
+
+/// The point of the cone of coefficient `friction` about `normal` that is nearest to `x`, and the derivative of that.
+fn project(x: &Vector3<f64>, normal: &Vector3<f64>, friction: f64) -> (Vector3<f64>, Matrix3<f64>) {
+    let up = x.dot(normal);
+    let tangent = x - normal * up;
+    let side = tangent.norm();
+    if side <= friction * up {
+        return (*x, Matrix3::identity());
+    }
+    if friction * side <= -up {
+        return (Vector3::zeros(), Matrix3::zeros());
+    }
+    // The nearest point lies on the edge of the cone in the plane of x and the normal.
+    let t = tangent / side;
+    let slant = (1.0 + friction * friction).sqrt();
+    let edge = (normal + t * friction) / slant;
+    let along = edge.dot(x);
+    let turn = Matrix3::identity() - normal * normal.transpose() - t * t.transpose();
+    (edge * along, edge * edge.transpose() + turn * (along * friction / (slant * side)))
+}

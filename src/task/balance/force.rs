@@ -1,0 +1,278 @@
+//! `balance` with `control = "force"`, and `gravity-compensation`: efforts that make the floor hold the robot up.
+//!
+//! ```text
+//! F   = m (kp (c_ref - c) + kd (c_ref' - c') - g)          wanted force of the floor on the robot            (1)
+//! N   = I (kp turn(R, R_ref) - kd omega)                   wanted moment of it about the centre of mass      (2)
+//! f_i : sum f_i = F, sum (p_i - c) x f_i = N, in the friction cones, of least norm  (see distribution)      (3)
+//! tau = sum (J_c - J_i)^T f_i                              efforts                                           (4)
+//!       + D (kp slack(q_ref - q) + kd slack(q_ref') - kd q')                                                 (5)
+//! ```
+//!
+//! c centre of mass, R and omega orientation and angular velocity of the base, I the inertia of the whole about c, p_i the
+//! vertices of the soles, J_c and J_i the Jacobians of c and p_i (columns of the joints), D the diagonal of the mass matrix
+//! at the start, `slack` what moves nothing that is held (see there). Source of (1), (3), (4) and of the damping in (5):
+//! S.-H. Hyon, J. G. Hale, G. Cheng, Full-body compliant human-humanoid interaction: balancing in the presence of unknown
+//! external forces, IEEE Trans. Robotics 23(5), 2007: neither forces nor external disturbances are measured, there is no
+//! inverse of kinematics or dynamics, and what (1) leaves open is settled by damping. (2) and the springs of (5) are added.
+//!
+//! **Why it holds.** Gravity's generalised force is `m J_c^T g`, so (4) with `F = m (f_u - g)` reads
+//! `tau = h + m J_c^T f_u - sum J_i^T f_i` on the joints, h the bias of the robot at rest. The rows of the base say
+//! `0 = h + m J_c^T f_u + (0, N) - sum J_i^T f_i`, which is what the split (3) fulfils. If nothing is wanted (`f_u` = 0, N = 0) efforts and
+//! contact forces f_i together are an exact equilibrium. Where the cones do not allow F and N, (4) is taken with the forces
+//! that they do allow, and stays consistent.
+
+use super::distribution::{Distribution, Measure, Wrench};
+use super::slack::Slack;
+use super::stance::{Stance, turn_to, upwards};
+use crate::dynamics::{Workspace, body, crba, force, jacobian, kinematics};
+use crate::robot::{DriveMode, JointId, LinkId, Model, SoleId};
+use crate::task::posture::minimum_jerk;
+use crate::task::{Command, Context, Needs, Status, Task, TaskResult};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Acceleration per displacement (1/s^2) and per velocity (1/s).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gains {
+    /// Per displacement.
+    pub kp: f64,
+    /// Per velocity.
+    pub kd: f64,
+}
+
+/// What a user may choose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// How long it lasts, s; infinity: to the end of the run.
+    pub duration: f64,
+    /// Centre of mass, equation (1).
+    pub com: Gains,
+    /// Orientation of the base, (2).
+    pub orientation: Gains,
+    /// Joints, (5).
+    pub joints: Gains,
+    /// Of the reference of the centre of mass from its default, world, m.
+    pub offset: Vector3<f64>,
+    /// Time in which the reference moves there, s.
+    pub approach: f64,
+    /// Friction coefficient of (3).
+    pub friction: f64,
+    /// How far inside the soles the forces of (3) stay, from 0, the edge, to 1, the middle.
+    pub margin: f64,
+    /// Do only those vertices carry that the floor held at the tick before?
+    pub sensed: bool,
+}
+
+/// See the module.
+pub struct ForceBalance {
+    name: &'static str,
+    settings: Settings,
+    stance: Stance,
+    split: Distribution,
+    slack: Slack,
+    /// Inertia that each joint moves at the start, D.
+    inertia: Vec<f64>,
+    joints: Vec<JointId>,
+    /// Drive modes before the task.
+    modes: Vec<DriveMode>,
+    start: f64,
+    /// Of the centre of mass from the centre of the soles, at the start and when approached, m.
+    path: [Vector3<f64>; 2],
+    orientation: UnitQuaternion<f64>,
+    /// Generalised force and joint motion, nv.
+    effort: Vec<f64>,
+    motion: Vec<f64>,
+}
+
+impl ForceBalance {
+    /// A robot on `soles` (none: it must have a fixed base) which is called `name` in messages.
+    pub fn new(name: &'static str, model: &Model, soles: Vec<SoleId>, settings: Settings) -> Self {
+        let stance = Stance::new(model, soles);
+        let vertices = stance.footholds.capacity();
+        let driven = |j: &usize| model.joints[*j].drive.mode != DriveMode::Passive;
+        ForceBalance {
+            name,
+            split: Distribution::new(vertices),
+            slack: Slack::new(0, &[], 0),
+            inertia: vec![0.0; model.nj()],
+            joints: (0..model.nj()).filter(driven).map(JointId).collect(),
+            modes: vec![DriveMode::Passive; model.nj()],
+            start: 0.0,
+            path: [Vector3::zeros(); 2],
+            orientation: UnitQuaternion::identity(),
+            effort: vec![0.0; model.nv()],
+            motion: vec![0.0; model.nv()],
+            settings,
+            stance,
+        }
+    }
+
+    /// Contact forces it counts on, N, one for each foothold.
+    pub fn forces(&self) -> &[Vector3<f64>] {
+        self.split.forces()
+    }
+
+    /// Where it counts on them.
+    pub fn stance(&self) -> &Stance {
+        &self.stance
+    }
+
+    fn place(&mut self, context: &Context) {
+        let sensed = (self.settings.sensed && context.time > self.start).then_some(context.sensed);
+        let up = upwards(&context.gravity);
+        self.stance.place(context.model, &context.data.workspace, self.settings.margin, sensed, &up);
+    }
+
+    /// Equations (1) and (2).
+    fn wanted(&self, context: &Context) -> Wrench {
+        let Settings { com, orientation, approach, .. } = &self.settings;
+        let data = context.data;
+        let whole = body::whole(&data.workspace);
+        let (progress, rate) = minimum_jerk(context.time - self.start, *approach);
+        let way = self.path[1] - self.path[0];
+        let error = self.stance.centre + self.path[0] + way * progress - data.com;
+        let acceleration = error * com.kp + (way * rate - data.com_velocity) * com.kd - context.gravity;
+        let mut moment = Vector3::zeros();
+        if context.model.nb() == 6 {
+            let v = &context.state.v;
+            let spin = turn_to(context.state, &self.orientation) * orientation.kp
+                - Vector3::new(v[3], v[4], v[5]) * orientation.kd;
+            let c = data.com - data.workspace.position;
+            // The inertia about O less that of the mass at c.
+            moment = whole.rotate(&spin) - c.cross(&spin.cross(&c)) * whole.mass;
+        }
+        Wrench { force: acceleration * whole.mass, moment }
+    }
+
+    /// Equation (3): the force on the whole.
+    fn share(&mut self, context: &Context, wanted: &Wrench) -> Vector3<f64> {
+        if context.model.nb() == 0 {
+            return wanted.force;
+        }
+        self.split.clear();
+        for hold in &self.stance.footholds {
+            self.split.add(hold.point - context.data.com, hold.normal);
+        }
+        let weight = context.model.mass() * context.gravity.norm().max(1.0);
+        let centre = self.stance.footholds.iter().map(|h| h.point).sum::<Vector3<f64>>()
+            / self.stance.footholds.len().max(1) as f64;
+        let reach = self.stance.footholds.iter().map(|h| (h.point - centre).norm_squared()).sum::<f64>()
+            / self.stance.footholds.len().max(1) as f64;
+        let measure = Measure { force: weight, length: reach.sqrt().max(1e-3), up: upwards(&context.gravity) };
+        self.split.solve(wanted, self.settings.friction, &measure).force
+    }
+
+    /// Equation (4), into `effort`.
+    fn carry(&mut self, context: &Context, total: &Vector3<f64>) {
+        let data = context.data;
+        for (effort, column) in self.effort.iter_mut().zip(data.com_jacobian.chunks_exact(3)) {
+            *effort = Vector3::from_column_slice(column).dot(total);
+        }
+        for (hold, f) in self.stance.footholds.iter().zip(self.split.forces()) {
+            let link = context.model.soles[hold.sole.0].link;
+            force::accumulate(&data.workspace, link, &hold.point, &-f, &Vector3::zeros(), &mut self.effort);
+        }
+    }
+
+    /// Equation (5), added to `effort`.
+    fn settle(&mut self, context: &Context, command: &Command) {
+        let (nb, gains) = (context.model.nb(), self.settings.joints);
+        if gains.kp > 0.0 {
+            self.motion.fill(0.0);
+            for &JointId(j) in &self.joints {
+                self.motion[nb + j] =
+                    gains.kp * (command.position[j] - context.q()[j]) + gains.kd * command.velocity[j];
+            }
+            self.hold(context);
+            self.slack.project(&mut self.motion);
+            for &JointId(j) in &self.joints {
+                self.effort[nb + j] += self.inertia[j] * self.motion[nb + j];
+            }
+        }
+        for &JointId(j) in &self.joints {
+            self.effort[nb + j] -= self.inertia[j] * gains.kd * context.qd()[j];
+        }
+    }
+
+    /// What the springs of the joints must not move.
+    fn hold(&mut self, context: &Context) {
+        let (model, data) = (context.model, context.data);
+        let ws = &data.workspace;
+        self.slack.clear();
+        for &SoleId(s) in self.stance.soles() {
+            let sole = &model.soles[s];
+            hold_link(&mut self.slack, ws, sole.link, &ws.point(sole.link, &sole.vertices[0]), sole.vertices.len() > 1);
+        }
+        if self.settings.com.kp > 0.0 {
+            (0..3).for_each(|axis| self.slack.hold(|k| data.com_jacobian[3 * k + axis]));
+        }
+        if self.settings.orientation.kp > 0.0 && model.nb() == 6 {
+            (0..3).for_each(|axis| self.slack.hold(|k| if k == 3 + axis { 1.0 } else { 0.0 }));
+        }
+    }
+}
+
+/// Holds a point of a link where it is, and its orientation if `turning`.
+fn hold_link(slack: &mut Slack, ws: &Workspace, link: LinkId, point: &Vector3<f64>, turning: bool) {
+    let chain = ws.support(link);
+    for axis in 0..if turning { 6 } else { 3 } {
+        slack.hold(|k| {
+            if chain.binary_search(&k).is_err() {
+                return 0.0;
+            }
+            let c = jacobian::column(ws, k, point);
+            if axis < 3 { c.linear[axis] } else { c.angular[axis - 3] }
+        });
+    }
+}
+
+impl Task for ForceBalance {
+    fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
+        let model = context.model;
+        let (nb, nj) = (model.nb(), model.nj());
+        let mut ws = Workspace::new(model);
+        kinematics::update(model, context.state, &mut ws);
+        crba::mass_matrix(model, &mut ws);
+        for j in 0..nj {
+            self.inertia[j] = ws.mass.get(nb + j, nb + j);
+        }
+        self.slack = Slack::new(nb, &self.inertia, 6 * self.stance.soles().len() + 6);
+        self.modes.copy_from_slice(&command.mode);
+        self.start = context.time;
+        self.place(context);
+        let now = context.data.com - self.stance.centre;
+        let up = upwards(&context.gravity);
+        self.path = [now, up * now.dot(&up) + self.settings.offset];
+        self.orientation = context.state.rotation;
+        Ok(Status::Running)
+    }
+
+    fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
+        if context.time - self.start >= self.settings.duration {
+            for &JointId(j) in &self.joints {
+                command.mode[j] = self.modes[j];
+                command.effort[j] = 0.0;
+                command.position[j] = context.q()[j];
+            }
+            return Ok(Status::Done);
+        }
+        self.place(context);
+        let wanted = self.wanted(context);
+        let total = self.share(context, &wanted);
+        self.carry(context, &total);
+        self.settle(context, command);
+        let nb = context.model.nb();
+        for &JointId(j) in &self.joints {
+            command.mode[j] = DriveMode::Force;
+            command.effort[j] = self.effort[nb + j];
+        }
+        Ok(Status::Running)
+    }
+
+    fn needs(&self) -> Needs {
+        Needs::LINKS | Needs::COM | Needs::COM_JACOBIAN
+    }
+
+    fn name(&self) -> &str {
+        self.name
+    }
+}

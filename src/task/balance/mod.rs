@@ -1,0 +1,6 @@
+//! `balance`: keep the centre of mass above the soles. One file per way of control.
+
+pub mod distribution;
+pub mod force;
+pub mod slack;
+pub mod stance;

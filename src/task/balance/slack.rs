@@ -1,0 +1,82 @@
+//! The part of a joint motion that moves neither what is held nor the soles.
+//!
+//! ```text
+//! minimise  sum w_k (v_k - e_k)^2   subject to   A v = 0
+//! ```
+//!
+//! over all velocities v, those of the base costing nothing. e is the joint motion wished for, A the Jacobians of what has to
+//! stay: the soles, and the centre of mass and the orientation of the base where they are controlled. In the coordinates
+//! `sqrt(w) v` the answer is the orthogonal projection on the null space of A; its base is made by the modified
+//! Gram-Schmidt process (Bjorck, Numerical Methods for Least Squares Problems, SIAM 1996, section 2.4) twice over, and
+//! rows that depend on earlier ones drop out.
+//!
+//! With w the joints' inertias, an effort `w k v` of the result does no work on any motion that keeps the soles in place and
+//! is orthogonal, in that metric, to the slack: it cannot push the centre of mass from where it is wanted.
+
+/// A row shorter than this part of what it was before the earlier rows were taken out depends on them.
+const DEPENDENT: f64 = 1e-9;
+/// What moving the base costs beside joints of unit weight. It should cost nothing; the answer is off by about this.
+const FREE: f64 = 1e-8;
+
+/// Scratch for one robot.
+#[derive(Clone, Debug)]
+pub struct Slack {
+    nv: usize,
+    /// Square roots of the weights.
+    scale: Vec<f64>,
+    /// Orthonormal rows found so far.
+    rows: Vec<f64>,
+    used: usize,
+}
+
+impl Slack {
+    /// For up to `rows` constraints on `nb` base velocities and joints of these weights (above zero).
+    pub fn new(nb: usize, weights: &[f64], rows: usize) -> Self {
+        let mean = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
+        let base = std::iter::repeat_n((FREE * mean).sqrt(), nb);
+        let scale: Vec<f64> = base.chain(weights.iter().map(|w| w.sqrt())).collect();
+        Slack { nv: scale.len(), rows: vec![0.0; rows * scale.len()], scale, used: 0 }
+    }
+
+    /// Forgets all constraints.
+    pub fn clear(&mut self) {
+        self.used = 0;
+    }
+
+    /// Adds the constraint `sum row(k) v_k = 0`.
+    pub fn hold(&mut self, row: impl Fn(usize) -> f64) {
+        let (done, rest) = self.rows.split_at_mut(self.used * self.nv);
+        let Some(new) = rest.get_mut(..self.nv) else { return };
+        for (k, (x, s)) in new.iter_mut().zip(&self.scale).enumerate() {
+            *x = row(k) / s;
+        }
+        let before = norm(new);
+        for _ in 0..2 {
+            done.chunks_exact(self.nv).for_each(|q| take_out(q, new));
+        }
+        let after = norm(new);
+        if after > DEPENDENT * before {
+            new.iter_mut().for_each(|x| *x /= after);
+            self.used += 1;
+        }
+    }
+
+    /// Replaces `motion` (nv, laid out as velocities) by its part that keeps all constraints.
+    pub fn project(&self, motion: &mut [f64]) {
+        motion.iter_mut().zip(&self.scale).for_each(|(m, s)| *m *= s);
+        for _ in 0..2 {
+            self.rows[..self.used * self.nv].chunks_exact(self.nv).for_each(|q| take_out(q, motion));
+        }
+        motion.iter_mut().zip(&self.scale).for_each(|(m, s)| *m /= s);
+    }
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Takes the part along the unit vector `q` out of `x`.
+fn take_out(q: &[f64], x: &mut [f64]) {
+    let along: f64 = q.iter().zip(x.iter()).map(|(q, x)| q * x).sum();
+    x.iter_mut().zip(q).for_each(|(x, q)| *x -= along * q);
+}

@@ -1,0 +1,78 @@
+//! The vertices of the soles that a robot stands on, as its own kinematics has them.
+
+use crate::dynamics::{State, Workspace};
+use crate::robot::{Model, SoleId};
+use crate::task::Sensed;
+use nalgebra::Vector3;
+
+/// One vertex that may carry.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Foothold {
+    /// Its sole.
+    pub sole: SoleId,
+    /// Where contact forces may act there, world, m.
+    pub point: Vector3<f64>,
+    /// Unit normal of the sole towards the robot, world.
+    pub normal: Vector3<f64>,
+}
+
+/// What carries at one instant.
+#[derive(Clone, Debug)]
+pub struct Stance {
+    soles: Vec<SoleId>,
+    /// The vertices that may carry.
+    pub footholds: Vec<Foothold>,
+    /// Mean of all vertices of the soles, whether they carry or not, world, m.
+    pub centre: Vector3<f64>,
+}
+
+impl Stance {
+    /// For a robot that stands on `soles`.
+    pub fn new(model: &Model, soles: Vec<SoleId>) -> Self {
+        let vertices = soles.iter().map(|s| model.soles[s.0].vertices.len()).sum();
+        Stance { soles, footholds: Vec::with_capacity(vertices), centre: Vector3::zeros() }
+    }
+
+    /// The soles.
+    pub fn soles(&self) -> &[SoleId] {
+        &self.soles
+    }
+
+    /// Places the vertices at the kinematics `ws`, drawn towards the middle of their sole by the part `margin` of their
+    /// distance from it. With `sensed` only those that the floor held. `up` is the normal of soles that have none.
+    pub fn place(&mut self, model: &Model, ws: &Workspace, margin: f64, sensed: Option<&Sensed>, up: &Vector3<f64>) {
+        self.footholds.clear();
+        let (mut sum, mut count) = (Vector3::zeros(), 0.0);
+        for &id in &self.soles {
+            let sole = &model.soles[id.0];
+            let middle = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len() as f64;
+            let area = ws.links[sole.link.0].rotation * area(&sole.vertices, &middle);
+            let normal = if area.norm() > 0.0 { area.normalize() * area.dot(up).signum() } else { *up };
+            for (i, vertex) in sole.vertices.iter().enumerate() {
+                sum += ws.point(sole.link, vertex);
+                count += 1.0;
+                if sensed.is_none_or(|s| s.soles[id.0].clamped[i]) {
+                    let point = ws.point(sole.link, &vertex.lerp(&middle, margin));
+                    self.footholds.push(Foothold { sole: id, point, normal });
+                }
+            }
+        }
+        self.centre = if count > 0.0 { sum / count } else { ws.position };
+    }
+}
+
+/// Twice the area vector of a polygon; zero for points and lines.
+fn area(vertices: &[Vector3<f64>], middle: &Vector3<f64>) -> Vector3<f64> {
+    let n = vertices.len();
+    (0..n).map(|i| (vertices[i] - middle).cross(&(vertices[(i + 1) % n] - middle))).sum()
+}
+
+/// Unit vector against gravity; the world's z axis without any.
+pub fn upwards(gravity: &Vector3<f64>) -> Vector3<f64> {
+    gravity.try_normalize(0.0).map_or(Vector3::z(), |g| -g)
+}
+
+/// Rotation vector (world, rad) that turns the base of `state` to `wanted`.
+pub fn turn_to(state: &State, wanted: &nalgebra::UnitQuaternion<f64>) -> Vector3<f64> {
+    (wanted * state.rotation.inverse()).scaled_axis()
+}

@@ -1,0 +1,154 @@
+//! Sensors and base estimators against what their errors must come to.
+
+use super::body::{Body, G};
+use super::support::{TIGHT, root, run, watch};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Control ticks of these runs, per second, and the time of the last one before the end of 1 s.
+const RATE: f64 = 1000.0;
+const LAST: f64 = 0.999;
+
+fn resting(body: &Body) -> String {
+    format!("duration = 1.0\n{}", body.robot(""))
+}
+
+#[test]
+fn a_gyroscope_bias_turns_the_estimate_at_a_constant_rate() {
+    let body = Body::new([0.1, 0.1, 0.05], 1.0);
+    let bias = 0.02;
+    let m = run(&format!(
+        "{}control = {{ estimator = \"inertial\", inertial = {{ acceleration = \"soles\" }} }}
+        sensors = {{ gyroscope = {{ bias = {bias} }} }}\n",
+        resting(&body)
+    ));
+    // The same about all three axes: a turn about the diagonal. Rounding of a thousand products.
+    let turned = 3f64.sqrt() * bias * LAST;
+    assert!((m.final_estimate_error_rad.unwrap() - turned).abs() < 1e-12, "{:?}", m.final_estimate_error_rad);
+}
+
+#[test]
+fn an_accelerometer_bias_carries_the_estimate_off_quadratically() {
+    let body = Body::new([0.1, 0.1, 0.05], 1.0);
+    let bias = 0.1;
+    let m = run(&format!(
+        "{}control = {{ estimator = \"inertial\" }}\nsensors = {{ accelerometer = {{ bias = {bias} }} }}\n",
+        resting(&body)
+    ));
+    let gone = 0.5 * 3f64.sqrt() * bias * LAST * LAST;
+    // Contact holds the block to the last bits of a velocity: 1e-12 m/s over 1 s.
+    assert!((m.final_estimate_error_m.unwrap() - gone).abs() < 1e-11, "{:?}", m.final_estimate_error_m);
+    assert!(m.max_estimate_error_rad.unwrap() < 1e-12);
+}
+
+#[test]
+fn an_orientation_bias_tilts_the_base_about_its_sole() {
+    // Half height 0.05 m, so the centroid of the sole lies 0.05 m below the base.
+    let body = Body::new([0.1, 0.1, 0.05], 1.0);
+    let tilt: f64 = 0.03;
+    let m = run(&format!(
+        "{}control = {{ estimator = \"kinematic\" }}\nsensors = {{ orientation = {{ bias = [0.0, {tilt}, 0.0] }} }}\n",
+        resting(&body)
+    ));
+    let chord = 2.0 * 0.05 * (0.5 * tilt).sin();
+    // Rounding.
+    assert!((m.max_estimate_error_m.unwrap() - chord).abs() < 1e-14, "{:?}", m.max_estimate_error_m);
+    assert!((m.max_estimate_error_rad.unwrap() - tilt).abs() < 1e-14, "{:?}", m.max_estimate_error_rad);
+}
+
+#[test]
+fn a_slide_is_seen_by_acceleration_and_not_by_a_loaded_sole() {
+    let body = Body::new([0.1, 0.1, 0.05], 1.0);
+    let (mu, speed) = (0.3, 0.6);
+    let way = speed * speed / (2.0 * mu * G);
+    let text = |estimator: &str| {
+        format!(
+            "duration = 1.0\nfloor = {{ friction = {mu} }}\n{}control = {{ {estimator} }}{TIGHT}",
+            body.robot(&format!("linear_velocity = [{speed}, 0.0, 0.0]"))
+        )
+    };
+    let carried = run(&text("estimator = \"kinematic\"")).final_estimate_error_m.unwrap();
+    // The sole is taken to stand still, so the estimate misses all of the way. Integration at 1e-9.
+    assert!((carried - way).abs() < 1e-9, "{carried} {way}");
+    let imposed = "estimator = \"kinematic\", kinematic = { static_soles = [] }";
+    let fallen = run(&text(imposed)).final_estimate_error_m.unwrap();
+    // With no sole said to stand still it is taken to fly on: along x by speed, down by gravity.
+    let flown = ((speed * LAST - way).powi(2) + (0.5 * G * LAST * LAST).powi(2)).sqrt();
+    assert!((fallen - flown).abs() < 1e-9, "{fallen} {flown}");
+    for source in ["accelerometer", "soles"] {
+        let options = format!("estimator = \"inertial\", inertial = {{ acceleration = \"{source}\" }}");
+        let m = run(&text(&options));
+        // Constant deceleration but in the period T of the stop, where its mean is known and its course is not: T^2 a / 8
+        // at most for the accelerometer; the forces read at both ends of it miss up to T a / 2 of velocity.
+        let a = mu * G;
+        let rest = LAST - speed / a;
+        let bar = if source == "soles" { 0.5 * a / RATE * (rest + 1.0 / RATE) } else { a / (8.0 * RATE * RATE) };
+        assert!(m.max_estimate_error_m.unwrap() < bar + 1e-9, "{source}: {:?} {bar}", m.max_estimate_error_m);
+        assert!(m.max_estimate_error_rad.unwrap() < 1e-9);
+    }
+}
+
+#[test]
+fn integrating_a_tumbling_body_is_of_second_order() {
+    let body = Body::new([0.12, 0.06, 0.03], 2.5);
+    let robot = body.robot(
+        "position = [0.0, 0.0, 9.0], rpy = [0.2, 0.1, 0.0], linear_velocity = [0.3, -0.2, 1.0], angular_velocity = [3.0, 8.0, -2.0]",
+    );
+    let error = |rate: f64| {
+        let control = format!("control = {{ rate = {rate}, estimator = \"inertial\" }}");
+        let m = run(&format!("duration = 1.0\n{robot}{control}{TIGHT}"));
+        (m.final_estimate_error_rad.unwrap(), m.final_estimate_error_m.unwrap())
+    };
+    let ((turn, way), (fine_turn, fine_way)) = (error(250.0), error(500.0));
+    assert!(turn > 1e-6, "{turn}");
+    // Terms of order T^3 change the ratio by some T / (time scale of the motion), 1/30; the last ticks differ by 2 ms.
+    assert!((turn / fine_turn - 4.0).abs() < 0.3, "{turn} {fine_turn}");
+    // In flight the specific force is zero whatever the orientation: the parabola is met to rounding.
+    assert!(way < 1e-11 && fine_way < 1e-11, "{way} {fine_way}");
+}
+
+#[test]
+fn a_walk_of_the_joints_over_static_soles_is_followed_to_rounding() {
+    let text = std::fs::read_to_string(root().join("scenarios/knee-bend.toml")).expect("it is there");
+    let text = text.replace("../robots", "robots").replace("duration = 6.0", "duration = 2.5");
+    let text = text[..text.find("[[expect]]").unwrap()].to_owned();
+    let m = run(&format!("{text}\n[control]\nestimator = \"kinematic\"\n"));
+    // Static soles are held where they are but for drift that is projected out, 1e-10 m, and the floor moves with none.
+    assert!(m.max_estimate_error_m.unwrap() < 1e-9, "{:?}", m.max_estimate_error_m);
+    // The quaternion times its own inverse.
+    assert!(m.max_estimate_error_rad.unwrap() < 1e-15);
+}
+
+#[test]
+fn noise_comes_from_the_seed_alone_and_bias_delay_and_resolution_are_as_asked() {
+    let body = Body::new([0.1, 0.1, 0.05], 1.0);
+    let text = |seed: u32| {
+        format!(
+            "seed = {seed}\nduration = 0.4\nlog = {{ rate = 1000.0 }}\n{}
+            sensors = {{ gyroscope = {{ noise = 0.01 }}, accelerometer = {{ bias = 0.3, resolution = 0.5 }},
+            sole_force = {{ bias = 2.0 }}, orientation = {{ delay = 0.1 }} }}\n",
+            body.robot("position = [0.0, 0.0, 9.0], angular_velocity = [0.0, 0.0, 2.0]")
+        )
+    };
+    let readings = |seed: u32| -> Vec<_> {
+        watch(&text(seed)).1.snapshots.into_iter().map(|s| s.estimate.expect("sensors have errors")).collect()
+    };
+    let (one, again, other) = (readings(1), readings(1), readings(2));
+    assert_eq!(one, again);
+    let noise = |r: &[stiction::sim::EstimateSnapshot]| -> Vec<Vector3<f64>> {
+        r.iter().map(|e| e.angular_velocity - Vector3::new(0.0, 0.0, 2.0)).collect()
+    };
+    assert_ne!(noise(&one), noise(&other));
+    // 400 readings of three channels: five standard deviations of the mean square.
+    let square = noise(&one).iter().map(Vector3::norm_squared).sum::<f64>() / (3 * one.len()) as f64;
+    assert!((square / 1e-4 - 1.0).abs() < 5.0 * (2.0 / (3.0 * one.len() as f64)).sqrt(), "{square}");
+    assert_eq!(one[0].specific_force, Vector3::new(0.5, 0.5, 10.0), "the first reading is one at rest");
+    for e in &one[1..] {
+        // Free fall reads zero; 0.3 is nearer to 0.5 than to 0.
+        assert_eq!(e.specific_force, Vector3::repeat(0.5));
+        // No floor, but the bias.
+        assert_eq!(e.soles, [(Vector3::repeat(2.0), Vector3::zeros())]);
+        let then = UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 0.0, 2.0 * (e.time - 0.1).max(0.0)));
+        // Rounding, square root of it in an angle.
+        assert!(e.orientation.angle_to(&then) < 1e-7, "{} {:?}", e.time, e.orientation);
+    }
+}
