@@ -7,6 +7,7 @@ pub mod batch;
 pub mod contact;
 pub mod dynamics;
 pub mod force;
+pub mod geometry;
 pub mod integrate;
 pub mod record;
 pub mod robot;

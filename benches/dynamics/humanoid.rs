@@ -12,6 +12,7 @@ pub fn humanoid([leg, arm, torso]: [usize; 3]) -> Model {
         links: vec![],
         joints: vec![],
         soles: vec![],
+        end_effectors: vec![],
         home: vec![],
     };
     model.links.push(link(None, 0, 10.0));

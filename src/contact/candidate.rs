@@ -388,7 +388,7 @@ pub fn edge_load(sole: &SoleProblem, i: usize, j: usize, w: &[f64]) -> ([f64; 2]
 }
 
 /// Tangential forces proportional to the normal ones times a common translation and rotation field that carry (t, yaw).
-fn share_tangent(sole: &SoleProblem, t: Vector2<f64>, yaw: f64, normal: &[f64], out: &mut [Vector2<f64>]) {
+pub fn share_tangent(sole: &SoleProblem, t: Vector2<f64>, yaw: f64, normal: &[f64], out: &mut [Vector2<f64>]) {
     let sum: f64 = normal.iter().sum();
     if sum <= 0.0 {
         return;

@@ -1,12 +1,12 @@
 //! What the robot file says, put into the model the URDF gave.
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use toml::Spanned;
 
 use super::adjust::{DriveSettings, SoleSpec, link_names, make_sole, set_drive};
 use super::error::RobotError;
 use super::file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
-use super::model::{DriveMode, JointKind, Model};
+use super::model::{DriveMode, EndEffector, JointKind, LinkId, Model};
 use super::notice::Notices;
 use super::posture::link_poses;
 use super::source::Source;
@@ -24,7 +24,40 @@ pub(super) fn apply(
     if let Some(soles) = &file.sole {
         given_soles(soles, source, model, notices)?;
     }
+    end_effectors(file, source, model)?;
     not_used_yet(file, source, model, notices)
+}
+
+fn end_effectors(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
+    for entry in &file.end_effector {
+        let frame = entry.get_ref();
+        let element = format!("end effector `{}`", frame.name);
+        if model.end_effector(&frame.name).is_some() {
+            let fault = source.fault(entry.span(), format!("there are two end effectors named `{}`", frame.name));
+            return Err(fault.element(element).wanted("a name of its own").invalid());
+        }
+        let (link, pose) = frame_pose(frame, &element, source, model)?;
+        model.end_effectors.push(EndEffector { name: frame.name.clone(), link, pose });
+    }
+    Ok(())
+}
+
+/// The carrying link and the frame's pose in its internal frame.
+fn frame_pose(
+    frame: &Frame,
+    element: &str,
+    source: &Source,
+    model: &Model,
+) -> Result<(LinkId, Isometry3<f64>), RobotError> {
+    let (link, urdf_frame) = known_link(&frame.link, element, source, model)?;
+    let position = frame.position.as_ref().map_or([0.0; 3], |p| *p.get_ref());
+    if let Some(span) = frame.position.as_ref().filter(|_| !position.iter().all(|x| x.is_finite())).map(Spanned::span) {
+        let fault = source.fault(span, format!("position of {element} is not finite"));
+        return Err(fault.element(element).wanted("three finite numbers").invalid());
+    }
+    let [roll, pitch, yaw] = frame.rpy.map_or([0.0; 3], |rpy| rpy.map(|angle| angle.value));
+    let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    Ok((link, urdf_frame * Isometry3::from_parts(Vector3::from(position).into(), turn)))
 }
 
 fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
@@ -191,19 +224,8 @@ fn given_soles(
 
 /// Parts of the file that are checked but that nothing reads yet.
 fn not_used_yet(file: &RobotFile, source: &Source, model: &Model, notices: &mut Notices) -> Result<(), RobotError> {
-    let frame = |frame: &Frame, kind: &str| {
-        let element = format!("{kind} `{}`", frame.name);
-        known_link(&frame.link, &element, source, model)?;
-        if let Some(position) = frame.position.as_ref().filter(|p| !p.get_ref().iter().all(|x| x.is_finite())) {
-            let fault = source.fault(position.span(), format!("position of {element} is not finite"));
-            return Err(fault.element(element).wanted("three finite numbers").invalid());
-        }
-        Ok(())
-    };
-    for effector in &file.end_effector {
-        frame(effector.get_ref(), "end effector")?;
-        notices.info(source, effector.span().start, "[[end_effector]] is checked but not used yet");
-    }
+    let frame =
+        |frame: &Frame, kind: &str| frame_pose(frame, &format!("{kind} `{}`", frame.name), source, model).map(|_| ());
     if let Some(sensors) = &file.sensors {
         sensors.get_ref().imu.iter().try_for_each(|f| frame(f, "imu"))?;
         sensors.get_ref().force.iter().try_for_each(|f| frame(f, "force sensor"))?;
@@ -227,9 +249,15 @@ fn joint_index(name: &Spanned<String>, source: &Source, model: &Model) -> Result
     })
 }
 
-fn known_link(name: &Spanned<String>, element: &str, source: &Source, model: &Model) -> Result<(), RobotError> {
-    if model.link(name.get_ref()).is_some() {
-        return Ok(());
+/// The link of that name with the pose of its URDF frame in its internal frame.
+fn known_link(
+    name: &Spanned<String>,
+    element: &str,
+    source: &Source,
+    model: &Model,
+) -> Result<(LinkId, Isometry3<f64>), RobotError> {
+    if let Some(found) = model.link(name.get_ref()) {
+        return Ok(found);
     }
     let fault =
         source.fault(name.span(), format!("{element} names an unknown link")).seen(format!("`{}`", name.get_ref()));

@@ -144,8 +144,7 @@ pub struct Frame {
     #[schemars(with = "Option<[f64; 3]>")]
     pub position: Option<Spanned<[f64; 3]>>,
     /// Roll, pitch, yaw in the link's URDF frame.
-    #[serde(rename = "rpy")]
-    pub _rpy: Option<[Angle; 3]>,
+    pub rpy: Option<[Angle; 3]>,
 }
 
 /// Sensors of the robot.

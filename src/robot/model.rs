@@ -182,6 +182,17 @@ pub struct Sole {
     pub vertices: Vec<Vector3<f64>>,
 }
 
+/// A frame of interest fixed to a link.
+#[derive(Clone, PartialEq, Debug)]
+pub struct EndEffector {
+    /// Name, unique among the robot's end effectors.
+    pub name: String,
+    /// Carrying link.
+    pub link: LinkId,
+    /// Pose in the carrying link's **internal** frame.
+    pub pose: Isometry3<f64>,
+}
+
 /// A robot: immutable after loading and shared by all threads.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Model {
@@ -195,6 +206,8 @@ pub struct Model {
     pub joints: Vec<Joint>,
     /// Soles, in file order.
     pub soles: Vec<Sole>,
+    /// End effectors, in file order.
+    pub end_effectors: Vec<EndEffector>,
     /// Home posture, one number per joint.
     pub home: Vec<f64>,
 }
@@ -232,6 +245,11 @@ impl Model {
     /// The joint of that name.
     pub fn joint(&self, name: &str) -> Option<JointId> {
         self.joints.iter().position(|j| j.name == name).map(JointId)
+    }
+
+    /// Index of the end effector of that name.
+    pub fn end_effector(&self, name: &str) -> Option<usize> {
+        self.end_effectors.iter().position(|e| e.name == name)
     }
 
     /// The link of that name, welded ones included, with the pose of its URDF frame in the carrying link's internal frame.

@@ -5,6 +5,8 @@ use super::plant::Plant;
 use super::report::{EstimateSnapshot, Snapshot, SoleSnapshot};
 use crate::contact::residual;
 use crate::dynamics::body;
+use crate::geometry::stable_point::Edge;
+use crate::geometry::{convex_hull, stable_point};
 use crate::robot::Model;
 use crate::task::Sensed;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -70,8 +72,8 @@ pub(super) fn fill_estimate(estimator: &Estimator, readings: &Sensed, out: &mut 
     out.static_soles.extend_from_slice(estimator.static_soles());
 }
 
-/// Fills a snapshot from the plant's last evaluation.
-pub fn fill(plant: &mut Plant, out: &mut Snapshot) {
+/// Fills a snapshot from the plant's last evaluation. `edges` is scratch.
+pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
     plant.share_forces();
     out.residual = residual::evaluate(&plant.problem, &plant.states, &plant.solution);
     let (state, model) = (&plant.state, &plant.model);
@@ -120,57 +122,8 @@ pub fn fill(plant: &mut Plant, out: &mut Snapshot) {
         }
     }
     out.centre_of_pressure = (load > 1e-9 * plant.problem.scale).then(|| moment / load);
-    hull(&mut out.support_polygon, |p| {
-        let local = plant.floor.to_floor(p);
-        (local.x, local.y)
-    });
-}
-
-/// Convex hull of points seen from above, in counter-clockwise order, in place (Andrew's monotone chain).
-fn hull(points: &mut Vec<Vector3<f64>>, flat: impl Fn(&Vector3<f64>) -> (f64, f64)) {
-    if points.len() < 3 {
-        return;
-    }
-    points.sort_by(|a, b| {
-        let ((ax, ay), (bx, by)) = (flat(a), flat(b));
-        ax.total_cmp(&bx).then(ay.total_cmp(&by))
-    });
-    let turn = |o: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>| {
-        let ((ox, oy), (ax, ay), (bx, by)) = (flat(o), flat(a), flat(b));
-        (ax - ox) * (by - oy) - (ay - oy) * (bx - ox)
-    };
-    let n = points.len();
-    // The chain is built behind the points and moved to the front.
-    for pass in 0..2 {
-        let begin = points.len();
-        for k in 0..n {
-            let next = points[if pass == 0 { k } else { n - 1 - k }];
-            while points.len() >= begin + 2
-                && turn(&points[points.len() - 2], &points[points.len() - 1], &next) <= 1e-12
-            {
-                points.pop();
-            }
-            points.push(next);
-        }
-        points.pop();
-    }
-    points.drain(..n);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_hull_of_two_feet() {
-        let foot = |y: f64| [(0.0, y), (0.1, y), (0.1, y + 0.05), (0.0, y + 0.05)];
-        let mut points: Vec<_> =
-            foot(-0.1).into_iter().chain(foot(0.1)).map(|(x, y)| Vector3::new(x, y, 0.0)).collect();
-        points.push(Vector3::new(0.05, 0.0, 0.0));
-        hull(&mut points, |p| (p.x, p.y));
-        let mut corners: Vec<_> =
-            points.iter().map(|p| ((p.x * 100.0).round() as i32, (p.y * 100.0).round() as i32)).collect();
-        corners.sort();
-        assert_eq!(corners, [(0, -10), (0, 15), (10, -10), (10, 15)]);
-    }
+    let plane = plant.floor.plane();
+    convex_hull(&mut out.support_polygon, &plane);
+    let corners = out.support_polygon.iter().map(|p| plane.flat(p));
+    out.stable_point = stable_point(corners, edges).map(|found| plane.world(&found.point));
 }

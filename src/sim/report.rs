@@ -38,6 +38,8 @@ pub struct Snapshot {
     pub centre_of_pressure: Option<Vector3<f64>>,
     /// Convex hull of the touching vertices, in order; may be empty.
     pub support_polygon: Vec<Vector3<f64>>,
+    /// Point of optimal stability of that hull on the floor plane, see [`crate::geometry::stable_point`]; none in flight.
+    pub stable_point: Option<Vector3<f64>>,
     /// One per sole, in the model's order.
     pub soles: Vec<SoleSnapshot>,
     /// External forces now acting: point, force.

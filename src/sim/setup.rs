@@ -7,6 +7,7 @@ use crate::contact::method::Parameters;
 use crate::contact::problem::Tolerances;
 use crate::contact::state::SoleState;
 use crate::force::Force;
+use crate::geometry::Plane;
 use crate::integrate::Tableau;
 use crate::robot::Model;
 use crate::task::TaskServer;
@@ -29,6 +30,11 @@ pub struct Floor {
 }
 
 impl Floor {
+    /// The plane alone.
+    pub fn plane(&self) -> Plane {
+        Plane { rotation: self.rotation, point: self.point }
+    }
+
     /// World vector in floor axes.
     pub fn to_floor(&self, v: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(v)

@@ -18,9 +18,10 @@ use crate::contact::judge::TOUCHING;
 use crate::contact::method::{self, Manner};
 use crate::contact::problem::{Problem, Tolerances};
 use crate::contact::state::MAX_SOLES;
+use crate::geometry::stable_point::Edge;
 use crate::integrate::StepControl;
-use crate::task::TaskServer;
 use crate::task::server::Situation;
+use crate::task::{Needs, TaskServer};
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -73,6 +74,8 @@ pub struct Simulation {
     pub(super) frozen: Option<Box<Frozen>>,
     pub(super) displacement: Vec<f64>,
     pub(super) snapshot: Snapshot,
+    /// Scratch of the snapshot's point of optimal stability.
+    edges: Vec<Edge>,
     /// None when nobody wants samples.
     pub(super) sampler: Option<Box<Sampler>>,
     /// Has the first choice of states been made?
@@ -168,6 +171,7 @@ impl Simulation {
             frozen: None,
             displacement: vec![0.0; model.nv()],
             snapshot,
+            edges: Vec::new(),
             sampler: None,
             started: false,
             corners,
@@ -286,7 +290,8 @@ impl Simulation {
     }
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        self.sensors.read(&mut self.plant);
+        let loads = self.tasks.needs(self.plant.state.time).contains(Needs::LOADS) || self.estimator.estimates();
+        self.sensors.read(&mut self.plant, loads);
         self.estimator.update(&self.plant.model, &self.plant.state, &self.sensors.readings);
         self.take_estimate();
         let plant = &self.plant;
@@ -294,6 +299,7 @@ impl Simulation {
         let situation = Situation {
             model: &plant.model,
             gravity: plant.gravity,
+            floor: plant.floor.plane(),
             state: &self.estimator.state,
             sensed: &self.sensors.readings,
         };
@@ -384,7 +390,7 @@ impl Simulation {
             // A fixed step that ends the run, or spans several instants of the log, is one instant.
             return Ok(());
         }
-        super::observe::fill(&mut self.plant, &mut self.snapshot);
+        super::observe::fill(&mut self.plant, &mut self.edges, &mut self.snapshot);
         self.snapshot.energy = self.balance();
         observer.snapshot(&self.snapshot).map_err(|m| Stop::new(Outcome::Error, m))
     }

@@ -26,8 +26,9 @@ pub use sensed::Sensed;
 pub use server::TaskServer;
 
 use crate::dynamics::State;
+use crate::geometry::Plane;
 use crate::robot::Model;
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Translation3, Vector3};
 
 /// What a task sees of the robot when it runs.
 pub struct Context<'a> {
@@ -37,6 +38,8 @@ pub struct Context<'a> {
     pub model: &'a Model,
     /// Free fall in world axes, m/s^2.
     pub gravity: Vector3<f64>,
+    /// The floor.
+    pub floor: Plane,
     /// Base and joints as the estimator and the sensors have them.
     pub state: &'a State,
     /// What the sensors say.
@@ -46,6 +49,11 @@ pub struct Context<'a> {
 }
 
 impl Context<'_> {
+    /// Pose of the root link's frame in the world.
+    pub fn base(&self) -> Isometry3<f64> {
+        Isometry3::from_parts(Translation3::from(self.state.position), self.state.rotation)
+    }
+
     /// Joint positions, rad or m.
     pub fn q(&self) -> &[f64] {
         &self.state.joints

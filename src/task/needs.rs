@@ -2,7 +2,7 @@
 
 use std::ops::{BitOr, BitOrAssign};
 
-/// A set of parts.
+/// A set of parts. A part brings those it is computed from with it.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Needs(u32);
 
@@ -15,6 +15,34 @@ impl Needs {
     pub const COM: Needs = Needs(1 << 1);
     /// Jacobian of the centre of mass in world axes.
     pub const COM_JACOBIAN: Needs = Needs(1 << 2);
+    /// Jacobian of the centre of mass relative to the base, in base axes.
+    pub const COM_JACOBIAN_BASE: Needs = Needs(1 << 3 | 1 << 2);
+    /// Mass matrix.
+    pub const MASS: Needs = Needs(1 << 4);
+    /// Bias: Coriolis, centrifugal and gravity terms.
+    pub const BIAS: Needs = Needs(1 << 5);
+    /// Efforts that hold against gravity.
+    pub const GRAVITY: Needs = Needs(1 << 6 | 1 << 2);
+    /// Where the soles and their vertices are.
+    pub const SOLES: Needs = Needs(1 << 7);
+    /// Jacobians of the soles' frames.
+    pub const SOLE_JACOBIANS: Needs = Needs(1 << 8 | 1 << 7);
+    /// Jacobians of the soles' vertices.
+    pub const VERTEX_JACOBIANS: Needs = Needs(1 << 9 | 1 << 7);
+    /// Poses, twists and Jacobians of the end effectors.
+    pub const END_EFFECTORS: Needs = Needs(1 << 10);
+    /// What the floor does to each sole, in [`super::Sensed::soles`].
+    pub const LOADS: Needs = Needs(1 << 11);
+    /// Forces of the floor on the vertices, and which of them are in contact.
+    pub const CONTACTS: Needs = Needs(1 << 12 | 1 << 11 | 1 << 7);
+    /// Zero-moment point.
+    pub const ZMP: Needs = Needs(1 << 13 | 1 << 11 | 1 << 7);
+    /// Support polygon.
+    pub const SUPPORT: Needs = Needs(1 << 14 | 1 << 12 | 1 << 11 | 1 << 7);
+    /// Point of optimal stability.
+    pub const STABLE_POINT: Needs = Needs(1 << 15 | 1 << 14 | 1 << 12 | 1 << 11 | 1 << 7);
+    /// Everything.
+    pub const ALL: Needs = Needs((1 << 16) - 1);
 
     /// Are all of `parts` among these?
     pub fn contains(self, parts: Needs) -> bool {

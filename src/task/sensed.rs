@@ -18,7 +18,8 @@ pub struct Sensed {
     pub angular_velocity: Vector3<f64>,
     /// Specific force at the base's origin in its own axes, m/s^2: acceleration less free fall, at rest 9.81 upwards.
     pub specific_force: Vector3<f64>,
-    /// What the floor does to each sole, in the model's order.
+    /// What the floor does to each sole, in the model's order; brought up to date only in ticks at which a task needs
+    /// [`super::Needs::LOADS`]. Zero at the first tick, when no forces are known yet.
     pub soles: Vec<SoleLoad>,
 }
 
@@ -29,6 +30,8 @@ pub struct SoleLoad {
     pub force: Vector3<f64>,
     /// Moment about the centroid of the sole's vertices, world axes, N m.
     pub moment: Vector3<f64>,
+    /// Are `vertices` and `clamped` known? A force sensor knows the force and moment alone.
+    pub resolved: bool,
     /// Force on each vertex, world axes, N.
     pub vertices: Vec<Vector3<f64>>,
     /// For each vertex: is it held or sliding on the floor?

@@ -2,6 +2,7 @@
 
 use super::{Augmented, Command, Context, Needs, Sensed, Status, Task};
 use crate::dynamics::State;
+use crate::geometry::Plane;
 use crate::robot::Model;
 use nalgebra::Vector3;
 
@@ -32,6 +33,8 @@ pub struct Situation<'a> {
     pub model: &'a Model,
     /// Free fall in world axes, m/s^2.
     pub gravity: Vector3<f64>,
+    /// The floor.
+    pub floor: Plane,
     /// Base and joints as the estimator and the sensors have them; its time is the tick's.
     pub state: &'a State,
     /// What the sensors say.
@@ -66,11 +69,6 @@ impl TaskServer {
         self.slots.push(Slot { start, task, begun: false, ended: false, changed: 0 });
     }
 
-    /// Time between two ticks, s.
-    pub fn period(&self) -> f64 {
-        self.period
-    }
-
     /// Time of the next tick that can change anything; none when all tasks have ended.
     pub fn next_tick(&self) -> Option<f64> {
         if self.always {
@@ -83,6 +81,13 @@ impl TaskServer {
         self.slots.iter().filter(|s| !s.ended).map(due).min_by(f64::total_cmp)
     }
 
+    /// What the tasks that a tick at `time` would call read.
+    pub fn needs(&self, time: f64) -> Needs {
+        let soon = time + 1e-9 * self.period;
+        let active = self.slots.iter().filter(|s| !s.ended && s.start <= soon);
+        active.fold(Needs::NONE, |needs, s| needs | s.task.needs())
+    }
+
     /// Runs every task whose time has come; `report(what, name)` hears of each that begins, changes or ends.
     ///
     /// # Errors
@@ -92,12 +97,13 @@ impl TaskServer {
         self.tick = (time / self.period).round() as u64 + 1;
         let soon = time + 1e-9 * self.period;
         let active = |s: &Slot| !s.ended && s.start <= soon;
-        let needs = self.slots.iter().filter(|s| active(s)).fold(Needs::NONE, |n, s| n | s.task.needs());
-        self.augmented.update(now.model, now.state, now.sensed, needs);
+        let needs = self.needs(time);
+        self.augmented.update(now.model, now.state, now.sensed, &now.gravity, &now.floor, needs);
         let context = Context {
             time,
             model: now.model,
             gravity: now.gravity,
+            floor: now.floor,
             state: now.state,
             sensed: now.sensed,
             data: &self.augmented,

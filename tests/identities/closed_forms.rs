@@ -13,6 +13,7 @@ fn fixed(name: &str) -> Model {
         links: vec![link("root", None, (0.0, Vector3::zeros(), Matrix3::zeros()))],
         joints: vec![],
         soles: vec![],
+        end_effectors: vec![],
         home: vec![],
     }
 }

@@ -99,6 +99,7 @@ pub fn tree(seed: u64, joints: usize, base: Base) -> Model {
         links: vec![link("root", None, r.body())],
         joints: vec![],
         soles: vec![],
+        end_effectors: vec![],
         home: vec![0.0; joints],
     };
     for i in 0..joints {

@@ -107,6 +107,7 @@ impl Oracle {
             links: vec![],
             joints: vec![],
             soles: vec![],
+            end_effectors: vec![],
             home: vec![0.0; bodies.len() - 1],
         };
         // Oracle's link frame from our internal frame.

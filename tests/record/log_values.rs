@@ -66,6 +66,7 @@ fn state_holds_the_snapshot_to_the_last_bit() {
             com: Some(own(&s.com)),
             com_velocity: Some(own(&s.com_velocity)),
             cop: s.centre_of_pressure.as_ref().map(own),
+            stable_point: s.stable_point.as_ref().map(own),
             support_polygon: own_all(&s.support_polygon),
             external: s
                 .external
@@ -283,7 +284,8 @@ fn marks_show_forces_clamped_vertices_and_balance() {
         }
         assert_eq!(entity(scene, "external").arrows.len(), s.external.len());
         let balance = entity(scene, "balance");
-        assert_eq!(balance.spheres.len(), 1 + usize::from(s.centre_of_pressure.is_some()));
+        let points = [s.centre_of_pressure, s.stable_point];
+        assert_eq!(balance.spheres.len(), 1 + points.iter().flatten().count());
         let polygon = balance.lines.first().map_or(0, |l| l.points.len());
         assert_eq!(polygon, s.support_polygon.len());
     }

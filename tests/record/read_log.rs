@@ -43,6 +43,7 @@ fn the_motion_is_read_to_the_last_bit() {
     assert_eq!(motion.base_orientation, snapshots().map(|s| s.base_pose.rotation).collect::<Vec<_>>());
     same_vectors(&motion.com, |s| s.com);
     same_vectors(&motion.com_velocity, |s| s.com_velocity);
+    assert_eq!(motion.stable_point, snapshots().map(|s| s.stable_point).collect::<Vec<_>>());
     assert_eq!(motion.cop, snapshots().map(|s| s.centre_of_pressure).collect::<Vec<_>>());
     assert_eq!(motion.support_polygon, snapshots().map(|s| s.support_polygon).collect::<Vec<_>>());
     assert_eq!(motion.external, snapshots().map(|s| s.external).collect::<Vec<_>>());

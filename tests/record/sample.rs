@@ -117,6 +117,7 @@ pub fn model() -> Model {
             },
             Sole { name: "toe".into(), link: LinkId(2), vertices: vec![Vector3::new(0.0, 0.0, -0.03)] },
         ],
+        end_effectors: vec![],
         home: vec![0.0, 0.0],
     }
 }
@@ -169,6 +170,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
         com: vector(tick, 200),
         com_velocity: vector(tick, 203),
         centre_of_pressure: (state != "free").then(|| vector(tick, 206)),
+        stable_point: (state != "free").then(|| vector(tick, 209)),
         support_polygon: if state == "free" { Vec::new() } else { (0..5).map(|i| vector(tick, 300 + i)).collect() },
         soles: model
             .soles

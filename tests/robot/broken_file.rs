@@ -1,6 +1,7 @@
 //! Robot files with one thing wrong each.
 
 use super::{BODY, assert_fault, load_toml};
+use nalgebra::{Rotation3, Vector3};
 
 fn urdf() -> String {
     format!(
@@ -121,10 +122,31 @@ fn joint_default_fills_what_a_joint_leaves_out() {
 }
 
 #[test]
+fn end_effectors_are_frames_of_their_links() {
+    let two = "[[end_effector]]\nname = \"tip\"\nlink = \"foot\"\nposition = [0.1, 0.2, 0.3]\nrpy = [\"90 deg\", 0, 0.5]\n\
+               [[end_effector]]\nname = \"root\"\nlink = \"base\"\n";
+    let robot = load_toml(&format!("{GOOD}{two}"), &urdf()).unwrap();
+    let model = &robot.model;
+    let [tip, root] = &model.end_effectors[..] else { panic!("{:?}", model.end_effectors) };
+    assert_eq!((tip.name.as_str(), root.name.as_str(), model.end_effector("root")), ("tip", "root", Some(1)));
+    let (link, frame) = model.link("foot").unwrap();
+    assert_eq!(tip.link, link);
+    // In the link's own frame: where it was said to be, x y z turned about fixed axes.
+    let own = frame.inverse() * tip.pose;
+    assert!((own.translation.vector - Vector3::new(0.1, 0.2, 0.3)).norm() < 1e-15);
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.5)
+        * Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
+    assert!((own.rotation.to_rotation_matrix().matrix() - turn.matrix()).norm() < 1e-15);
+    let twice = format!("{GOOD}{two}[[end_effector]]\nname = \"tip\"\nlink = \"base\"\n");
+    let error = load_toml(&twice, &urdf()).unwrap_err().to_string();
+    assert!(error.contains("two end effectors named `tip`"), "{error}");
+}
+
+#[test]
 fn parts_not_used_yet_are_told() {
     let more = "[[end_effector]]\nname = \"tip\"\nlink = \"foot\"\n[sensors]\nimu = [{ name = \"i\", link = \"base\" }]\n[self_collision]\nbodies = [\"foot\"]\n";
     let robot = load_toml(&format!("{GOOD}{more}"), &urdf()).unwrap();
-    for part in ["[[end_effector]]", "[sensors]", "[self_collision]"] {
+    for part in ["[sensors]", "[self_collision]"] {
         let notice =
             robot.notices.iter().find(|n| n.message.contains(part)).unwrap_or_else(|| panic!("{part} is silent"));
         assert!(notice.message.contains("not used yet") && notice.line > 14, "{notice}");

@@ -74,6 +74,16 @@ impl<'a> Columns<'a> {
         }
     }
 
+    /// Three columns of a point that is not always there: between two ticks only if it is at both, else as before.
+    fn point(&mut self, prefix: &str, series: &'a [Option<Vector3<f64>>]) {
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            self.real(format!("{prefix}{axis}_m"), move |s| {
+                let before = series[s.before]?[k];
+                Some(series[s.after].map_or(before, |after| s.between(before, after[k])))
+            });
+        }
+    }
+
     fn motion(&mut self, m: &'a Motion) {
         self.vector("base_", "m", &m.base_position);
         let orientation = |s: Sample| s.turned(&m.base_orientation[s.before], &m.base_orientation[s.after]);
@@ -89,13 +99,8 @@ impl<'a> Columns<'a> {
         self.vector("base_w", "rad_s", &m.base_angular_velocity);
         self.vector("com_", "m", &m.com);
         self.vector("com_v", "m_s", &m.com_velocity);
-        for (k, name) in ["cop_x_m", "cop_y_m", "cop_z_m"].into_iter().enumerate() {
-            self.real(name, move |s| {
-                let before = m.cop[s.before]?[k];
-                // Up to a lift-off it stays where it was.
-                Some(m.cop[s.after].map_or(before, |after| s.between(before, after[k])))
-            });
-        }
+        self.point("cop_", &m.cop);
+        self.point("stable_point_", &m.stable_point);
     }
 
     fn joint(&mut self, j: &'a JointSeries) {

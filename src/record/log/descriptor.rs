@@ -51,6 +51,7 @@ fn messages() -> Vec<DescriptorProto> {
                 one(13, "cop", VECTOR3),
                 many(14, "support_polygon", VECTOR3),
                 many(15, "external", Of::Message("Force")),
+                one(16, "stable_point", VECTOR3),
             ],
         ),
         message(

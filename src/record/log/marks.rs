@@ -1,5 +1,5 @@
-//! `/scene/contact`: force arrows, clamped vertices, centre of mass, centre of pressure and support polygon, drawn anew
-//! at every tick.
+//! `/scene/contact`: force arrows, clamped vertices, centre of mass, centre of pressure, support polygon and point of
+//! optimal stability, drawn anew at every tick.
 
 use super::Topic;
 use super::convert::{colour, point, pose, pose_at, timestamp};
@@ -20,6 +20,7 @@ const FREE: [f32; 4] = [0.5, 0.5, 0.5, 1.0];
 const EXTERNAL: [f32; 4] = [0.85, 0.1, 0.15, 1.0];
 const MASS: [f32; 4] = [0.95, 0.8, 0.1, 1.0];
 const PRESSURE: [f32; 4] = [0.7, 0.1, 0.7, 1.0];
+const STABLE: [f32; 4] = [0.1, 0.75, 0.85, 1.0];
 const SUPPORT: [f32; 4] = [0.1, 0.35, 0.85, 1.0];
 
 /// Length of an arrow that stands for the robot's weight, m.
@@ -103,6 +104,9 @@ fn draw_balance(s: &Snapshot, size: f64, to: &mut SceneEntity) {
     to.spheres.push(ball(&s.com, 2.0 * size, MASS));
     if let Some(cop) = &s.centre_of_pressure {
         to.spheres.push(ball(cop, 1.5 * size, PRESSURE));
+    }
+    if let Some(stable) = &s.stable_point {
+        to.spheres.push(ball(stable, 1.5 * size, STABLE));
     }
     // An entity replaces its predecessor whole, so an empty list takes the old polygon away.
     if s.support_polygon.len() < 2 {

@@ -92,6 +92,10 @@ pub struct State {
     /// External forces now acting.
     #[prost(message, repeated, tag = "15")]
     pub external: Vec<Force>,
+    /// Point of optimal stability: middle of the centres of the largest discs in the support polygon, on the floor
+    /// plane, m; absent in flight.
+    #[prost(message, optional, tag = "16")]
+    pub stable_point: Option<Vector3>,
 }
 
 /// One sole at one tick. Arrays have one entry per vertex.

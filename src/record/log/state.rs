@@ -50,6 +50,7 @@ impl Topic for StateTopic {
         m.com = Some(own(&s.com));
         m.com_velocity = Some(own(&s.com_velocity));
         m.cop = s.centre_of_pressure.as_ref().map(own);
+        m.stable_point = s.stable_point.as_ref().map(own);
         own_all(&s.support_polygon, &mut m.support_polygon);
         m.external.clear();
         m.external.extend(s.external.iter().map(|(p, f)| Force { point: Some(own(p)), force: Some(own(f)) }));

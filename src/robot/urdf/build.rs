@@ -68,7 +68,7 @@ pub(super) fn build(tree: &Tree, xml: &Xml, root: Root, notices: &mut Notices) -
     judge(xml, &links, root.base, flawed, notices)?;
     let home = vec![0.0; joints.len()];
     let name = tree.robot.name.clone();
-    let model = Model { name, base: root.base, links, joints, soles: Vec::new(), home };
+    let model = Model { name, base: root.base, links, joints, soles: Vec::new(), end_effectors: Vec::new(), home };
     Ok(Loaded { model, meshes: shapes.files })
 }
 

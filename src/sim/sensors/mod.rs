@@ -79,9 +79,10 @@ impl Sensors {
         Sensors { faulty, readings, last: None }
     }
 
-    /// Reads all sensors at the plant's present state, `time` ahead of every earlier call.
-    pub fn read(&mut self, plant: &mut Plant) {
-        truth::read(plant, &mut self.readings);
+    /// Reads all sensors at the plant's present state, `time` ahead of every earlier call. The loads of the soles are read
+    /// if asked for, and whenever sensors err: these are logged.
+    pub fn read(&mut self, plant: &mut Plant, loads: bool) {
+        truth::read(plant, loads || self.faulty.is_some(), &mut self.readings);
         self.accelerate(plant);
         if let Some(faulty) = &mut self.faulty {
             faulty.spoil(plant, &mut self.readings);
@@ -138,6 +139,7 @@ impl Faulty {
         }
         for (s, sole) in out.soles.iter_mut().enumerate() {
             wrench::share(&plant.problem.soles[s], &plant.floor.rotation, sole);
+            sole.resolved = false;
         }
     }
 }

@@ -4,9 +4,9 @@ use crate::sim::plant::Plant;
 use crate::task::Sensed;
 use nalgebra::Vector3;
 
-/// Readings without any error: the plant's state and what its last evaluation found.
-pub(super) fn read(plant: &mut Plant, out: &mut Sensed) {
-    plant.share_forces();
+/// Readings without any error: the plant's state and what its last evaluation found; the loads of the soles only if asked
+/// for.
+pub(super) fn read(plant: &mut Plant, loads: bool, out: &mut Sensed) {
     let state = &plant.state;
     let nb = plant.model.nb();
     out.position.copy_from_slice(&state.joints);
@@ -16,11 +16,16 @@ pub(super) fn read(plant: &mut Plant, out: &mut Sensed) {
     if nb == 6 {
         out.angular_velocity = state.rotation.inverse() * Vector3::new(state.v[3], state.v[4], state.v[5]);
     }
+    if !loads {
+        return;
+    }
+    plant.share_forces();
     let floor = &plant.floor.rotation;
     for (s, sole) in out.soles.iter_mut().enumerate() {
         let w = &plant.solution.wrench[6 * s..6 * s + 6];
         sole.force = floor * Vector3::new(w[0], w[1], w[2]);
         sole.moment = floor * Vector3::new(w[3], w[4], w[5]);
+        sole.resolved = true;
         let k = sole.vertices.len();
         for i in 0..k {
             let (n, t) = (plant.solution.normal[s][i], plant.solution.tangent[s][i]);

@@ -62,6 +62,7 @@ mod tests {
         let mut load = SoleLoad {
             force: Vector3::new(3.0, -2.0, 40.0),
             moment: Vector3::new(0.3, -0.5, 0.2),
+            resolved: true,
             vertices: vec![Vector3::new(0.1, 0.2, 9.0); 4],
             clamped: vec![true; 4],
         };
@@ -79,6 +80,7 @@ mod tests {
         let mut load = SoleLoad {
             force: Vector3::new(0.0, 1.0, 5.0),
             moment: Vector3::new(0.1, 0.0, 0.0),
+            resolved: true,
             vertices: vec![Vector3::zeros()],
             clamped: vec![true],
         };

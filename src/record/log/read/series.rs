@@ -73,6 +73,8 @@ pub struct Motion {
     pub com_velocity: Vec<Vector3<f64>>,
     /// Centre of pressure on the floor plane, m; `None` in flight.
     pub cop: Vec<Option<Vector3<f64>>>,
+    /// Point of optimal stability of the support polygon, m; none in flight.
+    pub stable_point: Vec<Option<Vector3<f64>>>,
     /// Convex hull of the touching vertices, m.
     pub support_polygon: Vec<Vec<Vector3<f64>>>,
     /// External forces: points, m, and forces, N.

@@ -177,6 +177,7 @@ fn motion(joints: &[(String, bool)], rows: &[State]) -> Motion {
         com: triples(|s| &s.com),
         com_velocity: triples(|s| &s.com_velocity),
         cop: rows.iter().map(|s| s.cop.as_ref().map(vector)).collect(),
+        stable_point: rows.iter().map(|s| s.stable_point.as_ref().map(vector)).collect(),
         support_polygon: rows.iter().map(|s| s.support_polygon.iter().map(vector).collect()).collect(),
         external: rows.iter().map(|s| s.external.iter().map(arrow).collect()).collect(),
     }

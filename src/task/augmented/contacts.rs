@@ -1,0 +1,65 @@
+//! What the floor does to the soles: forces on the vertices, which of them are in contact, zero-moment point.
+//!
+//! ```text
+//! F = sum f_s,  M = sum m_s + (p_s - o) x f_s     zmp = o + (-M_y, M_x, 0) / F_z     in the floor's axes, o on the floor
+//! ```
+//!
+//! with f_s and m_s the force and moment on sole s about its reference point p_s.
+
+use super::Augmented;
+use crate::dynamics::body;
+use crate::geometry::Plane;
+use crate::task::Sensed;
+use nalgebra::{Vector2, Vector3};
+
+/// A vertex that bears less than this many newtons bears nothing: rounding of a solve.
+pub(super) const NOTHING: f64 = 1e-9;
+/// A sole whose sensor reads less than this part of the robot's weight is taken to be in the air.
+const LIGHT: f64 = 0.02;
+
+/// A vertex on the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// Index of the sole.
+    pub sole: usize,
+    /// Index of the vertex in it.
+    pub vertex: usize,
+    /// Position, world, m.
+    pub position: Vector3<f64>,
+    /// Force of the floor on it, world axes, N.
+    pub force: Vector3<f64>,
+}
+
+impl Augmented {
+    /// Forces as the floor's simulation has them; where a sensor knows the resultants alone they are split
+    /// ([`super::split`]), and the vertices that bear load of soles that bear 2 % of the weight count as in contact.
+    pub(super) fn find_contacts(&mut self, sensed: &Sensed, floor: &Plane) {
+        self.contacts.clear();
+        let light = LIGHT * body::whole(&self.workspace).mass * self.gravity.norm();
+        for (s, (data, load)) in self.soles.iter_mut().zip(&sensed.soles).enumerate() {
+            if load.resolved {
+                data.vertex_forces.copy_from_slice(&load.vertices);
+            } else {
+                self.splitter.split(s, data, load, floor);
+            }
+            let loaded = floor.to_plane(&load.force).z > light;
+            for (i, (position, force)) in data.vertices.iter().zip(&data.vertex_forces).enumerate() {
+                let bears = || loaded && floor.to_plane(force).z > NOTHING;
+                let touches = if load.resolved { load.clamped[i] } else { bears() };
+                if touches {
+                    self.contacts.push(ContactPoint { sole: s, vertex: i, position: *position, force: *force });
+                }
+            }
+        }
+    }
+
+    pub(super) fn find_zmp(&mut self, sensed: &Sensed, floor: &Plane) {
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        for (data, load) in self.soles.iter().zip(&sensed.soles) {
+            force += load.force;
+            moment += load.moment + (data.position - floor.point).cross(&load.force);
+        }
+        let (f, m) = (floor.to_plane(&force), floor.to_plane(&moment));
+        self.zmp = (f.z > NOTHING).then(|| floor.world(&Vector2::new(-m.y / f.z, m.x / f.z)));
+    }
+}

@@ -1,0 +1,150 @@
+//! Data computed for tasks from the estimated state and the sensors, each part only if asked for by its [`Needs`].
+//!
+//! World axes and SI units unless said otherwise. Jacobians are stored column by column: a 3 x nv one has entry (row, k)
+//! at `3 k + row`, a 6 x nv one at `6 k + row` with the three linear rows first. Their velocities are the model's
+//! ([`crate::robot::model`]): six of a floating base, then the joints.
+
+mod contacts;
+mod efforts;
+mod end_effectors;
+mod links;
+mod mass_center;
+mod soles;
+mod split;
+mod support;
+
+pub use contacts::ContactPoint;
+pub use end_effectors::EndEffectorData;
+pub use soles::SoleData;
+
+use super::{Needs, Sensed};
+use crate::dynamics::{State, Workspace, crba, kinematics, rnea};
+use crate::geometry::Plane;
+use crate::robot::Model;
+use nalgebra::Vector3;
+
+/// The parts last asked for; what was not asked for is stale.
+#[derive(Clone, Debug)]
+pub struct Augmented {
+    /// Kinematics at the estimated state ([`Needs::LINKS`]; [`link_pose`](Self::link_pose) reads it), the mass matrix M
+    /// in `mass` ([`Needs::MASS`]) and the bias h in `bias` ([`Needs::BIAS`]): `M vdot + h = tau`.
+    pub workspace: Workspace,
+    /// Centre of mass, m ([`Needs::COM`]).
+    pub com: Vector3<f64>,
+    /// Its velocity, m/s ([`Needs::COM`]).
+    pub com_velocity: Vector3<f64>,
+    /// `com' = J v`, 3 x nv ([`Needs::COM_JACOBIAN`]).
+    pub com_jacobian: Vec<f64>,
+    /// 3 x nj, no base velocities: `d/dt (R^T (com - p)) = J q'` with p the base's origin and R its axes, so the rate of
+    /// the centre of mass as seen from the base, in base axes ([`Needs::COM_JACOBIAN_BASE`]).
+    pub com_jacobian_base: Vec<f64>,
+    /// Generalised force that holds the robot against gravity, g(q), the bias at rest, nv: the force and moment on a
+    /// floating base, then the joint efforts, N m or N ([`Needs::GRAVITY`]).
+    pub gravity_effort: Vec<f64>,
+    /// One entry per sole ([`Needs::SOLES`] and more).
+    pub soles: Vec<SoleData>,
+    /// One entry per end effector of the robot file ([`Needs::END_EFFECTORS`]).
+    pub end_effectors: Vec<EndEffectorData>,
+    /// Vertices that are held or slide on the floor, sole by sole ([`Needs::CONTACTS`]).
+    pub contacts: Vec<ContactPoint>,
+    /// Zero-moment point: where on the floor plane the floor's forces have no moment along it, m. None when they do not
+    /// press on it ([`Needs::ZMP`]).
+    pub zmp: Option<Vector3<f64>>,
+    /// Corners of the convex hull of the contact points as seen along the floor's normal, counter-clockwise, m; one or two for
+    /// a point or a line, none in flight ([`Needs::SUPPORT`]).
+    pub support_polygon: Vec<Vector3<f64>>,
+    /// Point of optimal stability of the support polygon, on the floor plane, m ([`Needs::STABLE_POINT`]); see
+    /// [`crate::geometry::stable_point`].
+    pub stable_point: Option<Vector3<f64>>,
+    /// Radius of the largest disc in the support polygon, m ([`Needs::STABLE_POINT`]).
+    pub stable_radius: f64,
+    gravity: Vector3<f64>,
+    splitter: split::Splitter,
+    edges: Vec<crate::geometry::stable_point::Edge>,
+}
+
+impl Augmented {
+    /// Allocates for a robot.
+    pub fn new(model: &Model) -> Self {
+        let (nv, nj) = (model.nv(), model.nj());
+        let points: usize = model.soles.iter().map(|s| s.vertices.len()).sum();
+        Augmented {
+            workspace: Workspace::new(model),
+            com: Vector3::zeros(),
+            com_velocity: Vector3::zeros(),
+            com_jacobian: vec![0.0; 3 * nv],
+            com_jacobian_base: vec![0.0; 3 * nj],
+            gravity_effort: vec![0.0; nv],
+            soles: model.soles.iter().map(|s| SoleData::new(s, nv)).collect(),
+            end_effectors: model.end_effectors.iter().map(|_| EndEffectorData::new(nv)).collect(),
+            contacts: Vec::with_capacity(points),
+            zmp: None,
+            support_polygon: Vec::with_capacity(3 * points + 2),
+            stable_point: None,
+            stable_radius: 0.0,
+            gravity: Vector3::zeros(),
+            splitter: split::Splitter::new(model),
+            edges: Vec::with_capacity(2 * points),
+        }
+    }
+
+    /// Computes the parts in `needs` and what they rest on. `gravity` in m/s^2; `floor` is the plane that the robot
+    /// believes to stand on. Allocates nothing.
+    pub fn update(
+        &mut self,
+        model: &Model,
+        state: &State,
+        sensed: &Sensed,
+        gravity: &Vector3<f64>,
+        floor: &Plane,
+        needs: Needs,
+    ) {
+        if needs == Needs::NONE {
+            return;
+        }
+        self.gravity = *gravity;
+        kinematics::update(model, state, &mut self.workspace);
+        if needs.intersects(Needs::MASS | Needs::COM_JACOBIAN) {
+            crba::mass_matrix(model, &mut self.workspace);
+        }
+        if needs.contains(Needs::BIAS) {
+            rnea::bias(model, &mut self.workspace, gravity);
+        }
+        if needs.contains(Needs::COM) {
+            self.find_com();
+        }
+        if needs.contains(Needs::COM_JACOBIAN) {
+            self.find_com_jacobian();
+        }
+        if needs.contains(Needs::COM_JACOBIAN_BASE) {
+            self.find_com_jacobian_base();
+        }
+        if needs.contains(Needs::GRAVITY) {
+            self.find_gravity_effort();
+        }
+        if needs.contains(Needs::SOLES) {
+            self.find_soles(model);
+        }
+        if needs.contains(Needs::SOLE_JACOBIANS) {
+            self.find_sole_jacobians(model);
+        }
+        if needs.contains(Needs::VERTEX_JACOBIANS) {
+            self.find_vertex_jacobians(model);
+        }
+        if needs.contains(Needs::END_EFFECTORS) {
+            self.find_end_effectors(model);
+        }
+        if needs.contains(Needs::CONTACTS) {
+            self.find_contacts(sensed, floor);
+        }
+        if needs.contains(Needs::ZMP) {
+            self.find_zmp(sensed, floor);
+        }
+        if needs.contains(Needs::SUPPORT) {
+            self.find_support(floor);
+        }
+        if needs.contains(Needs::STABLE_POINT) {
+            self.find_stable_point(floor);
+        }
+    }
+}
