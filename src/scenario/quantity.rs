@@ -20,11 +20,6 @@ pub fn positive<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     number_where(d, |x| x > 0.0, "greater than 0")
 }
 
-/// Above zero, where leaving it out means something else.
-pub fn some_positive<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> {
-    positive(d).map(Some)
-}
-
 /// Zero or above.
 pub fn non_negative<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     number_where(d, |x| x >= 0.0, "0 or greater")

@@ -28,19 +28,22 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// How far below its start the centre of mass is (m) and how fast it goes up (m/s), `t` seconds after settling.
-    pub fn drop(&self, t: f64) -> (f64, f64) {
+    /// How far below its start the centre of mass is (m), how fast it goes up (m/s) and that rate's rate (m/s^2), `t`
+    /// seconds after settling.
+    pub fn drop(&self, t: f64) -> (f64, f64, f64) {
         let half = 0.5 * self.period;
         let end = f64::from(self.repetitions) * self.period;
         if t <= 0.0 || t >= end {
-            return (0.0, 0.0);
+            return (0.0, 0.0, 0.0);
         }
         let since = t % self.period;
         let (progress, rate) = minimum_jerk(since % half, half);
+        let s = since % half / half;
+        let bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (half * half);
         if since < half {
-            (self.depth * progress, -self.depth * rate)
+            (self.depth * progress, -self.depth * rate, -self.depth * bend)
         } else {
-            (self.depth * (1.0 - progress), self.depth * rate)
+            (self.depth * (1.0 - progress), self.depth * rate, self.depth * bend)
         }
     }
 
@@ -54,6 +57,7 @@ impl Shape {
 pub struct Squat {
     shape: Shape,
     poser: Poser,
+    feed_forward: bool,
     start: f64,
     over: Vector3<f64>,
     upright: UnitQuaternion<f64>,
@@ -61,9 +65,9 @@ pub struct Squat {
 
 impl Squat {
     /// For a robot that [`super::kinematic::figure::check`] has let through.
-    pub fn new(model: &Model, shape: Shape) -> Self {
+    pub fn new(model: &Model, shape: Shape, feed_forward: bool) -> Self {
         let poser = Poser::new(model);
-        Squat { shape, poser, start: 0.0, over: Vector3::zeros(), upright: UnitQuaternion::identity() }
+        Squat { shape, poser, feed_forward, start: 0.0, over: Vector3::zeros(), upright: UnitQuaternion::identity() }
     }
 }
 
@@ -81,10 +85,14 @@ impl Task for Squat {
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
         self.poser.settle(t, self.shape.settle, self.over, self.upright);
-        let (drop, rate) = self.shape.drop(t - self.shape.settle);
+        let (drop, rate, bend) = self.shape.drop(t - self.shape.settle);
         self.poser.goal.com.z -= drop;
         self.poser.rates.com.z += rate;
         self.poser.pose(context, command)?;
+        if self.feed_forward {
+            let part = minimum_jerk(t, self.shape.settle).0;
+            self.poser.support(context, command, &Vector3::new(0.0, 0.0, bend), &self.over.xy(), part);
+        }
         Ok(if t >= self.shape.duration() { Status::Done } else { Status::Running })
     }
 
@@ -106,7 +114,13 @@ mod tests {
         }
         assert!((shape.drop(0.5).1 + 0.03 * 15.0 / 8.0).abs() < 1e-15);
         assert!((shape.drop(3.5).1 - 0.03 * 15.0 / 8.0).abs() < 1e-15);
-        assert_eq!(shape.drop(4.1), (0.0, 0.0));
+        assert_eq!(shape.drop(4.1), (0.0, 0.0, 0.0));
+        // Rates are derivatives: central differences of step 1e-5, whose error is h^2 times the third derivative, about 1e-10.
+        for t in [0.2, 0.7, 1.3, 1.9] {
+            let (a, b) = (shape.drop(t - 1e-5), shape.drop(t + 1e-5));
+            assert!((shape.drop(t).1 + (b.0 - a.0) / 2e-5).abs() < 1e-8);
+            assert!((shape.drop(t).2 - (b.1 - a.1) / 2e-5).abs() < 1e-8);
+        }
         assert_eq!(shape.duration(), 4.5);
     }
 }

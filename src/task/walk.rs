@@ -6,10 +6,11 @@
 
 use super::gait::{Footsteps, Preview, Sample, Stride};
 use super::kinematic::{Figure, Poser};
+use super::posture::minimum_jerk;
 use super::{Command, Context, Status, Task, TaskResult};
 use crate::dynamics::Motion;
 use crate::robot::Model;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
 /// Period of the pattern, s; between its samples the motion is exact.
 const PERIOD: f64 = 0.005;
@@ -25,6 +26,7 @@ pub struct Walk {
     height: Option<f64>,
     /// Time to come to the starting posture, s.
     settle: f64,
+    feed_forward: bool,
     poser: Poser,
     start: f64,
     over: Vector3<f64>,
@@ -37,6 +39,8 @@ struct Plan {
     footsteps: Footsteps,
     /// x and y of the centre of mass.
     samples: [Vec<Sample>; 2],
+    /// Height of the centre of mass over gravity, s^2.
+    lag: f64,
 }
 
 impl Plan {
@@ -51,11 +55,12 @@ impl Plan {
 
 impl Walk {
     /// For a robot that [`super::kinematic::figure::check_biped`] has let through.
-    pub fn new(model: &Model, stride: Stride, height: Option<f64>, settle: f64) -> Self {
+    pub fn new(model: &Model, stride: Stride, height: Option<f64>, settle: f64, feed_forward: bool) -> Self {
         Walk {
             stride,
             height,
             settle,
+            feed_forward,
             poser: Poser::new(model),
             start: 0.0,
             over: Vector3::zeros(),
@@ -90,7 +95,7 @@ impl Task for Walk {
             (0..count).map(|k| footsteps.zmp(k as f64 * PERIOD)[axis]).collect()
         };
         let samples = [0, 1].map(|axis| preview.follow(&reference(axis)));
-        self.plan = Some(Plan { footsteps, samples });
+        self.plan = Some(Plan { footsteps, samples, lag: preview.lag });
         Ok(Status::Running)
     }
 
@@ -100,11 +105,14 @@ impl Task for Walk {
         self.poser.settle(t, self.settle, self.over, self.upright);
         let since = t - self.settle;
         let done = since >= plan.footsteps.duration();
+        let (mut acceleration, mut zmp) = (Vector3::zeros(), self.over.xy());
         if since > 0.0 {
             let [x, y] = plan.com(since);
             self.poser.goal.com = Vector3::new(x[0], y[0], self.over.z);
             let moving = if done { 0.0 } else { 1.0 };
             self.poser.rates.com = Vector3::new(x[1], y[1], 0.0) * moving;
+            acceleration = Vector3::new(x[2], y[2], 0.0) * moving;
+            zmp = Vector2::new(x[0], y[0]) - acceleration.xy() * plan.lag;
             for s in 0..2 {
                 let (place, velocity) = plan.footsteps.sole(s, since);
                 self.poser.goal.soles[s].translation.vector = place;
@@ -112,6 +120,10 @@ impl Task for Walk {
             }
         }
         self.poser.pose(context, command)?;
+        if self.feed_forward {
+            let part = minimum_jerk(t, self.settle).0;
+            self.poser.support(context, command, &acceleration, &zmp, part);
+        }
         Ok(if done { Status::Done } else { Status::Running })
     }
 

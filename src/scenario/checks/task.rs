@@ -15,6 +15,10 @@ impl Check<'_> {
             }
             TaskSpec::Balance(balance) => {
                 self.stands(path, balance.soles.as_deref());
+                for (joint, mobility) in balance.position.mobility.iter().filter(|(_, w)| **w < 0.0) {
+                    let message = format!("must be 0 or greater, not {mobility}");
+                    self.error(&format!("{path}.position.mobility.{joint}"), message);
+                }
                 balance.start
             }
             TaskSpec::GravityCompensation(task) => {

@@ -1,8 +1,7 @@
 //! Tasks that plan with positions, from their entries.
 
-use super::names;
 use crate::robot::Model;
-use crate::scenario::{Diagnostic, Run, SquatTask, WalkTask};
+use crate::scenario::{Diagnostic, Run, SquatTask, WalkTask, suggest};
 use crate::task::Task;
 use crate::task::gait::Stride;
 use crate::task::kinematic::{NotPlannable, figure};
@@ -34,10 +33,7 @@ pub(super) fn walk(
     plannable(run, path, figure::check_biped(model), errors)?;
     let first = match &spec.first {
         None => 0,
-        Some(name) => {
-            let named = std::slice::from_ref(name);
-            names::soles(model, run, &format!("{path}.first"), named, errors).first()?.0
-        }
+        Some(name) => first_foot(run, model, path, name, errors)?,
     };
     let stride = Stride {
         steps: spec.steps as usize,
@@ -63,4 +59,15 @@ pub(super) fn plannable(
         return None;
     }
     Some(())
+}
+
+/// Number of the sole that swings first; an unknown name is an error.
+fn first_foot(run: &Run, model: &Model, path: &str, name: &str, errors: &mut Vec<Diagnostic>) -> Option<usize> {
+    let found = model.soles.iter().position(|s| s.name == name);
+    if found.is_none() {
+        let help = suggest(name, model.soles.iter().map(|s| s.name.as_str()));
+        let message = format!("the robot `{}` has no sole `{name}`", model.name);
+        errors.push(run.error_at(&format!("{path}.first"), message, Some(help)));
+    }
+    found
 }

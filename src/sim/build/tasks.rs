@@ -17,7 +17,10 @@ pub(super) fn tasks(run: &Run, model: &Model, start: &Start, errors: &mut Vec<Di
                 let targets = names::joints(model, run, &format!("{path}.joints"), posture.joints.iter(), errors);
                 (posture.start, Box::new(Posture::new(targets, posture.duration)))
             }
-            TaskSpec::Balance(spec) => (spec.start, balance::balance(run, model, &path, spec, errors)),
+            TaskSpec::Balance(spec) => match balance::balance(run, model, &path, spec, errors) {
+                Some(task) => (spec.start, task),
+                None => continue,
+            },
             TaskSpec::GravityCompensation(spec) => {
                 (spec.start, balance::gravity_compensation(run, model, &path, spec, errors))
             }

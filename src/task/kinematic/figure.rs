@@ -2,7 +2,7 @@
 
 use super::Goal;
 use crate::dynamics::{State, Workspace, body, kinematics};
-use crate::robot::{Base, DriveMode, LinkId, Model};
+use crate::robot::{Base, DriveMode, LinkId, Model, SoleId};
 use crate::task::{Command, Context};
 use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 
@@ -24,13 +24,15 @@ pub enum NotPlannable {
         soles: usize,
     },
     /// A joint that has to follow positions does not.
-    #[error("the joint `{0}` does not follow positions: its drive has mode `force` or `passive`")]
+    #[error("the joint `{0}` does not follow positions: its drive has another mode than `position`")]
     NotDriven(String),
 }
 
 /// A sole as something to be placed.
 #[derive(Clone, Debug)]
 pub struct Foot {
+    /// Its number in the model.
+    pub sole: SoleId,
     /// The link that carries it.
     pub link: LinkId,
     /// Centroid of its vertices in the link's internal frame, m.
@@ -60,10 +62,18 @@ pub fn leg_joints(model: &Model) -> Vec<usize> {
     (0..model.nj()).filter(|&j| (1..=most).contains(&moves(j))).collect()
 }
 
+/// Joints that move some sole, legs and what carries them.
+pub fn carrying_joints(model: &Model) -> Vec<usize> {
+    let ws = Workspace::new(model);
+    let nb = model.nb();
+    let carries = |j: usize| model.soles.iter().any(|s| ws.support(s.link).contains(&(nb + j)));
+    (0..model.nj()).filter(|&j| carries(j)).collect()
+}
+
 /// Can a robot be planned at all?
 ///
 /// # Errors
-/// A fixed base, no sole, or a leg joint that does not follow positions.
+/// A fixed base or no sole.
 pub fn check(model: &Model) -> Result<(), NotPlannable> {
     if model.base == Base::Fixed {
         return Err(NotPlannable::FixedBase(model.name.clone()));
@@ -90,7 +100,7 @@ pub fn check_biped(model: &Model) -> Result<(), NotPlannable> {
 /// # Errors
 /// The first that does not.
 pub fn check_driven(model: &Model, command: &Command, joints: &[usize]) -> Result<(), NotPlannable> {
-    let idle = |j: &&usize| matches!(command.mode[**j], DriveMode::Force | DriveMode::Passive);
+    let idle = |j: &&usize| !matches!(command.mode[**j], DriveMode::Position | DriveMode::Kinematic);
     match joints.iter().find(idle) {
         Some(&j) => Err(NotPlannable::NotDriven(model.joints[j].name.clone())),
         None => Ok(()),
@@ -98,14 +108,20 @@ pub fn check_driven(model: &Model, command: &Command, joints: &[usize]) -> Resul
 }
 
 impl Figure {
-    /// In the home posture.
+    /// In the home posture, on all soles.
     pub fn new(model: &Model) -> Self {
-        let foot = |s: &crate::robot::Sole| Foot {
-            link: s.link,
-            center: s.vertices.iter().sum::<Vector3<f64>>() / s.vertices.len() as f64,
-            flat: s.vertices.len() > 1,
+        let all: Vec<_> = (0..model.soles.len()).map(SoleId).collect();
+        Figure::on(model, &all)
+    }
+
+    /// In the home posture, on these soles.
+    pub fn on(model: &Model, soles: &[SoleId]) -> Self {
+        let foot = |&id: &SoleId| {
+            let sole = &model.soles[id.0];
+            let center = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len() as f64;
+            Foot { sole: id, link: sole.link, center, flat: sole.vertices.len() > 1 }
         };
-        let feet = model.soles.iter().map(foot).collect();
+        let feet = soles.iter().map(foot).collect();
         Figure { state: State::home(model), ws: Workspace::new(model), feet }
     }
 
@@ -154,7 +170,7 @@ impl Figure {
 
     /// Unit vector out of a sole's upper side; none for soles of fewer than three vertices.
     pub fn normal(&self, model: &Model, s: usize) -> Option<Vector3<f64>> {
-        let [a, b, c, ..] = model.soles[s].vertices[..] else { return None };
+        let [a, b, c, ..] = model.soles[self.feet[s].sole.0].vertices[..] else { return None };
         let normal = (b - a).cross(&(c - a)).normalize();
         Some(self.ws.links[self.feet[s].link.0].rotation * normal)
     }

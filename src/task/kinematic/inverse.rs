@@ -146,6 +146,25 @@ impl Inverse {
         Err(Unreachable::TooFar { error: left })
     }
 
+    /// One step towards the goal within `period` seconds, without going on until it is there: the soles' error shrinks
+    /// with its square from call to call. Joints stop at their limits. The figure's velocity is that of the step.
+    pub fn advance(&mut self, model: &Model, figure: &mut Figure, goal: &Goal, period: f64) {
+        figure.update(model);
+        let left = self.residual(figure, goal);
+        self.assemble(model, figure);
+        self.step(DAMPING.0 * left * left);
+        figure.state.displace(&self.motion);
+        let nb = model.nb();
+        for (j, joint) in model.joints.iter().enumerate().filter(|(j, _)| self.unknowns.mobility[*j] > 0.0) {
+            let q = &mut figure.state.joints[j];
+            let stopped = q.clamp(joint.lower, joint.upper);
+            self.motion[nb + j] += stopped - *q;
+            *q = stopped;
+        }
+        figure.state.v.iter_mut().zip(&self.motion).for_each(|(v, d)| *v = d / period);
+        figure.update(model);
+    }
+
     /// One velocity step: sets the figure's velocity so that its goal moves with `rates`.
     pub fn follow(&mut self, model: &Model, figure: &mut Figure, rates: &Rates) {
         self.assemble(model, figure);

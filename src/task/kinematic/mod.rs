@@ -4,6 +4,7 @@
 //! its soles, its centre of mass and its root are where the task's [`Goal`] says. Nothing here allocates after `new`.
 
 pub mod cholesky;
+pub mod feed_forward;
 pub mod figure;
 pub mod goal;
 pub mod inverse;

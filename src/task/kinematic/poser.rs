@@ -1,10 +1,10 @@
 //! From a goal to the joints of a command: what tasks share that plan with positions.
 
-use super::{Figure, Goal, Inverse, NotPlannable, Rates, figure};
+use super::{Figure, Goal, Inverse, NotPlannable, Rates, feed_forward, figure};
 use crate::robot::Model;
 use crate::task::posture::minimum_jerk;
 use crate::task::{Command, Context};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
 /// A figure on two legs or more, its goal, and the solver between them.
 #[derive(Clone, Debug)]
@@ -17,6 +17,9 @@ pub struct Poser {
     pub rates: Rates,
     inverse: Inverse,
     joints: Vec<usize>,
+    /// Joints that are given efforts: all that carry.
+    carrying: Vec<usize>,
+    efforts: Vec<f64>,
     /// Centre of mass and root at the start.
     from: (Vector3<f64>, UnitQuaternion<f64>),
 }
@@ -29,7 +32,8 @@ impl Poser {
         let joints = inverse.joints().collect();
         let goal = figure.goal();
         let from = (goal.com, goal.root);
-        Poser { rates: Rates::zero(figure.feet.len()), figure, goal, inverse, joints, from }
+        let (carrying, efforts) = (figure::carrying_joints(model), vec![0.0; model.nj()]);
+        Poser { rates: Rates::zero(figure.feet.len()), figure, goal, inverse, joints, carrying, efforts, from }
     }
 
     /// Takes over from a command: the goal is where the figure stands.
@@ -74,5 +78,22 @@ impl Poser {
             command.velocity[j] = self.figure.state.v[model.nb() + j];
         }
         Ok(())
+    }
+
+    /// Gives the joints that carry the efforts of the motion, times `part`: see [`feed_forward`]. After [`Poser::pose`].
+    pub fn support(
+        &mut self,
+        context: &Context,
+        command: &mut Command,
+        acceleration: &Vector3<f64>,
+        zmp: &Vector2<f64>,
+        part: f64,
+    ) {
+        self.figure.update(context.model);
+        let (figure, efforts) = (&mut self.figure, &mut self.efforts);
+        feed_forward::efforts(context.model, figure, &context.gravity, acceleration, zmp, efforts);
+        for &j in &self.carrying {
+            command.effort[j] = part * self.efforts[j];
+        }
     }
 }

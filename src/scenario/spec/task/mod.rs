@@ -2,6 +2,7 @@
 
 mod balance;
 mod balance_force;
+mod balance_position;
 mod gravity_compensation;
 mod posture;
 mod squat;
@@ -9,6 +10,7 @@ mod walk;
 
 pub use balance::{BalanceControl, BalanceTask};
 pub use balance_force::{Contacts, ForceBalance, Gains};
+pub use balance_position::PositionBalance;
 pub use gravity_compensation::GravityCompensationTask;
 pub use posture::PostureTask;
 pub use squat::SquatTask;

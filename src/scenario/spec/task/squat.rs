@@ -28,6 +28,9 @@ pub struct SquatTask {
     #[serde(default = "second", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub settle: f64,
+    /// Are the joints that carry given the efforts that the motion takes, besides positions?
+    #[serde(default = "yes")]
+    pub feed_forward: bool,
 }
 
 fn one() -> u32 {
@@ -40,4 +43,8 @@ fn second() -> f64 {
 
 fn two() -> f64 {
     2.0
+}
+
+fn yes() -> bool {
+    true
 }

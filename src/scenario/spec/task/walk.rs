@@ -44,6 +44,9 @@ pub struct WalkTask {
     #[serde(default = "second", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub settle: f64,
+    /// Are the joints that carry given the efforts that the motion takes, besides positions?
+    #[serde(default = "yes")]
+    pub feed_forward: bool,
     /// Time before the first step and after the last in which the centre of mass sways only, s.
     #[serde(default = "second", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
@@ -68,4 +71,8 @@ fn step_height() -> f64 {
 
 fn second() -> f64 {
     1.0
+}
+
+fn yes() -> bool {
+    true
 }
