@@ -11,4 +11,5 @@ mod oracles;
 mod record;
 mod robot;
 mod scenario;
+mod task;
 mod validation;

@@ -64,8 +64,8 @@ pub use spec::{
     sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
     task::{
-        BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PositionBalance, PostureTask,
-        SquatTask, TaskSpec, WalkTask,
+        BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PositionBalance,
+        PostureTask, SquatTask, TaskSpec, WalkTask,
     },
 };
 pub use suggest::help as suggest;

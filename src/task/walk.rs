@@ -91,9 +91,8 @@ impl Task for Walk {
             .ok_or(format!("there is no gait for a centre of mass {height} m high under {gravity} m/s^2"))?;
         let footsteps = Footsteps::new(self.stride, soles, self.upright * Vector3::x());
         let count = (footsteps.duration() / PERIOD).ceil() as usize + 1;
-        let reference = |axis: usize| -> Vec<f64> {
-            (0..count).map(|k| footsteps.zmp(k as f64 * PERIOD)[axis]).collect()
-        };
+        let reference =
+            |axis: usize| -> Vec<f64> { (0..count).map(|k| footsteps.zmp(k as f64 * PERIOD)[axis]).collect() };
         let samples = [0, 1].map(|axis| preview.follow(&reference(axis)));
         self.plan = Some(Plan { footsteps, samples, lag: preview.lag });
         Ok(Status::Running)

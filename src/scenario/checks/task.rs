@@ -28,7 +28,8 @@ impl Check<'_> {
             TaskSpec::Squat(squat) => squat.start,
             TaskSpec::Walk(walk) => {
                 if walk.double_support >= walk.step_time {
-                    let message = format!("must be less than `step_time` = {}, not {}", walk.step_time, walk.double_support);
+                    let message =
+                        format!("must be less than `step_time` = {}, not {}", walk.step_time, walk.double_support);
                     self.error(&format!("{path}.double_support"), message);
                 }
                 walk.start

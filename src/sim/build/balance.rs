@@ -40,7 +40,8 @@ pub(super) fn balance(
             let s = &spec.position;
             let mut mobility = vec![0.0; model.nj()];
             figure::carrying_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
-            for (JointId(j), w) in names::joints(model, run, &format!("{path}.position.mobility"), s.mobility.iter(), errors)
+            for (JointId(j), w) in
+                names::joints(model, run, &format!("{path}.position.mobility"), s.mobility.iter(), errors)
             {
                 mobility[j] = w;
             }
@@ -49,7 +50,7 @@ pub(super) fn balance(
                 proportional: s.proportional,
                 damping: s.damping,
                 integral: s.integral,
-                yielding: s.yielding,
+                leaning: s.leaning,
                 reach: s.reach,
                 posture: s.posture,
                 approach: s.approach,

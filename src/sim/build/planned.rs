@@ -17,8 +17,7 @@ pub(super) fn squat(
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Task>> {
     plannable(run, path, figure::check(model), errors)?;
-    let shape =
-        Shape { depth: spec.depth, period: spec.period, repetitions: spec.repetitions, settle: spec.settle };
+    let shape = Shape { depth: spec.depth, period: spec.period, repetitions: spec.repetitions, settle: spec.settle };
     Some(Box::new(Squat::new(model, shape, spec.feed_forward)))
 }
 

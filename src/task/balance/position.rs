@@ -2,20 +2,22 @@
 //!
 //! ```text
 //! e = r - c,   d = r - p                      r reference, c centre of mass, p zero-moment point, as sensed; horizontal
-//! w' = k_i e - k_z d                          k_i > 0: towards the reference;  k_z: gives way to the load
-//! u = w + k_p e - k_d c'                      |u| <= reach per axis
+//! w' = k_i e + k_z d                          k_i: back to the reference;  k_z: lean until the load is back over it
+//! u = w + k_p e - k_d c'                      |u|, |w| <= reach per axis
 //! dq = z + W J^T (J W J^T + mu 1)^-1 (x - J z),   J = [J_soles; J_com,xy],   x = [0; r + u - c_plan],   z = k_q (q_0 - q) dt
 //! ```
 //!
-//! The joints are asked for a posture q of the plan in which both soles stay where they are and the centre of mass stands at
-//! r + u; joints that this leaves free return to the posture q_0 they started from, and W weighs who moves. r lies
-//! above the point of optimal stability of the soles' common hull, carried along with the soles. With k_i alone the sensed centre of mass
-//! goes to r whatever sag the servos have.
+//! The joints are asked for a posture q of the plan in which the soles stay where they are and the centre of mass stands at
+//! r + u; joints that this leaves free return to the posture q_0 they started from, and W weighs who moves. r lies above
+//! the point of optimal stability of the soles' common hull, carried along with the soles. At rest d = e, so either integral
+//! brings the sensed centre of mass to r whatever sag the servos have; under a lasting push only d tells how far to lean.
+//!
+//! The zero-moment point first goes the wrong way when the centre of mass is accelerated, p = c - c'' h/g, so k_z has to stay
+//! well below sqrt(g/h).
 //!
 //! Sources: Sugihara, Nakamura and Inoue, Realtime humanoid motion generation through ZMP manipulation based on inverted
-//! pendulum control, ICRA 2002 (resolution of the centre of mass by its Jacobian); Choi, Kim, Oh and You, Posture/walking
-//! control for humanoid robot based on kinematic resolution of CoM Jacobian with embedded motion, IEEE T-RO 23 (2007),
-//! equation 20 (centre of mass fed back with one sign, zero-moment point with the other).
+//! pendulum control, ICRA 2002 (the centre of mass resolved by its Jacobian, feet kept); the paper of this program's platform, section
+//! II.B (centre-of-mass feedback of position-actuated robots).
 
 use crate::geometry::{convex_hull, stable_point};
 use crate::robot::{Model, SoleId};
@@ -36,7 +38,7 @@ pub struct Settings {
     /// k_i, 1/s.
     pub integral: f64,
     /// k_z, 1/s.
-    pub yielding: f64,
+    pub leaning: f64,
     /// Greatest displacement u per axis, m.
     pub reach: f64,
     /// k_q, 1/s.
@@ -143,7 +145,7 @@ impl Task for PositionBalance {
         let here = self.sensed_support(context);
         let error = wanted - (context.data.com.xy() - here);
         let load = context.data.zmp.map_or(Vector2::zeros(), |p| wanted - (p.xy() - here));
-        self.memory += (error * s.integral - load * s.yielding) * (period * progress);
+        self.memory += (error * s.integral + load * s.leaning) * (period * progress);
         self.memory = self.memory.map(|x| x.clamp(-s.reach, s.reach));
         let reply = error * s.proportional - context.data.com_velocity.xy() * s.damping;
         let displacement = (self.memory + reply * progress).map(|x| x.clamp(-s.reach, s.reach));
@@ -166,9 +168,11 @@ impl Task for PositionBalance {
         } else {
             self.figure.update(model);
         }
+        // No velocity is asked for: that of the plan holds the acceleration of the centre of mass times k_d, which the
+        // servos' damping would close into a loop of its own, unstable at the control rate.
         for &j in &self.joints {
             command.position[j] = self.figure.state.joints[j];
-            command.velocity[j] = self.figure.state.v[nb + j];
+            command.velocity[j] = 0.0;
         }
         if s.feed_forward {
             let (still, com) = (Vector3::zeros(), self.figure.com().xy());
@@ -182,7 +186,7 @@ impl Task for PositionBalance {
     }
 
     fn needs(&self) -> Needs {
-        Needs::COM | Needs::SOLES | if self.settings.yielding == 0.0 { Needs::NONE } else { Needs::ZMP }
+        Needs::COM | Needs::SOLES | if self.settings.leaning == 0.0 { Needs::NONE } else { Needs::ZMP }
     }
 
     fn name(&self) -> &str {

@@ -119,7 +119,8 @@ impl Footsteps {
             None => (self.falls.len(), t - end),
         };
         let (from, to) = (target(current.checked_sub(1)), target(Some(current)));
-        let progress = if self.stride.double_support > 0.0 { minimum_jerk(since, self.stride.double_support).0 } else { 1.0 };
+        let progress =
+            if self.stride.double_support > 0.0 { minimum_jerk(since, self.stride.double_support).0 } else { 1.0 };
         from + (to - from) * progress
     }
 }

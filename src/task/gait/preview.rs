@@ -56,11 +56,7 @@ impl Sample {
     /// State `t` seconds later: exact under constant jerk.
     pub fn at(&self, t: f64) -> Vector3<f64> {
         let (x, u) = (&self.x, self.jerk);
-        Vector3::new(
-            x[0] + t * (x[1] + t * (x[2] / 2.0 + t * u / 6.0)),
-            x[1] + t * (x[2] + t * u / 2.0),
-            x[2] + t * u,
-        )
+        Vector3::new(x[0] + t * (x[1] + t * (x[2] / 2.0 + t * u / 6.0)), x[1] + t * (x[2] + t * u / 2.0), x[2] + t * u)
     }
 }
 

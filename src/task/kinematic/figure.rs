@@ -194,10 +194,6 @@ impl Figure {
 
     /// The goal that it is at.
     pub fn goal(&self) -> Goal {
-        Goal {
-            soles: (0..self.feet.len()).map(|s| self.sole(s)).collect(),
-            com: self.com(),
-            root: self.state.rotation,
-        }
+        Goal { soles: (0..self.feet.len()).map(|s| self.sole(s)).collect(), com: self.com(), root: self.state.rotation }
     }
 }

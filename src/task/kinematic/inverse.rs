@@ -26,6 +26,8 @@ const CLOSE: f64 = 1e-11;
 const MOST_STEPS: usize = 40;
 /// Longest step of any unknown, m or rad.
 const LONGEST: f64 = 0.2;
+/// Times that joints are locked anew in one step.
+const MOST_LOCKED: usize = 4;
 /// Damping per squared error, and the least.
 const DAMPING: (f64, f64) = (1e-2, 1e-14);
 
@@ -69,6 +71,8 @@ pub struct Inverse {
     unknowns: Unknowns,
     /// Index into `v` and mobility of each unknown.
     columns: Vec<(usize, f64)>,
+    /// W with nothing for those that are locked.
+    weights: Vec<f64>,
     rows: usize,
     /// J, row-major, `rows` x unknowns.
     jacobian: Vec<f64>,
@@ -77,8 +81,10 @@ pub struct Inverse {
     error: Vec<f64>,
     /// Motion of all velocities, length nv.
     motion: Vec<f64>,
-    /// Preferred motion z, length nv; zero unless set.
+    /// Preferred motion z, length nv; zero unless set. What [`Inverse::advance`] locks is overwritten.
     pub preferred: Vec<f64>,
+    /// Unknowns that make their preferred motion and no other.
+    locked: Vec<bool>,
 }
 
 impl Inverse {
@@ -97,6 +103,8 @@ impl Inverse {
             error: vec![0.0; rows],
             motion: vec![0.0; model.nv()],
             preferred: vec![0.0; model.nv()],
+            locked: vec![false; columns.len()],
+            weights: vec![0.0; columns.len()],
             unknowns,
             columns,
             rows,
@@ -119,13 +127,7 @@ impl Inverse {
     ///
     /// # Errors
     /// [`Unreachable`]; the figure is then somewhere between.
-    pub fn solve(
-        &mut self,
-        model: &Model,
-        figure: &mut Figure,
-        goal: &Goal,
-        rates: &Rates,
-    ) -> Result<(), Unreachable> {
+    pub fn solve(&mut self, model: &Model, figure: &mut Figure, goal: &Goal, rates: &Rates) -> Result<(), Unreachable> {
         figure.update(model);
         let mut left = self.residual(figure, goal);
         for _ in 0..MOST_STEPS {
@@ -146,23 +148,44 @@ impl Inverse {
         Err(Unreachable::TooFar { error: left })
     }
 
-    /// One step towards the goal within `period` seconds, without going on until it is there: the soles' error shrinks
-    /// with its square from call to call. Joints stop at their limits. The figure's velocity is that of the step.
+    /// One step towards the goal within `period` seconds, without going on until it is there: the error that is left is of
+    /// the square of the step. Joints stop at their limits and the others take over. The figure's velocity is that of the
+    /// step.
     pub fn advance(&mut self, model: &Model, figure: &mut Figure, goal: &Goal, period: f64) {
         figure.update(model);
-        let left = self.residual(figure, goal);
         self.assemble(model, figure);
-        self.step(DAMPING.0 * left * left);
+        self.locked.fill(false);
+        for _ in 0..MOST_LOCKED {
+            let left = self.residual(figure, goal);
+            self.step(DAMPING.0 * left * left);
+            if !self.lock(model, figure) {
+                break;
+            }
+        }
+        self.locked.fill(false);
         figure.state.displace(&self.motion);
-        let nb = model.nb();
-        for (j, joint) in model.joints.iter().enumerate().filter(|(j, _)| self.unknowns.mobility[*j] > 0.0) {
-            let q = &mut figure.state.joints[j];
-            let stopped = q.clamp(joint.lower, joint.upper);
-            self.motion[nb + j] += stopped - *q;
-            *q = stopped;
+        for (joint, q) in model.joints.iter().zip(&mut figure.state.joints) {
+            // Beyond its limit by rounding, or because too many others are at theirs.
+            *q = q.max(joint.lower).min(joint.upper);
         }
         figure.state.v.iter_mut().zip(&self.motion).for_each(|(v, d)| *v = d / period);
         figure.update(model);
+    }
+
+    /// Lets joints that the motion takes beyond a limit go just there; was there any?
+    fn lock(&mut self, model: &Model, figure: &Figure) -> bool {
+        let nb = model.nb();
+        let mut any = false;
+        for (c, &(k, _)) in self.columns.iter().enumerate().filter(|(_, (k, _))| *k >= nb) {
+            let (joint, q) = (&model.joints[k - nb], figure.state.joints[k - nb]);
+            let there = (q + self.motion[k]).max(joint.lower).min(joint.upper);
+            if !self.locked[c] && there != q + self.motion[k] {
+                self.locked[c] = true;
+                self.preferred[k] = there - q;
+                any = true;
+            }
+        }
+        any
     }
 
     /// One velocity step: sets the figure's velocity so that its goal moves with `rates`.
@@ -258,10 +281,13 @@ impl Inverse {
     /// `motion = z + W J^T (J W J^T + mu 1)^-1 (error - J z)`.
     fn step(&mut self, mu: f64) {
         let n = self.columns.len();
+        for ((weight, locked), (_, w)) in self.weights.iter_mut().zip(&self.locked).zip(&self.columns) {
+            *weight = if *locked { 0.0 } else { *w };
+        }
         let row = |i: usize| &self.jacobian[i * n..(i + 1) * n];
         for i in 0..self.rows {
             for j in 0..=i {
-                let products = row(i).iter().zip(row(j)).zip(&self.columns).map(|((x, y), (_, w))| w * x * y);
+                let products = row(i).iter().zip(row(j)).zip(&self.weights).map(|((x, y), w)| w * x * y);
                 self.system.entries[i * self.rows + j] = products.sum();
             }
             self.system.entries[i * self.rows + i] += mu.max(DAMPING.1);
@@ -273,7 +299,7 @@ impl Inverse {
             return;
         }
         self.system.solve(&mut self.error);
-        for (c, &(k, w)) in self.columns.iter().enumerate() {
+        for (c, (&(k, _), w)) in self.columns.iter().zip(&self.weights).enumerate() {
             let sum: f64 = (0..self.rows).map(|i| self.jacobian[i * n + c] * self.error[i]).sum();
             self.motion[k] += w * sum;
         }

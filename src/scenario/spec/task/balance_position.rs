@@ -19,10 +19,10 @@ pub struct PositionBalance {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub integral: f64,
-    /// Rate of displacement towards the zero-moment point, per its distance from the reference, 1/s: gives way to a load.
+    /// Rate of displacement per distance of the zero-moment point from the reference, 1/s: leans against a lasting push.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
-    pub yielding: f64,
+    pub leaning: f64,
     /// Greatest displacement along x and along y, m.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
@@ -47,9 +47,9 @@ impl Default for PositionBalance {
     fn default() -> Self {
         PositionBalance {
             proportional: 0.0,
-            damping: 0.05,
-            integral: 2.0,
-            yielding: 0.0,
+            damping: 0.1,
+            integral: 0.0,
+            leaning: 2.0,
             reach: 0.05,
             posture: 2.0,
             approach: 0.5,
