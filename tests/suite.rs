@@ -14,4 +14,5 @@ mod record;
 mod robot;
 mod scenario;
 mod script;
+mod task;
 mod validation;

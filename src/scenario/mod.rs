@@ -70,8 +70,8 @@ pub use spec::{
     sweep::{Axis, SweepSpec},
     task::{
         BalanceControl, BalanceTask, Contacts, Ends, ForceBalance, Gains, GravityCompensationTask, MocapTarget,
-        MocapTask, PlaybackChange, PlaybackTask, PostureTask, Recorded, ScriptTask, SineChange, SineJoint,
-        SineJointChange, SineTask, TaskSpec,
+        MocapTask, PlaybackChange, PlaybackTask, PositionBalance, PostureTask, Recorded, ScriptTask, SineChange,
+        SineJoint, SineJointChange, SineTask, SquatTask, TaskSpec, WalkTask,
     },
 };
 pub use suggest::help as suggest;

@@ -11,7 +11,9 @@ pub mod augmented;
 pub mod balance;
 pub mod command;
 pub mod fade;
+pub mod gait;
 pub mod glide;
+pub mod kinematic;
 pub mod mocap;
 pub mod needs;
 pub mod playback;
@@ -20,6 +22,8 @@ pub mod script;
 pub mod sensed;
 pub mod server;
 pub mod sine;
+pub mod squat;
+pub mod walk;
 
 pub use augmented::Augmented;
 pub use command::Command;

@@ -35,6 +35,10 @@ impl Check<'_> {
             }
             TaskSpec::Balance(balance) => {
                 self.stands(path, balance.soles.as_deref());
+                for (joint, mobility) in balance.position.mobility.iter().filter(|(_, w)| **w < 0.0) {
+                    let message = format!("must be 0 or greater, not {mobility}");
+                    self.error(&format!("{path}.position.mobility.{joint}"), message);
+                }
                 balance.start
             }
             TaskSpec::GravityCompensation(task) => {
@@ -44,6 +48,15 @@ impl Check<'_> {
             TaskSpec::Script(script) => {
                 self.changes(path, &script.change);
                 script.start
+            }
+            TaskSpec::Squat(squat) => squat.start,
+            TaskSpec::Walk(walk) => {
+                if walk.double_support >= walk.step_time {
+                    let message =
+                        format!("must be less than `step_time` = {}, not {}", walk.step_time, walk.double_support);
+                    self.error(&format!("{path}.double_support"), message);
+                }
+                walk.start
             }
         };
         self.starts_in_time(path, start, end);

@@ -6,6 +6,7 @@ mod forces;
 mod mocap;
 mod model;
 mod names;
+mod planned;
 mod playback;
 mod script;
 mod sensors;

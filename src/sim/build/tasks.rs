@@ -1,6 +1,6 @@
 //! The task server with its tasks from their entries.
 
-use super::{balance, mocap, names, playback, script};
+use super::{balance, mocap, names, planned, playback, script};
 use crate::robot::Model;
 use crate::scenario::{Diagnostic, Run, SineTask, TaskSpec};
 use crate::sim::setup::Start;
@@ -33,11 +33,13 @@ pub(super) fn tasks(
                 let task = mocap::mocap(run, model, &path, spec, notes, errors);
                 (spec.start, task.map(|task| Box::new(task) as _))
             }
-            TaskSpec::Balance(spec) => (spec.start, Some(balance::balance(run, model, &path, spec, errors))),
+            TaskSpec::Balance(spec) => (spec.start, balance::balance(run, model, &path, spec, errors)),
             TaskSpec::GravityCompensation(spec) => {
                 (spec.start, Some(balance::gravity_compensation(run, model, &path, spec, errors)))
             }
             TaskSpec::Script(spec) => (spec.start, script::task(run, model, i, spec, errors)),
+            TaskSpec::Squat(spec) => (spec.start, planned::squat(run, model, &path, spec, errors)),
+            TaskSpec::Walk(spec) => (spec.start, planned::walk(run, model, &path, spec, errors)),
         };
         // One that could not be made has left an error.
         if let Some(task) = task {

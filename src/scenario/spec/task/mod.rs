@@ -2,22 +2,27 @@
 
 mod balance;
 mod balance_force;
+mod balance_position;
 mod gravity_compensation;
+mod mocap;
+mod playback;
 mod posture;
 mod script;
+mod sine;
+mod squat;
+mod walk;
 
 pub use balance::{BalanceControl, BalanceTask};
 pub use balance_force::{Contacts, ForceBalance, Gains};
+pub use balance_position::PositionBalance;
 pub use gravity_compensation::GravityCompensationTask;
-pub use posture::PostureTask;
-pub use script::ScriptTask;
-mod mocap;
-mod playback;
-mod sine;
-
 pub use mocap::{MocapTarget, MocapTask};
 pub use playback::{Ends, PlaybackChange, PlaybackTask, Recorded};
+pub use posture::PostureTask;
+pub use script::ScriptTask;
 pub use sine::{SineChange, SineJoint, SineJointChange, SineTask};
+pub use squat::SquatTask;
+pub use walk::WalkTask;
 
 use super::tagged::tagged;
 
@@ -38,6 +43,10 @@ tagged! {
         "playback" => Playback(PlaybackTask),
         /// Follow captured motion.
         "mocap" => Mocap(MocapTask),
+        /// Bend the legs and rise again.
+        "squat" => Squat(SquatTask),
+        /// Walk, or step in place.
+        "walk" => Walk(WalkTask),
     }
 }
 
@@ -48,7 +57,7 @@ impl TaskSpec {
             TaskSpec::Playback(playback) => Some(&playback.file),
             TaskSpec::Mocap(mocap) => Some(&mocap.file),
             TaskSpec::Script(script) => Some(&script.file),
-            TaskSpec::Posture(_) | TaskSpec::Sine(_) | TaskSpec::Balance(_) | TaskSpec::GravityCompensation(_) => None,
+            _ => None,
         }
     }
 }
