@@ -231,7 +231,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[[event]]\nat = 1\nset = { \"floor.friction\" = -1 }", (5, 28), "must be 0 or greater, not -1", ""),
     Broken(
         "[[event]]\nat = 1\nset = { \"floor.friction\" = 0.5 }\n[[event]]\nat = 2\nset = { \"floor.friction.kinetic\" = 1 }",
-        (8, 10),
+        (8, 25),
         "`floor.friction` is the number 0.5 and has no `kinetic`",
         "",
     ),
