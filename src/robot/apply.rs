@@ -165,16 +165,13 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
         Some(v) => Ok(Some(*v.get_ref())),
         None => Ok(None),
     };
-    let mode = match &entry.mode {
-        None => None,
-        Some(word) => Some(match word.get_ref() {
-            ModeWord::Position => DriveMode::Position,
-            ModeWord::Force => DriveMode::Force,
-            ModeWord::Passive => DriveMode::Passive,
-            ModeWord::Velocity => DriveMode::Velocity,
-            ModeWord::Kinematic => DriveMode::Kinematic,
-        }),
-    };
+    let mode = entry.mode.as_ref().map(|word| match word.get_ref() {
+        ModeWord::Position => DriveMode::Position,
+        ModeWord::Force => DriveMode::Force,
+        ModeWord::Passive => DriveMode::Passive,
+        ModeWord::Velocity => DriveMode::Velocity,
+        ModeWord::Kinematic => DriveMode::Kinematic,
+    });
     let friction = entry.friction.clone().unwrap_or_default();
     Ok(DriveSettings {
         mode,
@@ -184,6 +181,16 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
         velocity: number("velocity", &entry.velocity)?,
         coulomb: number("friction.coulomb", &friction.coulomb)?,
         viscous: number("friction.viscous", &friction.viscous)?,
+        static_friction: number("friction.static", &friction.static_)?,
+        stribeck_velocity: number("friction.stribeck_velocity", &friction.stribeck_velocity)?,
+        slip_velocity: number("friction.slip_velocity", &friction.slip_velocity)?,
+        stop: match &entry.stop {
+            None => None,
+            Some(stop) => {
+                let stiffness = number("stop.stiffness", &Some(stop.stiffness.clone()))?.unwrap_or_default();
+                Some((stiffness, number("stop.damping", &stop.damping)?.unwrap_or_default()))
+            }
+        },
         armature: number("armature", &entry.armature)?,
         lag: number("lag", &entry.lag)?,
     })

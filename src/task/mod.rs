@@ -10,10 +10,16 @@
 pub mod augmented;
 pub mod balance;
 pub mod command;
+pub mod fade;
+pub mod glide;
+pub mod mocap;
 pub mod needs;
+pub mod playback;
 pub mod posture;
+pub mod script;
 pub mod sensed;
 pub mod server;
+pub mod sine;
 
 pub use augmented::Augmented;
 pub use command::Command;

@@ -1,7 +1,7 @@
 //! CB-i against the published figures: groups of masses, lengths, the whole centre of mass, senses of the joints.
 
 use nalgebra::{Matrix3, Point3, Vector3};
-use stiction::robot::{Link, Model};
+use stiction::robot::{DriveMode, Link, Model};
 
 use super::convention::by_model;
 use super::figures::{centre_of_mass, level_soles, margins, moments, origin, senses, urdf_is_printed_by_its_script};
@@ -21,9 +21,18 @@ const ARM: [&str; 7] = ["SFE", "SAA", "HR", "EB", "WR", "WFE", "WAA"];
 const LEG: [&str; 7] = ["HAA", "HFE", "HFR", "KFE", "AR", "AFE", "AAA"];
 
 #[test]
+fn files_give_no_cause_for_words() {
+    for robot in ["cbi/cbi.toml", "cbi/cbi-92.toml", "quadruped/quadruped.toml"] {
+        assert!(shipped(robot).notices.is_empty(), "{:?}", shipped(robot).notices);
+    }
+}
+
+#[test]
 fn masses_add_up_to_the_published_groups() {
     let model = cbi();
     assert_eq!((model.nj(), model.links.len(), model.nv(), model.soles.len()), (38, 39, 44, 2));
+    let kinematic = model.joints.iter().filter(|j| j.drive.mode == DriveMode::Kinematic);
+    assert_eq!(kinematic.map(|j| j.name.as_str()).collect::<Vec<_>>(), ["R_EP", "R_ET", "L_EP", "L_ET"]);
     let group = |names: &[&str], side: &str| {
         mass_of(&model, |j| j.strip_prefix(side).is_some_and(|rest| names.contains(&rest)))
     };

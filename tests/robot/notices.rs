@@ -44,7 +44,11 @@ fn ignored_and_assumed_things_are_told_with_their_line() {
     told(11, "axis of joint `k` has length 2", Info);
     told(12, "limit of the continuous joint `k` are ignored", Info);
     told(12, "joint `k`: effort limit 0", Warning);
-    told(14, "collision mesh `package://nowhere/foot.stl` of link `c` is left out: the file is not found", Warning);
+    told(
+        14,
+        "collision mesh `package://nowhere/foot.stl` of link `c` is left out: no folder `nowhere` with `foot.stl` in it is found in",
+        Warning,
+    );
     told(15, "visual mesh `foot.dae` of link `c` is left out", Warning);
     assert_eq!(robot.model.home, [1.0, 0.0], "0 is outside the limits of j");
     told(5, "0 is outside the limits of joint `j`", Info);

@@ -89,6 +89,11 @@ impl Sensors {
         }
     }
 
+    /// The robot is somewhere else at once: the accelerometer begins anew.
+    pub fn restart(&mut self) {
+        self.last = None;
+    }
+
     /// The accelerometer.
     fn accelerate(&mut self, plant: &Plant) {
         let state = &plant.state;

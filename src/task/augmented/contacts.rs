@@ -7,12 +7,15 @@
 //! with f_s and m_s the force and moment on sole s about its reference point p_s.
 
 use super::Augmented;
+use crate::dynamics::body;
 use crate::geometry::Plane;
 use crate::task::Sensed;
 use nalgebra::{Vector2, Vector3};
 
-/// A sole that bears less than this many newtons bears nothing: rounding of a solve.
+/// A vertex that bears less than this many newtons bears nothing: rounding of a solve.
 pub(super) const NOTHING: f64 = 1e-9;
+/// A sole whose sensor reads less than this part of the robot's weight is taken to be in the air.
+const LIGHT: f64 = 0.02;
 
 /// A vertex on the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,17 +32,21 @@ pub struct ContactPoint {
 
 impl Augmented {
     /// Forces as the floor's simulation has them; where a sensor knows the resultants alone they are split
-    /// ([`super::split`]), and what bears load counts as in contact.
+    /// ([`super::split`]), and the vertices that bear load of soles that bear 2 % of the weight count as in contact.
     pub(super) fn find_contacts(&mut self, sensed: &Sensed, floor: &Plane) {
         self.contacts.clear();
+        let light = LIGHT * body::whole(&self.workspace).mass * self.gravity.norm();
         for (s, (data, load)) in self.soles.iter_mut().zip(&sensed.soles).enumerate() {
             if load.resolved {
                 data.vertex_forces.copy_from_slice(&load.vertices);
             } else {
                 self.splitter.split(s, data, load, floor);
             }
+            let loaded = floor.to_plane(&load.force).z > light;
             for (i, (position, force)) in data.vertices.iter().zip(&data.vertex_forces).enumerate() {
-                if if load.resolved { load.clamped[i] } else { floor.to_plane(force).z > NOTHING } {
+                let bears = || loaded && floor.to_plane(force).z > NOTHING;
+                let touches = if load.resolved { load.clamped[i] } else { bears() };
+                if touches {
                     self.contacts.push(ContactPoint { sole: s, vertex: i, position: *position, force: *force });
                 }
             }

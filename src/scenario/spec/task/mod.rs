@@ -4,11 +4,20 @@ mod balance;
 mod balance_force;
 mod gravity_compensation;
 mod posture;
+mod script;
 
 pub use balance::{BalanceControl, BalanceTask};
 pub use balance_force::{Contacts, ForceBalance, Gains};
 pub use gravity_compensation::GravityCompensationTask;
 pub use posture::PostureTask;
+pub use script::ScriptTask;
+mod mocap;
+mod playback;
+mod sine;
+
+pub use mocap::{MocapTarget, MocapTask};
+pub use playback::{Ends, PlaybackChange, PlaybackTask, Recorded};
+pub use sine::{SineChange, SineJoint, SineJointChange, SineTask};
 
 use super::tagged::tagged;
 
@@ -21,6 +30,14 @@ tagged! {
         "balance" => Balance(BalanceTask),
         /// Hold the robot up and give way to every push.
         "gravity-compensation" => GravityCompensation(GravityCompensationTask),
+        /// What a script says.
+        "script" => Script(ScriptTask),
+        /// Swing joints sinusoidally.
+        "sine" => Sine(SineTask),
+        /// Play a motion file.
+        "playback" => Playback(PlaybackTask),
+        /// Follow captured motion.
+        "mocap" => Mocap(MocapTask),
     }
 }
 
@@ -28,7 +45,10 @@ impl TaskSpec {
     /// The file that the key `file` names, if the type has that key.
     pub fn file(&self) -> Option<&str> {
         match self {
-            TaskSpec::Posture(_) | TaskSpec::Balance(_) | TaskSpec::GravityCompensation(_) => None,
+            TaskSpec::Playback(playback) => Some(&playback.file),
+            TaskSpec::Mocap(mocap) => Some(&mocap.file),
+            TaskSpec::Script(script) => Some(&script.file),
+            TaskSpec::Posture(_) | TaskSpec::Sine(_) | TaskSpec::Balance(_) | TaskSpec::GravityCompensation(_) => None,
         }
     }
 }
