@@ -184,13 +184,13 @@ impl System {
     fn new(times: &[f64], values: &[f64]) -> Self {
         let n = times.len();
         let mut diagonal = vec![Matrix2::zeros(); n];
-        let mut lower = vec![Matrix2::zeros(); n];
+        let coupling = times.windows(2).map(|pair| block(4, 1, pair[1] - pair[0]));
+        let lower = std::iter::once(Matrix2::zeros()).chain(coupling).collect();
         let mut right = vec![Matrix2x3::zeros(); n];
         for i in 1..n {
             let (h, step) = (times[i] - times[i - 1], values[i] - values[i - 1]);
             diagonal[i - 1] += block(1, 1, h);
             diagonal[i] += block(4, 4, h);
-            lower[i] = block(4, 1, h);
             let mut add = |at: usize, r: usize| {
                 let sum = right[at].column(2) - pull(r, h, step);
                 right[at].set_column(2, &sum);

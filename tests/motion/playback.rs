@@ -64,8 +64,7 @@ fn what_was_asked_before_fades() {
 #[test]
 fn speed_stretches_time_and_changes_without_a_jump() {
     let (once, twice) = (play("blend = 0"), play("blend = 0\nspeed = 2"));
-    for k in 0..=1000 {
-        let (a, b) = (&once[2 * k], &twice[k]);
+    for (a, b) in once.iter().step_by(2).zip(&twice).take(1001) {
         assert!((a.position[0] - b.position[0]).abs() < 1e-14 && (2.0 * a.velocity[0] - b.velocity[0]).abs() < 1e-13);
     }
     let told = play("blend = 0.2\nspeed = 0.5\nchange = [{ at = 1.0, speed = 0 }, { at = 3.0, speed = 2 }]");
@@ -115,8 +114,7 @@ fn natural_ends_move_on() {
     let told = play("ends = \"natural\"\nblend = 0");
     // Through (0, 0.3), (1, 0.8), (2, -0.2) the curve of least jerk is the parabola.
     let parabola = |t: f64| 0.3 + 0.5 * t - 0.75 * t * (t - 1.0);
-    for k in 0..2000 {
-        let a = &told[k];
+    for a in &told[..2000] {
         assert!((a.position[0] - parabola(a.time)).abs() < 1e-13, "{a:?}");
     }
     assert!((told[0].velocity[0] - 1.25).abs() < 1e-13);

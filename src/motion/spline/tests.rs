@@ -58,9 +58,9 @@ fn two_knots_clamped_are_the_minimum_jerk_path() {
 fn knots_are_met_and_four_derivatives_are_continuous() {
     for spline in all() {
         let scale = jerk(&spline).sqrt();
-        for i in 0..TIMES.len() {
+        for (time, value) in TIMES.into_iter().zip(VALUES) {
             // The value is the knot's own but for the rounding of a sum.
-            assert!((at(&spline, TIMES[i]).q - VALUES[i]).abs() < 1e-15 * 8.0);
+            assert!((at(&spline, time).q - value).abs() < 1e-15 * 8.0);
         }
         for i in 0..TIMES.len() - 2 {
             let (left, right) = (higher(&spline, i, true), higher(&spline, i + 1, false));

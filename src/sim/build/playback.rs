@@ -21,12 +21,12 @@ struct Source<'a> {
 
 impl Source<'_> {
     /// An error at a piece of the text, or at the key that names the file.
-    fn error(&self, piece: Range<usize>, message: String, help: Option<String>) -> Diagnostic {
+    fn error(&self, piece: Range<usize>, message: String, help: Option<String>) -> Box<Diagnostic> {
         let name = self.input.path.display().to_string();
-        match self.text {
+        Box::new(match self.text {
             Some(text) => Diagnostic::in_text(&name, text, piece, message, help),
             None => self.run.error_at(&format!("{}.file", self.path), format!("{name}: {message}"), help),
-        }
+        })
     }
 }
 
@@ -43,7 +43,7 @@ pub(super) fn playback(
     let motion = match read(&source, spec.recorded) {
         Ok(motion) => motion,
         Err(error) => {
-            errors.push(error);
+            errors.push(*error);
             return None;
         }
     };
@@ -63,7 +63,7 @@ pub(super) fn playback(
     for track in played {
         match curve(&source, model, spec, track, motion.span()?) {
             Ok(joint) => joints.push(joint),
-            Err(error) => errors.push(error),
+            Err(error) => errors.push(*error),
         }
     }
     let changes = spec.change.iter().map(|c| (c.at, c.speed)).collect();
@@ -85,7 +85,7 @@ pub(super) fn shown(input: &Input, text: &str, fault: Fault) -> Diagnostic {
     Diagnostic::in_text(&input.path.display().to_string(), text, fault.place, fault.message, fault.help)
 }
 
-fn read(source: &Source, recorded: Recorded) -> Result<Motion, Diagnostic> {
+fn read(source: &Source, recorded: Recorded) -> Result<Motion, Box<Diagnostic>> {
     let input = source.input;
     if ends_in(input, "mcap") {
         return logged(source, recorded);
@@ -94,13 +94,13 @@ fn read(source: &Source, recorded: Recorded) -> Result<Motion, Diagnostic> {
         return Err(source.error(0..0, "the file is not UTF-8".into(), None));
     };
     let read = if ends_in(input, "csv") { columns::read(text) } else { postures::read(text) };
-    read.map_err(|fault| shown(input, text, fault))
+    read.map_err(|fault| Box::new(shown(input, text, fault)))
 }
 
 /// The joints of a run's log.
-fn logged(source: &Source, recorded: Recorded) -> Result<Motion, Diagnostic> {
+fn logged(source: &Source, recorded: Recorded) -> Result<Motion, Box<Diagnostic>> {
     let key = format!("{}.file", source.path);
-    let wrong = |message: String| source.run.error_at(&key, message, None);
+    let wrong = |message: String| Box::new(source.run.error_at(&key, message, None));
     let log = Trajectory::from_bytes(&source.input.path, &source.input.bytes).map_err(|e| wrong(e.to_string()))?;
     let name = source.input.path.display();
     let motion = log.motion.ok_or_else(|| wrong(format!("{name}: the log has no topic `state`")))?;
@@ -125,7 +125,7 @@ fn curve(
     spec: &PlaybackTask,
     track: &Track,
     (first, last): (f64, f64),
-) -> Result<(JointId, Spline), Diagnostic> {
+) -> Result<(JointId, Spline), Box<Diagnostic>> {
     let name = &track.name;
     let Some(id) = model.joint(name) else {
         let help = suggest(name, model.joints.iter().map(|j| j.name.as_str()).collect::<Vec<_>>());
