@@ -13,10 +13,6 @@ const PLANNED: &[(&str, Option<&str>)] = &[
     ("task.*.type", Some("playback")),
     ("task.*.type", Some("sine")),
     ("task.*.type", Some("mocap")),
-    ("task.*.type", Some("script")),
-    ("force.*.type", Some("carried-object")),
-    ("force.*.type", Some("script")),
-    ("event", None),
     ("self_collision", None),
 ];
 

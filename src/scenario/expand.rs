@@ -8,6 +8,7 @@ use std::{
 use super::{
     availability,
     diagnostic::{Diagnostic, Diagnostics, Findings, Severity},
+    events::{self, Event},
     file::{ScenarioFile, resolve},
     grid::Grid,
     inputs::{Files, Input},
@@ -49,6 +50,8 @@ pub struct Run {
     pub reference: Option<Box<Run>>,
     /// The files it names beside its robot.
     pub inputs: Vec<Input>,
+    /// What changes while it goes on, in the order in which it happens.
+    pub events: Vec<Event>,
     /// Where the values come from.
     pub origin: Origin,
 }
@@ -59,6 +62,23 @@ pub struct Origin {
     sources: Sources,
     base: Arc<Node>,
     swept: Vec<(Path, Node)>,
+}
+
+impl Origin {
+    /// The tree of the values.
+    pub(super) fn tree(&self) -> Node {
+        let mut root = Node::clone(&self.base);
+        for (path, value) in &self.swept {
+            // These have been set before, when the run was made.
+            let _ = path.set(&mut root, value.clone());
+        }
+        root
+    }
+
+    /// Remembers another value that was set.
+    pub(super) fn put(&mut self, path: &Path, value: &Node) {
+        self.swept.push((path.clone(), value.clone()));
+    }
 }
 
 impl Run {
@@ -91,14 +111,8 @@ impl Run {
         message: String,
         help: Option<String>,
     ) -> Diagnostic {
-        let Origin { sources, base, swept } = &self.origin;
-        let mut root = Node::clone(base);
-        for (path, value) in swept {
-            // These have been set before, when the run was made.
-            let _ = path.set(&mut root, value.clone());
-        }
-        let (key, value) = Path::internal(path).locate(&root);
-        Diagnostic::new(severity, sources, if at_key { &key } else { &value }, message, help)
+        let (key, value) = Path::internal(path).locate(&self.origin.tree());
+        Diagnostic::new(severity, &self.origin.sources, if at_key { &key } else { &value }, message, help)
     }
 }
 
@@ -183,8 +197,8 @@ fn expand(
             let mut scenario = scenario.clone();
             scenario.seed += u64::from(repetition);
             let mut make = |scenario: Scenario, inputs: &[Input], values: &[(Path, Node)]| match resolved(&scenario) {
-                Ok((resolved_toml, table)) => Some((
-                    Run {
+                Ok((resolved_toml, table)) => {
+                    let mut run = Run {
                         name: file.name(),
                         file: file.path.clone(),
                         index: runs.len(),
@@ -194,14 +208,17 @@ fn expand(
                         warnings: Diagnostics::default(),
                         reference: None,
                         inputs: inputs.to_vec(),
+                        events: Vec::new(),
                         origin: Origin {
                             sources: sources.clone(),
                             base: base.clone(),
                             swept: swept.iter().chain(values).cloned().collect(),
                         },
-                    },
-                    table,
-                )),
+                    };
+                    // What is wrong with them stands among the findings, and no run is made.
+                    run.events = events::of(&run, sources, findings).unwrap_or_default();
+                    Some((run, table))
+                }
                 Err(message) => {
                     findings.error(Path::internal("seed").locate(&root).1, message, None);
                     None

@@ -14,6 +14,7 @@ mod checks;
 mod decode;
 mod diagnostic;
 mod dimensions;
+mod events;
 mod expand;
 mod file;
 mod grid;
@@ -34,6 +35,7 @@ mod suggest;
 mod tree;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Place, Severity};
+pub use events::Event;
 pub use expand::{DEFAULT_MAX_RUNS, Origin, Run};
 pub use file::{ScenarioFile, load, parse};
 pub use inputs::Input;
@@ -42,6 +44,7 @@ pub use overrides::parse_override;
 pub use scenario::{FORMAT, Scenario};
 pub use schema::schema;
 pub use spec::{
+    change::ChangeSpec,
     compare::{CompareSpec, TruthMetric},
     contact::{
         ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec, LcpSpec, NcpSpec,
@@ -52,20 +55,21 @@ pub use spec::{
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
     force::{
-        AnchorSpec, ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, PathShape, Profile, PushForce, RampForce,
-        SineSpec, SpringForce, WaypointSpec,
+        AnchorSpec, CarriedObject, ConstantForce, Directions, DragForce, ForceFrame, ForceSpec, JointFrictionForce,
+        PathShape, Profile, PushForce, RampForce, RandomPushes, ScriptForce, SineSpec, SpringForce, WaypointSpec,
     },
     planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},
     robot::{
-        BaseSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec, SoleSpec,
+        BaseSpec, InertiaSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec,
+        SoleSpec,
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
     sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
     task::{
         BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PositionBalance,
-        PostureTask, SquatTask, TaskSpec, WalkTask,
+        PostureTask, ScriptTask, SquatTask, TaskSpec, WalkTask,
     },
 };
 pub use suggest::help as suggest;

@@ -111,6 +111,11 @@ impl Explicit {
         }
     }
 
+    /// Forgets how long the last step was: what it rested on has jumped.
+    pub fn restart(&mut self) {
+        self.sizes.restart();
+    }
+
     /// Takes one step towards `until` (never beyond), with whatever event it meets. Where something has jumped the states
     /// are asked again first.
     pub fn step(

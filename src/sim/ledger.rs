@@ -4,7 +4,7 @@
 //! E(t) - E(0) = W_actuators + W_external - L_joints - L_friction - L_impacts + error
 //! ```
 //!
-//! E is kinetic and potential energy, that in the springs of a compliant method included. W_actuators is the work of the servos, W_external that of external forces, L_joints
+//! E is kinetic and potential energy, that in the springs of a compliant method included. W_actuators is the work of the servos, W_external that of external forces and of events that change the robot, gravity or the state, L_joints
 //! what damping, friction and stops of the joints take (a stop gives some back), L_friction what contact friction takes,
 //! from the vertex forces and velocities themselves, and L_impacts what velocity jumps take: impacts, jams, and the
 //! little normal motion and slip that a new contact state ends; with a compliant method it is what the floor takes out of
@@ -28,6 +28,11 @@ impl Flows {
     pub fn net(&self) -> f64 {
         let [actuators, external, joints, friction, dampers] = self.0;
         actuators + external - joints - friction - dampers
+    }
+
+    /// Adds energy that came from outside, J.
+    pub fn bring(&mut self, energy: f64) {
+        self.0[1] += energy;
     }
 
     /// Adds the flows of a step.
@@ -122,13 +127,11 @@ impl super::plant::Plant {
         let mean = |i: usize| self.state.v[i] - 0.5 * dv[i];
         let (mut actuators, mut joints) = (0.0, 0.0);
         for (j, (servo, passive)) in self.servo.iter().zip(&self.passive).enumerate() {
-            let joint = &self.model.joints[j];
-            let damping = dt * joint.damping;
-            let gains = self.shift[nb + j] - damping;
-            actuators += mean(nb + j) * (dt * servo - gains * dv[nb + j]);
-            joints -= mean(nb + j) * (dt * passive - damping * dv[nb + j]);
+            actuators += mean(nb + j) * (dt * servo - self.drive_give[j] * dv[nb + j]);
+            joints -= mean(nb + j) * (dt * passive - self.give[j] * dv[nb + j]);
         }
-        let external: f64 = (0..dv.len()).map(|i| mean(i) * dt * self.external[i]).sum();
+        let external: f64 =
+            (0..dv.len()).map(|i| mean(i) * (dt * self.external[i] - self.external_give[i] * dv[i])).sum();
         let mut friction = 0.0;
         for (s, sole) in self.problem.soles.iter().enumerate() {
             for (i, (vertex, t)) in sole.vertices.iter().zip(&self.solution.tangent[s]).enumerate() {

@@ -29,6 +29,15 @@ struct Flight {
     spin: Vector3<f64>,
 }
 
+impl Marks {
+    /// Another flight begins, because something that it rests on has jumped; so have the contact states if the robot is
+    /// `elsewhere`.
+    pub fn restart(&mut self, elsewhere: bool) {
+        self.flight = None;
+        self.states = self.states.filter(|_| !elsewhere);
+    }
+}
+
 impl Simulation {
     /// Looks at the end of a step. Needs kinematics at the plant's state.
     pub(super) fn mark_step(&mut self) {

@@ -2,6 +2,7 @@
 
 pub mod actuator;
 pub mod build;
+pub mod change;
 mod comply;
 mod decide;
 mod drive;
@@ -16,6 +17,7 @@ mod jam;
 mod lag;
 pub mod layout;
 mod ledger;
+mod loads;
 mod marks;
 mod measure;
 pub mod noise;
@@ -30,11 +32,13 @@ mod sample;
 pub mod sensors;
 pub mod setup;
 pub mod simulation;
+mod speed;
 mod watch;
 mod zones;
 
 pub use error::Stop;
 pub use ledger::Balance;
+pub use loads::Load;
 pub use report::*;
 pub use setup::Setup;
 pub use simulation::Simulation;

@@ -24,6 +24,8 @@ pub struct Snapshot {
     pub qd: Vec<f64>,
     /// Actuator efforts (friction and stops not included).
     pub effort: Vec<f64>,
+    /// Efforts that the drives ask for, before limits and lag; in mode `kinematic` those of `effort`.
+    pub effort_desired: Vec<f64>,
     /// Desired joint positions.
     pub q_desired: Vec<f64>,
     /// Desired joint velocities.
@@ -120,7 +122,7 @@ pub struct SoleSnapshot {
 pub struct SimEvent {
     /// Simulated time, s.
     pub time: f64,
-    /// Short kind: `touchdown`, `liftoff`, `slip`, `stick`, `impact`, `jam`, `inconsistent`, `state`, `border`, `forced`, `fallen`, `task`, ...
+    /// Short kind: `touchdown`, `liftoff`, `slip`, `stick`, `impact`, `jam`, `inconsistent`, `state`, `border`, `forced`, `fallen`, `task`, `event`, ...
     pub kind: &'static str,
     /// What it is about (a sole, a joint, a task), may be empty.
     pub subject: String,

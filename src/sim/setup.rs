@@ -1,6 +1,8 @@
 //! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
 
+use super::change::Change;
 use super::estimate::EstimatorSetup;
+use super::loads::Load;
 use super::patch::Patch;
 use super::sensors::SensorErrors;
 use crate::contact::method::Parameters;
@@ -137,12 +139,18 @@ pub struct Setup {
     pub tasks: TaskServer,
     /// External forces.
     pub forces: Vec<Box<dyn Force>>,
+    /// Objects that links carry for a time.
+    pub loads: Vec<Load>,
     /// Errors of the sensors; none: they tell the truth.
     pub sensors: Option<SensorErrors>,
     /// Where tasks have the base's state from.
     pub estimator: EstimatorSetup,
     /// Seed of all random numbers drawn while running.
     pub seed: u64,
+    /// Events, in the order in which they happen.
+    pub changes: Vec<Change>,
+    /// How many states they save under different names.
+    pub saved_states: usize,
     /// Simulated time, s.
     pub duration: f64,
     /// Snapshots per second, 0 for none but the last.

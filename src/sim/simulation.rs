@@ -1,13 +1,15 @@
 //! One run from start to end.
 
+use super::change::{Change, Saved};
 use super::error::Stop;
 use super::estimate::Estimator;
 use super::explicit::{Explicit, Sizes};
 use super::fixed::Fixed;
 use super::ledger::Flows;
+use super::loads::Loads;
 use super::marks::Marks;
 use super::measure::Tally;
-use super::plant::Plant;
+use super::plant::{Plant, load_scale};
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::sample::Sampler;
 use super::sensors::Sensors;
@@ -57,8 +59,9 @@ pub struct Simulation {
     pub(super) tolerances: Tolerances,
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
-    sensors: Sensors,
-    estimator: Estimator,
+    pub(super) loads: Loads,
+    pub(super) sensors: Sensors,
+    pub(super) estimator: Estimator,
     pub(super) metrics: Metrics,
     /// Work of velocity jumps since the start, J: impacts, jams, and what a new contact state ends.
     pub(super) work: f64,
@@ -81,6 +84,11 @@ pub struct Simulation {
     /// Has the first choice of states been made?
     pub(super) started: bool,
     corners: Vec<f64>,
+    /// Events of the scenario, and how many of them have happened.
+    pub(super) changes: Vec<Change>,
+    pub(super) happened: usize,
+    /// States saved by events.
+    pub(super) saved: Vec<Saved>,
     stepper: Option<Stepper>,
     duration: f64,
     log_rate: f64,
@@ -117,13 +125,19 @@ impl Simulation {
                 (v.mu_s, v.mu_k) = (setup.floor.mu_s, setup.floor.mu_k);
             }
         }
-        problem.scale = model.mass() * setup.gravity.norm().max(1.0);
+        problem.scale = load_scale(&model, &setup.gravity);
         let method = method::make(&setup.contact.method, &setup.contact.parameters, &problem)
             .ok_or_else(|| error(format!("unknown contact method `{}`", setup.contact.method)))?;
         let projection = Solution::new(&problem);
         let plant = Plant::new(&mut setup, method, problem);
         let mut corners: Vec<f64> = plant.forces.iter().flat_map(|f| f.corners().iter().copied()).collect();
+        let loads = Loads::new(&model, std::mem::take(&mut setup.loads));
+        corners.extend(loads.corners());
         corners.extend(setup.contact.forced.iter().flat_map(|f| [f.from, f.to]));
+        for change in &setup.changes {
+            corners.push(change.at);
+            corners.extend(change.forces.iter().flat_map(|(_, f)| f.corners().iter().copied()));
+        }
         corners.retain(|c| *c > 0.0 && *c < setup.duration);
         corners.sort_by(f64::total_cmp);
         corners.dedup();
@@ -159,6 +173,7 @@ impl Simulation {
             tolerances,
             contact: setup.contact,
             tasks: setup.tasks,
+            loads,
             sensors,
             estimator,
             metrics: Metrics::default(),
@@ -175,6 +190,9 @@ impl Simulation {
             sampler: None,
             started: false,
             corners,
+            saved: Vec::new(),
+            changes: setup.changes,
+            happened: 0,
             stepper: Some(stepper),
             duration: setup.duration,
             log_rate: setup.log_rate,
@@ -190,6 +208,7 @@ impl Simulation {
         };
         sim.plant.evaluate_free();
         sim.start_energy = sim.plant.energy();
+        sim.saved = vec![Saved::new(&sim.plant, &sim.anchors); setup.saved_states];
         Ok(sim)
     }
 
@@ -219,7 +238,9 @@ impl Simulation {
         let rate = observer.sample_rate();
         self.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, self.duration, &self.plant.state)));
         self.init_forces()?;
+        self.happen(observer)?;
         self.pass_forces(observer)?;
+        self.pass_loads(observer)?;
         self.run_tasks(observer)?;
         self.plant.fill_actuators();
         self.plant.within = 0.0;
@@ -235,6 +256,12 @@ impl Simulation {
         begun?;
         self.started = true;
         self.measure();
+        // A state saved at the start is one with contact.
+        for k in 0..self.happened {
+            if let Some(slot) = self.changes[k].save {
+                self.save(slot);
+            }
+        }
         Ok(())
     }
 
@@ -244,8 +271,10 @@ impl Simulation {
         let tick = self.tasks.next_tick();
         let ticks = tick.is_some_and(|tick| tick <= t);
         let corner = self.corners.contains(&t);
+        let happens = corner && self.happen(observer)?;
         if corner {
             self.pass_forces(observer)?;
+            self.pass_loads(observer)?;
         }
         if ticks {
             self.run_tasks(observer)?;
@@ -262,6 +291,9 @@ impl Simulation {
         let stops = [self.tasks.next_tick(), corner, self.plant.guide.corner(t)];
         let until = stops.into_iter().flatten().fold(self.duration, f64::min);
         let mut stepper = self.stepper.take().expect("put back below");
+        if let (Stepper::Explicit(explicit), true) = (&mut stepper, happens) {
+            explicit.restart();
+        }
         let result = match &mut stepper {
             Stepper::Explicit(explicit) => explicit.step(self, until, jump, observer),
             Stepper::Fixed(fixed) => fixed.step(self, until, observer),
@@ -290,12 +322,12 @@ impl Simulation {
     }
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        let loads = self.tasks.needs(self.plant.state.time).contains(Needs::LOADS) || self.estimator.estimates();
+        let time = self.plant.state.time;
+        let loads = self.snapshot.estimate.is_some() || self.tasks.needs(time).contains(Needs::LOADS);
         self.sensors.read(&mut self.plant, loads);
         self.estimator.update(&self.plant.model, &self.plant.state, &self.sensors.readings);
         self.take_estimate();
         let plant = &self.plant;
-        let time = plant.state.time;
         let situation = Situation {
             model: &plant.model,
             gravity: plant.gravity,
@@ -393,6 +425,11 @@ impl Simulation {
         super::observe::fill(&mut self.plant, &mut self.edges, &mut self.snapshot);
         self.snapshot.energy = self.balance();
         observer.snapshot(&self.snapshot).map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Are steps taken at the velocity level? (Not while one is being taken.)
+    pub(super) fn steps_velocities(&self) -> bool {
+        matches!(self.stepper, Some(Stepper::Fixed(_)))
     }
 
     /// Are events located inside steps?

@@ -29,6 +29,11 @@ pub struct Place {
 }
 
 impl Place {
+    /// In a zone, with no past.
+    pub fn new(zone: Zone) -> Self {
+        Place { zone, before: zone, changed: f64::NEG_INFINITY, widths: 1.0 }
+    }
+
     fn enter(&mut self, zone: Zone, time: f64) {
         let chatters = zone == self.before && time - self.changed < CHATTER;
         self.widths = if chatters { (10.0 * self.widths).min(WIDEST) } else { 1.0 };
@@ -66,7 +71,7 @@ impl Plant {
         let place = &mut self.places[s][i];
         let changed = zone != place.zone;
         if !held {
-            *place = Place { zone, before: zone, changed: f64::NEG_INFINITY, widths: 1.0 };
+            *place = Place::new(zone);
         } else if changed {
             place.enter(zone, self.state.time);
         }

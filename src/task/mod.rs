@@ -14,6 +14,7 @@ pub mod gait;
 pub mod kinematic;
 pub mod needs;
 pub mod posture;
+pub mod script;
 pub mod sensed;
 pub mod server;
 pub mod squat;

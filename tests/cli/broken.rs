@@ -82,6 +82,8 @@ fn table() -> Vec<Broken> {
         scenario("no such joint", "posture = { knee = 1.0 } #@@"),
         scenario("no such link", "[[force]]\ntype = \"push\"\nlink = \"torso\" #@@\nforce = [1, 0, 0]\nduration = 0.1"),
         scenario("no such sole", "[contact]\nforced = [{ sole = \"left\", state = \"face-static\", to = 1 }] #@@"),
+        scenario("walk on one sole", "[[task]]\ntype = \"walk\" #@@"),
+        scenario("no such joint to balance", "[[task]]\ntype = \"balance\"\ncontrol = \"position\"\nposition = { mobility = { knee = 1.0 } } #@@"),
         scenario("stepping method, adaptive integrator", "[contact]\nmethod = \"lcp\" #@@"),
         scenario(
             "stepping method, restitution",
@@ -111,15 +113,14 @@ fn table() -> Vec<Broken> {
         urdf("URDF: no mass", "<mass value=\"1\"/>", "<mass value=\"0\"/><!--@@-->"),
         urdf("URDF: no number", "<mass value=\"1\"/>", "<mass value=\"heavy\"/><!--@@-->"),
         urdf(
-            "URDF: comma vector",
+            "URDF: comma in place of a number",
             "<box size=\"0.2 0.2 0.1\"/></geometry>\n      <material",
-            "<box size=\"0.2, 0.2, 0.1\"/></geometry><!--@@-->\n      <material",
+            "<box size=\"0.2,, 0.1\"/></geometry><!--@@-->\n      <material",
         ),
         urdf("URDF: impossible inertia", "izz=\"0.0066666666666666667\"/>", "izz=\"1.0\"/><!--@@-->"),
-        arm("URDF: no limits", "\"revolute\"><!--@@-->", PARENT, "<axis xyz=\"0 1 0\"/>"),
-        arm("URDF: joint type", "\"planar\"><!--@@-->", PARENT, "<axis xyz=\"0 1 0\"/>"),
+        arm("URDF: one limit", "\"revolute\">", PARENT, "<axis xyz=\"0 1 0\"/><limit lower=\"-1\"/><!--@@-->"),
+        arm("URDF: joint type", "\"spherical\"><!--@@-->", PARENT, "<axis xyz=\"0 1 0\"/>"),
         arm("URDF: no such parent", "\"continuous\">", "<parent link=\"blok\"/><!--@@-->", ""),
-        arm("URDF: mimic", "\"continuous\">", PARENT, "<mimic joint=\"x\"/><!--@@-->"),
     ]
 }
 

@@ -92,9 +92,9 @@ fn edges_that_taper_a_little_move_the_point_continuously_from_the_middle_to_the_
         assert!((at(taper) - right(taper)).abs() < 1e-9, "{taper}: {} not {}", at(taper), right(taper));
     }
     let mut before = at(1e-8);
-    for k in 1..=400 {
-        let here = at(1e-8 * 1e4f64.powf(f64::from(k) / 400.0));
-        assert!(here >= before - 1e-9 && here - before < 0.2, "{k}: from {before} to {here}");
+    for k in 1..=4000 {
+        let here = at(1e-8 * 1e4f64.powf(f64::from(k) / 4000.0));
+        assert!(here >= before - 1e-9 && here - before < 0.05, "{k}: from {before} to {here}");
         before = here;
     }
 }

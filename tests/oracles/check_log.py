@@ -143,7 +143,7 @@ def check_residual(residual, contact, check):
 
 
 def check_state(state, joints, check):
-    for name in ("q", "qd", "q_desired", "qd_desired", "effort"):
+    for name in ("q", "qd", "q_desired", "qd_desired", "effort", "effort_desired"):
         values = getattr(state, name)
         # A run without drives desires nothing.
         check(len(values) in (len(joints), 0), f"/state: {len(values)} {name} for {len(joints)} joints")
@@ -153,6 +153,41 @@ def check_state(state, joints, check):
     for name in ("base_position", "base_linear_velocity", "base_angular_velocity", "com", "com_velocity"):
         check(state.HasField(name), f"/state: no {name}")
         check(finite(xyz(getattr(state, name))), f"/state: {name} not finite")
+    check_stability(state, check)
+
+
+def inside(point, corners, normal):
+    """Distance from the sides of a convex polygon, negative outside; what is off the plane does not count."""
+    least = math.inf
+    for a, b in zip(corners, corners[1:] + corners[:1]):
+        along = [y - x for x, y in zip(a, b)]
+        inward = cross(normal, along)
+        to = [y - x for x, y in zip(a, point)]
+        least = min(least, math.fsum(x * y for x, y in zip(inward, to)) / math.hypot(*inward))
+    return least
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def check_stability(state, check):
+    """The point of optimal stability is in the support polygon and no mean of corners is farther from its sides."""
+    corners = [xyz(p) for p in state.support_polygon]
+    check(state.HasField("stable_point") == bool(corners), "/state: a point of optimal stability without a polygon")
+    if len(corners) < 3:
+        return
+    edges = [[b - a for a, b in zip(corners[0], c)] for c in corners[1:]]
+    spans = [cross(a, b) for a, b in zip(edges, edges[1:])]
+    normal = [math.fsum(axis) for axis in zip(*spans)]
+    normal = [x / math.hypot(*normal) for x in normal]
+    radius = inside(xyz(state.stable_point), corners, normal)
+    check(radius > 0, "/state: the point of optimal stability is outside the support polygon")
+    groups = [corners] + [corners[:k] + corners[k + 1 :] for k in range(len(corners))]
+    groups += [[a, b] for a in corners for b in corners]
+    for group in groups:
+        mean = [math.fsum(axis) / len(group) for axis in zip(*group)]
+        check(inside(mean, corners, normal) <= radius + 1e-6 * (1 + radius), "/state: a larger disc fits the polygon")
 
 
 def read(path):

@@ -316,3 +316,36 @@ fn parameters_of_a_method_that_no_run_uses_are_warned_of() {
     assert_eq!(warnings("[contact.penalty]\ndamping = 0\n", &["contact.method=penalty"]), [""; 0]);
     assert_eq!(warnings("[sweep.grid]\n\"contact.lcp.facets\" = [4, 6, 10]\n", &[]).len(), 1);
 }
+
+#[test]
+fn events_change_the_scenario_one_after_the_other() {
+    let text = "[[event]]\nat = 2\nset = { \"floor.friction.kinetic\" = 0.1, gravity = [0, 0, -1] }\n\
+                [[event]]\nat = 1\nset = { \"floor.friction\" = { static = 0.5, kinetic = 0.4 } }\nsave = \"here\"\n\
+                [[event]]\nat = 2\nrestore = \"here\"\n";
+    let run = &runs(&format!("{SMALLEST}{text}"))[0];
+    let at: Vec<(usize, f64)> = run.events.iter().map(|e| (e.index, e.at)).collect();
+    assert_eq!(at, [(1, 1.0), (0, 2.0), (2, 2.0)], "by time, then as in the file");
+    let friction = |k: usize| run.events[k].after.scenario.floor.friction;
+    assert_eq!((run.scenario.floor.friction.static_, run.scenario.gravity), (0.8, [0.0, 0.0, -9.81]));
+    assert_eq!((friction(0).static_, friction(0).kinetic), (0.5, 0.4));
+    assert_eq!((friction(1).static_, friction(1).kinetic), (0.5, 0.1));
+    assert_eq!(run.events[1].after.scenario.gravity, [0.0, 0.0, -1.0]);
+    assert_eq!(run.events[0].save.as_deref(), Some("here"));
+    assert_eq!(run.events[2].restore.as_deref(), Some("here"));
+    assert_eq!(friction(2), friction(1));
+    assert_eq!(run.events[0].set, ["floor.friction"]);
+}
+
+#[test]
+fn times_and_values_of_events_are_swept() {
+    let text = "[[event]]\nat = 1\nset = { \"floor.friction\" = 0.5 }\n[sweep.grid]\n\"event.0.at\" = [0.5, 1.5]\n\
+                'event.0.set.\"floor.friction\"' = [0.2, 0.3]\n";
+    let runs = runs(&format!("{SMALLEST}{text}"));
+    let found: Vec<(f64, f64)> =
+        runs.iter().map(|r| (r.events[0].at, r.events[0].after.scenario.floor.friction.static_)).collect();
+    assert_eq!(found, [(0.5, 0.2), (0.5, 0.3), (1.5, 0.2), (1.5, 0.3)]);
+    assert_eq!(runs[1].parameters[1].0, "event.0.set.\"floor.friction\"");
+    // A wrong value is shown where the sweep has it.
+    let wrong = wrong(&format!("{SMALLEST}{}", text.replace("[0.2, 0.3]", "[0.2, -3]")), &[]);
+    assert!(wrong.0[0].location().contains(":8:"), "{}", wrong.0[0].location());
+}

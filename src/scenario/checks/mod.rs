@@ -1,5 +1,6 @@
 //! Rules between several values of a scenario, each shown at the value that breaks it.
 
+mod event;
 mod force;
 mod task;
 
@@ -55,6 +56,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     for (i, force) in scenario.force.iter().enumerate() {
         check.force(&format!("force.{i}"), force, scenario.duration);
     }
+    check.events(&scenario.event, scenario.duration);
     for (i, expect) in scenario.expect.iter().enumerate() {
         check.expect(&format!("expect.{i}"), expect);
         check.compared(&format!("expect.{i}.metric"), expect, scenario.compare.as_ref());
@@ -99,17 +101,18 @@ impl Check<'_> {
         }
     }
 
+    fn payload(&mut self, i: usize, payload: &PayloadSpec) {
+        self.inertia(&format!("robot.payload.{i}.inertia"), payload.inertia);
+    }
+
     /// A rigid body's inertia tensor is positive semidefinite, and so is `trace/2 * 1 - inertia`, the second moment of its
     /// mass (the triangle inequality in any axes).
-    fn payload(&mut self, i: usize, payload: &PayloadSpec) {
-        let [xx, yy, zz, xy, xz, yz] = payload.inertia;
+    fn inertia(&mut self, path: &str, [xx, yy, zz, xy, xz, yz]: [f64; 6]) {
         let half = (xx + yy + zz) / 2.0;
         let tolerance = 1e-9 * half.abs();
         if !semidefinite([half - xx, half - yy, half - zz, -xy, -xz, -yz], tolerance) {
-            self.error(
-                &format!("robot.payload.{i}.inertia"),
-                "is not the inertia of a rigid body (order: ixx, iyy, izz, ixy, ixz, iyz; triangle inequality)",
-            );
+            let must = "is not the inertia of a rigid body (order: ixx, iyy, izz, ixy, ixz, iyz; triangle inequality)";
+            self.error(path, must);
         }
     }
 

@@ -1,6 +1,7 @@
 //! Rules for `[[task]]`.
 
 use super::Check;
+use crate::scenario::spec::change::ChangeSpec;
 use crate::scenario::spec::task::TaskSpec;
 
 impl Check<'_> {
@@ -25,6 +26,10 @@ impl Check<'_> {
                 self.stands(path, task.soles.as_deref());
                 task.start
             }
+            TaskSpec::Script(script) => {
+                self.changes(path, &script.change);
+                script.start
+            }
             TaskSpec::Squat(squat) => squat.start,
             TaskSpec::Walk(walk) => {
                 if walk.double_support >= walk.step_time {
@@ -36,6 +41,16 @@ impl Check<'_> {
             }
         };
         self.starts_in_time(path, start, end);
+    }
+
+    /// Changes come one after the other.
+    pub(super) fn changes(&mut self, path: &str, changes: &[ChangeSpec]) {
+        for (i, pair) in changes.windows(2).enumerate() {
+            if pair[1].at <= pair[0].at {
+                let place = format!("{path}.change.{}.at", i + 1);
+                self.error(&place, format!("must be after the change before, at {}, not {}", pair[0].at, pair[1].at));
+            }
+        }
     }
 
     /// Named soles are at least one.

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::quantity::{json, non_negative};
 
-/// `[[event]]`: change parameters while running.
+/// `[[event]]`: change parameters while running, save the robot's state, or put it back into one that was saved. At least
+/// one of `set`, `save` and `restore` is given; if several are, the state is saved first and parameters are set last.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EventSpec {
@@ -15,7 +16,16 @@ pub struct EventSpec {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub at: f64,
-    /// New values under dotted names.
+    /// New values under dotted names, each one key in quotes: `floor.friction`, `floor.patches`, `gravity`,
+    /// `contact.restitution`, `robot.payload`, `robot.joint.NAME.kp` (or `kd`, `effort`, `velocity`, `friction`,
+    /// `armature`), `robot.joint_default.kp` (or `kd`), `force.N.KEY`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub set: BTreeMap<String, toml::Value>,
+    /// Saves the robot's state under this name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub save: Option<String>,
+    /// Puts the robot into the state that an earlier event saved under this name. Time goes on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub restore: Option<String>,
 }

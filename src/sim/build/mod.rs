@@ -1,10 +1,12 @@
 //! From a scenario's run and a loaded robot to a [`Setup`]: the place where names meet what they name.
 
 mod balance;
+mod events;
 mod forces;
 mod model;
 mod names;
 mod planned;
+mod script;
 mod sensors;
 mod start;
 mod tasks;
@@ -35,20 +37,10 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let mut errors = Vec::new();
     let model = model::adjusted(run, robot, &mut errors);
     let s = &run.scenario;
-    let rotation = Rotation3::from_euler_angles(s.floor.rpy[0], s.floor.rpy[1], s.floor.rpy[2]);
-    let floor = Floor {
-        rotation: *rotation.matrix(),
-        point: Vector3::new(0.0, 0.0, s.floor.height),
-        mu_s: s.floor.friction.static_,
-        mu_k: s.floor.friction.kinetic,
-        patches: patches(&s.floor),
-    };
-    if !floor.patches.is_empty() && floor.rotation[(2, 2)].abs() < STEEPEST {
-        let message = "`floor.patches` are seen from above, and this floor stands upright: see `floor.rpy`";
-        errors.push(run.error_at("floor.patches", message, None));
-    }
+    let floor = floor(run, &mut errors);
     let start = start::start(run, &model, &floor, &mut errors);
     let forces = forces::forces(run, &model, &mut errors);
+    let loads = forces::loads(run, &model, &mut errors);
     let tasks = tasks::tasks(run, &model, &start, &mut errors);
     let contact = ContactSetup {
         method: s.contact.method.name().to_owned(),
@@ -66,11 +58,17 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let integrator = integrator(&s.integrator);
     let estimator = sensors::estimator(run, &model, &mut errors);
     pairing::check(run, &mut errors);
+    pairing::check_soles(run, &model, &mut errors);
     facets(run, &model, &mut errors);
+    // What is wrong at the start would be told again for every event.
+    let (changes, saved_states) =
+        if errors.is_empty() { events::changes(run, robot, &model, &mut errors) } else { Default::default() };
     if !errors.is_empty() {
         return Err(Diagnostics(errors));
     }
     Ok(Setup {
+        changes,
+        saved_states,
         model: Arc::new(model),
         gravity: s.gravity.into(),
         floor,
@@ -80,6 +78,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         joint_stops: s.robot.joint_limits == JointLimits::Stop,
         tasks,
         forces,
+        loads,
         sensors: sensors::errors(&s.sensors),
         estimator,
         seed: s.seed,
@@ -87,6 +86,23 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
     })
+}
+
+fn floor(run: &Run, errors: &mut Vec<Diagnostic>) -> Floor {
+    let spec = &run.scenario.floor;
+    let rotation = Rotation3::from_euler_angles(spec.rpy[0], spec.rpy[1], spec.rpy[2]);
+    let floor = Floor {
+        rotation: *rotation.matrix(),
+        point: Vector3::new(0.0, 0.0, spec.height),
+        mu_s: spec.friction.static_,
+        mu_k: spec.friction.kinetic,
+        patches: patches(spec),
+    };
+    if !floor.patches.is_empty() && floor.rotation[(2, 2)].abs() < STEEPEST {
+        let message = "`floor.patches` are seen from above, and this floor stands upright: see `floor.rpy`";
+        errors.push(run.error_at("floor.patches", message, None));
+    }
+    floor
 }
 
 fn parameters(spec: &ContactSpec) -> Parameters {

@@ -1,6 +1,6 @@
 //! The task server with its tasks from their entries.
 
-use super::{balance, names, planned};
+use super::{balance, names, planned, script};
 use crate::robot::Model;
 use crate::scenario::{Diagnostic, Run, TaskSpec};
 use crate::sim::setup::Start;
@@ -24,6 +24,10 @@ pub(super) fn tasks(run: &Run, model: &Model, start: &Start, errors: &mut Vec<Di
             TaskSpec::GravityCompensation(spec) => {
                 (spec.start, balance::gravity_compensation(run, model, &path, spec, errors))
             }
+            TaskSpec::Script(spec) => match script::task(run, model, i, spec, errors) {
+                Some(task) => (spec.start, task),
+                None => continue,
+            },
             TaskSpec::Squat(spec) => match planned::squat(run, model, &path, spec, errors) {
                 Some(task) => (spec.start, task),
                 None => continue,

@@ -64,6 +64,11 @@ impl Estimator {
         !matches!(self.kind, Kind::Truth)
     }
 
+    /// The robot is somewhere else at once: the next tick is a first one.
+    pub fn restart(&mut self) {
+        self.started = false;
+    }
+
     /// Takes the readings of a tick. `truth` gives the time, and the base at the first tick.
     pub fn update(&mut self, model: &Model, truth: &State, sensed: &Sensed) {
         let nb = model.nb();

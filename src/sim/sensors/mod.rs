@@ -79,14 +79,19 @@ impl Sensors {
         Sensors { faulty, readings, last: None }
     }
 
-    /// Reads all sensors at the plant's present state, `time` ahead of every earlier call. The loads of the soles are read
-    /// if asked for, and whenever sensors err: these are logged.
+    /// Reads all sensors at the plant's present state, its time ahead of every earlier call; those of the soles only with
+    /// `loads`.
     pub fn read(&mut self, plant: &mut Plant, loads: bool) {
-        truth::read(plant, loads || self.faulty.is_some(), &mut self.readings);
+        truth::read(plant, loads, &mut self.readings);
         self.accelerate(plant);
         if let Some(faulty) = &mut self.faulty {
             faulty.spoil(plant, &mut self.readings);
         }
+    }
+
+    /// The robot is somewhere else at once: the accelerometer begins anew.
+    pub fn restart(&mut self) {
+        self.last = None;
     }
 
     /// The accelerometer.
@@ -137,9 +142,7 @@ impl Faulty {
                 part(sole).copy_from_slice(from);
             }
         }
-        for (s, sole) in out.soles.iter_mut().enumerate() {
-            wrench::share(&plant.problem.soles[s], &plant.floor.rotation, sole);
-            sole.resolved = false;
-        }
+        // Such a sensor does not know how the load is spread.
+        out.soles.iter_mut().for_each(|sole| sole.resolved = false);
     }
 }

@@ -4,8 +4,8 @@ use crate::sim::plant::Plant;
 use crate::task::Sensed;
 use nalgebra::Vector3;
 
-/// Readings without any error: the plant's state and what its last evaluation found; the loads of the soles only if asked
-/// for.
+/// Readings without any error: the plant's state and what its last evaluation found. The loads of the soles are read
+/// only on demand.
 pub(super) fn read(plant: &mut Plant, loads: bool, out: &mut Sensed) {
     let state = &plant.state;
     let nb = plant.model.nb();

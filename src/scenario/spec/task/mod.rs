@@ -5,6 +5,7 @@ mod balance_force;
 mod balance_position;
 mod gravity_compensation;
 mod posture;
+mod script;
 mod squat;
 mod walk;
 
@@ -13,6 +14,7 @@ pub use balance_force::{Contacts, ForceBalance, Gains};
 pub use balance_position::PositionBalance;
 pub use gravity_compensation::GravityCompensationTask;
 pub use posture::PostureTask;
+pub use script::ScriptTask;
 pub use squat::SquatTask;
 pub use walk::WalkTask;
 
@@ -27,6 +29,8 @@ tagged! {
         "balance" => Balance(BalanceTask),
         /// Hold the robot up and give way to every push.
         "gravity-compensation" => GravityCompensation(GravityCompensationTask),
+        /// What a script says.
+        "script" => Script(ScriptTask),
         /// Bend the legs and rise again.
         "squat" => Squat(SquatTask),
         /// Walk, or step in place.
@@ -38,6 +42,7 @@ impl TaskSpec {
     /// The file that the key `file` names, if the type has that key.
     pub fn file(&self) -> Option<&str> {
         match self {
+            TaskSpec::Script(script) => Some(&script.file),
             _ => None,
         }
     }

@@ -1,0 +1,29 @@
+//! Rules for `[[event]]`.
+
+use super::Check;
+use crate::scenario::spec::event::EventSpec;
+
+impl Check<'_> {
+    /// `end` is the run's, s.
+    pub(super) fn events(&mut self, events: &[EventSpec], end: f64) {
+        for (i, event) in events.iter().enumerate() {
+            let path = format!("event.{i}");
+            if event.set.is_empty() && event.save.is_none() && event.restore.is_none() {
+                self.error(&path, "needs `set`, `save` or `restore`");
+            }
+            if event.at >= end {
+                let span = self.place(&format!("{path}.at")).1;
+                let message = format!("`{path}` is at {} s, but the run ends at {end} s", event.at);
+                self.findings.warning(span, message, None);
+            }
+            let Some(name) = &event.restore else { continue };
+            // At one instant events happen in the order of the file; within one the state is saved first.
+            let saves = |(k, other): (usize, &EventSpec)| {
+                other.save.as_ref() == Some(name) && (other.at < event.at || other.at == event.at && k <= i)
+            };
+            if !events.iter().enumerate().any(saves) {
+                self.error(&format!("{path}.restore"), format!("names `{name}`, which no earlier event saves"));
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! What a run's scenario is after each of its events.
+//!
+//! The values of `[[event]]` are put into the scenario one event after the other and the whole is read again, so that
+//! whatever is wrong with them is found before anything runs, and shown where the event says it.
+
+use super::{
+    diagnostic::Findings,
+    expand::Run,
+    path::Path,
+    scenario::{self, Scenario},
+    source::{Sources, Span},
+    tree::{Entry, Node},
+};
+
+/// What may change while a run goes on, for people.
+const CHANGEABLE: &str = "an event may set \"floor.friction\", \"floor.patches\", \"gravity\", \"contact.restitution\", \
+                          \"robot.payload\", \"robot.joint.NAME.kp\" (or kd, effort, velocity, friction, armature), \
+                          \"robot.joint_default.kp\" (or kd), \"force.N.KEY\"";
+
+/// One event of a run.
+#[derive(Clone, Debug)]
+pub struct Event {
+    /// Its place among the entries of the file.
+    pub index: usize,
+    /// When, s.
+    pub at: f64,
+    /// Dotted paths of what it sets.
+    pub set: Vec<String>,
+    /// The same with the new values, for people.
+    pub words: String,
+    /// The run with the values of this event and those before it.
+    pub after: Box<Run>,
+    /// Name under which the state is saved.
+    pub save: Option<String>,
+    /// Name of the state to be restored.
+    pub restore: Option<String>,
+}
+
+/// The events of a run in the order in which they happen; none when something in them is wrong, which then is among the
+/// findings.
+pub(super) fn of(run: &Run, sources: &Sources, findings: &mut Findings) -> Option<Vec<Event>> {
+    let mut order: Vec<usize> = (0..run.scenario.event.len()).collect();
+    order.sort_by(|&a, &b| run.scenario.event[a].at.total_cmp(&run.scenario.event[b].at));
+    let mut root = run.origin.tree();
+    let mut after = Run { events: Vec::new(), reference: None, ..run.clone() };
+    let mut events = Vec::with_capacity(order.len());
+    for index in order {
+        let spec = &run.scenario.event[index];
+        let given = root.get("event").and_then(|all| all.items().get(index)).and_then(|event| event.get("set"));
+        let entries = given.map_or(&[][..], Node::entries).to_vec();
+        let mut paths: Vec<Path> = Vec::new();
+        for entry in &entries {
+            match put(entry, &paths, &mut root, sources) {
+                Ok(path) => {
+                    after.origin.put(&path, &entry.node);
+                    paths.push(path);
+                }
+                Err((span, message, help)) => findings.error(span, message, help),
+            }
+        }
+        if findings.has_errors() {
+            return None;
+        }
+        let (scenario, found) = scenario::read(&root);
+        let Some(scenario) = scenario else {
+            findings.append(found);
+            return None;
+        };
+        after.scenario = Scenario { seed: run.scenario.seed, ..scenario };
+        let words = |e: &Entry| format!("{} = {}", e.key, e.node.to_toml());
+        events.push(Event {
+            index,
+            at: spec.at,
+            set: paths.iter().map(dotted).collect(),
+            words: entries.iter().map(words).collect::<Vec<_>>().join(", "),
+            after: Box::new(after.clone()),
+            save: spec.save.clone(),
+            restore: spec.restore.clone(),
+        });
+    }
+    Some(events)
+}
+
+fn dotted(path: &Path) -> String {
+    path.segments.iter().map(|s| s.0.as_str()).collect::<Vec<_>>().join(".")
+}
+
+/// Place, message and help.
+type Complaint = (Span, String, Option<String>);
+
+/// Puts one value of an event into the scenario.
+fn put(entry: &Entry, earlier: &[Path], root: &mut Node, sources: &Sources) -> Result<Path, Complaint> {
+    let path = Path::parse(&entry.key, &entry.key_span, sources).map_err(|e| (e.span, e.message, None))?;
+    let segments: Vec<&str> = path.segments.iter().map(|s| s.0.as_str()).collect();
+    let refuse = |message: String, help: &str| Err((entry.key_span.clone(), message, Some(help.to_owned())));
+    if !may_change(&segments) {
+        if let Some(inner) = entry.node.entries().first() {
+            let help = format!("a path is written as one key in quotes: \"{}.{}\" = ...", entry.key, inner.key);
+            return refuse(format!("`{}` cannot be set as a whole by an event", entry.key), &help);
+        }
+        return refuse(format!("`{}` cannot change while a run goes on", entry.key), CHANGEABLE);
+    }
+    if earlier.iter().any(|other| other.overlaps(&path)) {
+        return refuse(format!("`{}` sets what another key of the event sets", entry.key), "give it once");
+    }
+    path.set(root, entry.node.clone()).map_err(|e| (e.span, e.message, None))?;
+    Ok(path)
+}
+
+/// Is what this path leads to free to change while a run goes on.
+fn may_change(path: &[&str]) -> bool {
+    match path {
+        ["gravity", ..] | ["floor", "friction" | "patches", ..] | ["contact", "restitution"] => true,
+        ["robot", "payload", ..] | ["robot", "joint_default", "kp" | "kd"] => true,
+        ["robot", "joint", _, "kp" | "kd" | "effort" | "velocity" | "friction" | "armature"] => true,
+        // Another type, or another file, is another force.
+        ["force", _, key, ..] => !matches!(*key, "type" | "file"),
+        _ => false,
+    }
+}

@@ -1,0 +1,231 @@
+//! Events while running: what holds after them is what would have held with their values from the start.
+
+use super::body::G;
+use super::support::{TIGHT, finish, run, simulation, watch};
+use stiction::dynamics::State;
+use stiction::sim::Blind;
+
+const BLOCK: &str = "model = \"robots/block/block.toml\"";
+
+#[test]
+fn a_floor_that_turns_to_ice_lets_a_block_go() {
+    let angle = 0.2f64;
+    for (mu, kinetic) in [(0.1, 0.1), (0.15, 0.05)] {
+        let text = format!(
+            "duration = 1.0\nfloor = {{ friction = 0.8, rpy = [0, {angle}, 0] }}\n{TIGHT}
+            [robot]\n{BLOCK}\nbase = {{ rpy = [0, {angle}, 0] }}
+            [[event]]\nat = 0.4\nset = {{ \"floor.friction\" = {{ static = {mu}, kinetic = {kinetic} }} }}"
+        );
+        let (m, told) = watch(&text);
+        let acceleration = G * (angle.sin() - kinetic * angle.cos());
+        // Integration at 1e-9, which a constant acceleration does not even use up.
+        assert!((m.final_base_shift_m - 0.5 * acceleration * 0.36).abs() < 1e-10, "{}", m.final_base_shift_m);
+        assert_eq!(m.first_slip_s, Some(0.4));
+        assert!(m.energy_error_j.abs() < 1e-10 && m.inconsistent == 0);
+        let event = told.events.iter().find(|e| e.kind == "event").expect("it is told");
+        assert_eq!(event.time, 0.4);
+        assert!(event.message.starts_with("floor.friction = {"), "{}", event.message);
+    }
+}
+
+#[test]
+fn every_way_of_stepping_hears_of_the_ice() {
+    for how in [
+        "contact = { method = \"one-step\" }",
+        "contact = { method = \"ncp\" }\nintegrator = { method = \"semi-implicit\", step = 1e-3 }",
+        "contact = { method = \"lcp\" }\nintegrator = { method = \"semi-implicit\", step = 1e-3 }",
+        "contact = { method = \"exact\", events = \"step\" }\nintegrator = { method = \"rk4\", step = 1e-3 }",
+        "contact = { method = \"penalty\" }",
+    ] {
+        let text = format!(
+            "duration = 1.0\nfloor = {{ friction = 0.8, rpy = [0, 0.2, 0] }}\n{how}
+            [robot]\n{BLOCK}\nbase = {{ rpy = [0, 0.2, 0] }}
+            [[event]]\nat = 0.4\nset = {{ \"floor.friction\" = 0.1 }}"
+        );
+        let m = run(&text);
+        let way = 0.5 * G * (0.2f64.sin() - 0.1 * 0.2f64.cos()) * 0.36;
+        // First order in a step of 1e-3 s at speeds up to 0.6 m/s, and springs that sink by half a millimetre.
+        assert!((m.final_base_shift_m - way).abs() < 2e-3, "{how}: {} not {way}", m.final_base_shift_m);
+    }
+}
+
+#[test]
+fn a_patch_appears_and_goes() {
+    // Slides from (0, 0) at 1 m/s on ice; the floor gets a rough patch under it for 0.1 s.
+    let text = format!(
+        "duration = 1.0\nfloor = {{ friction = 0 }}\n{TIGHT}
+        [robot]\n{BLOCK}\nbase = {{ linear_velocity = [1, 0, 0] }}
+        [[event]]\nat = 0.3\nset = {{ \"floor.patches\" = [{{ polygon = [[-9, -9], [9, -9], [9, 9], [-9, 9]], friction = 0.2 }}] }}
+        [[event]]\nat = 0.4\nset = {{ \"floor.patches\" = [] }}"
+    );
+    let m = run(&text);
+    let slower = 0.2 * G * 0.1;
+    assert!((m.final_base_velocity[0] - (1.0 - slower)).abs() < 1e-10, "{:?}", m.final_base_velocity);
+    assert!((m.final_base_position[0] - (1.0 - slower * (0.05 + 0.6))).abs() < 1e-10, "{:?}", m.final_base_position);
+}
+
+#[test]
+fn payload_and_gravity_change_what_the_floor_bears() {
+    let text = |more: &str| {
+        format!(
+            "duration = 0.6\n{TIGHT}\n[robot]\n{BLOCK}
+            [[event]]\nat = 0.2\nset = {{ \"robot.payload\" = [{{ link = \"block\", mass = 2.0, position = [0.02, 0, 0.1] }}] }}\n{more}"
+        )
+    };
+    let m = run(&text(""));
+    // Rounding of a static solve.
+    assert!((m.final_normal_force_n.unwrap() - 3.0 * G).abs() < 1e-12);
+    assert!(m.energy_error_j.abs() < 1e-12, "{}", m.energy_error_j);
+    // The payload came with its potential energy: block and load together at 0.05 m and 0.15 m.
+    assert!((m.external_work_j - 2.0 * G * 0.15).abs() < 1e-12, "{}", m.external_work_j);
+    assert_eq!((m.state_changes, m.impacts), (0, 0));
+    let more = "[[event]]\nat = 0.4\nset = { gravity = [0, 0, -5], \"robot.payload.0.mass\" = 3 }";
+    let m = run(&text(more));
+    assert!((m.final_normal_force_n.unwrap() - 20.0).abs() < 1e-12);
+    assert!((m.final_com_position[2] - (0.05 + 0.1 * 0.75)).abs() < 1e-12, "{:?}", m.final_com_position);
+    assert!(m.energy_error_j.abs() < 1e-12);
+}
+
+#[test]
+fn gains_change_where_a_pendulum_comes_to_rest() {
+    // Mass 1 kg and half length 0.25 m each; angles from hanging straight down.
+    let settle = |events: &str| {
+        let mut sim = simulation(&format!(
+            "duration = 30
+            integrator = {{ relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }}
+            [robot]
+            model = \"robots/pendulum/pendulum.urdf\"
+            posture = {{ shoulder = 1.0, elbow = 0.5 }}
+            joint_default = {{ mode = \"position\", kp = 40, kd = 6 }}
+            {events}"
+        ));
+        finish(&mut sim, &mut Blind);
+        let q = &sim.plant().state.joints;
+        (q[0], q[1])
+    };
+    let load = |(shoulder, elbow): (f64, f64)| {
+        let lower = 0.25 * G * (shoulder + elbow).sin();
+        (0.75 * G * shoulder.sin() + lower, lower)
+    };
+    for (events, (kp_shoulder, kp_elbow)) in [
+        ("", (40.0, 40.0)),
+        ("[[event]]\nat = 10\nset = { \"robot.joint.shoulder.kp\" = 15 }", (15.0, 40.0)),
+        // One gain leaves the other as it is.
+        ("[[event]]\nat = 10\nset = { \"robot.joint.shoulder.kd\" = 5 }", (40.0, 40.0)),
+        ("[[event]]\nat = 10\nset = { \"robot.joint_default.kp\" = 20, \"robot.joint.elbow.kp\" = 9.5 }", (20.0, 9.5)),
+    ] {
+        let at = settle(events);
+        let (shoulder, elbow) = load(at);
+        // Twenty seconds of the slowest mode, 6/9.5 s, leave e^-30; the integrator holds the rest to its tolerance.
+        assert!((kp_shoulder * (1.0 - at.0) - shoulder).abs() < 1e-8, "{events}: {at:?}");
+        assert!((kp_elbow * (0.5 - at.1) - elbow).abs() < 1e-8, "{events}: {at:?}");
+    }
+}
+
+#[test]
+fn joint_friction_changes() {
+    // With gravity off a pendulum turns for ever, until its joint is damped.
+    let mut sim = simulation(
+        "duration = 5\ngravity = [0, 0, 0]
+        [robot]
+        model = \"robots/pendulum/pendulum.urdf\"
+        velocity = { shoulder = 1.0 }
+        joint_default = { mode = \"passive\" }
+        joint = { elbow = { mode = \"position\", kp = 500, kd = 50 }, shoulder = { friction = { viscous = 0.0 } } }
+        [[event]]\nat = 1\nset = { \"robot.joint.shoulder.friction\" = { viscous = 0.1 } }",
+    );
+    finish(&mut sim, &mut Blind);
+    // Both bars turn as one: inertia 2 (I + m c^2) + m l^2 + 2 m l c about the shoulder, decay from t = 1.
+    let inertia = 2.0 * (0.2504 / 12.0 + 0.0625) + 0.25 + 0.25;
+    let wanted = (-0.1 * 4.0f64 / inertia).exp();
+    let speed = sim.plant().state.v[0];
+    // The default tolerance of 1e-6, and an elbow that gives way while the shoulder slows down.
+    assert!((speed - wanted).abs() < 1e-4, "{speed} {wanted}");
+}
+
+#[test]
+fn a_force_changes_and_others_go_on() {
+    let text = format!(
+        "duration = 1.0\nfloor = {{ friction = 0 }}\n{TIGHT}
+        [robot]\n{BLOCK}
+        [[force]]\ntype = \"constant\"\nlink = \"block\"\nforce = [0.5, 0, 0]
+        [[force]]\ntype = \"push\"\nlink = \"block\"\nforce = [0, 0.4, 0]\nstart = 0.2\nduration = 0.6
+        [[event]]\nat = 0.5\nset = {{ \"force.0.force\" = [1.5, 0, 0] }}
+        [[event]]\nat = 0.75\nset = {{ \"force.0.force.0\" = -1 }}"
+    );
+    let m = run(&text);
+    assert!((m.final_base_velocity[0] - (0.25 + 0.375 - 0.25)).abs() < 1e-10, "{:?}", m.final_base_velocity);
+    assert!((m.final_base_velocity[1] - 0.24).abs() < 1e-10, "{:?}", m.final_base_velocity);
+    assert!(m.energy_error_j.abs() < 1e-10);
+}
+
+#[test]
+fn a_flight_restored_is_flown_again_to_the_last_bit() {
+    for integrator in [
+        "{ relative_tolerance = 1e-8 }",
+        "{ method = \"bs23\" }",
+        "{ method = \"rk4\", step = 0.0009765625 }",
+        "{ method = \"semi-implicit\", step = 0.0009765625 }",
+    ] {
+        let fly = |duration: f64, more: &str| {
+            let mut sim = simulation(&format!(
+                "duration = {duration}\nintegrator = {integrator}
+                [robot]\n{BLOCK}\nsoles = []
+                base = {{ position = [0, 0, 3], linear_velocity = [1, 0.2, 2], angular_velocity = [3, -2, 1] }}
+                [[event]]\nat = 0.25\nsave = \"thrown\"\n{more}"
+            ));
+            let m = finish(&mut sim, &mut Blind);
+            (sim.plant().state.clone(), m)
+        };
+        let (once, _) = fly(0.5, "");
+        let (again, m) = fly(1.0, "[[event]]\nat = 0.75\nrestore = \"thrown\"");
+        assert_eq!(again.time, 1.0);
+        if integrator.contains("step") {
+            let flight = |s: &State| (s.position, s.rotation, s.v.clone());
+            assert_eq!(flight(&once), flight(&again), "{integrator}");
+        }
+        // The lengths of controlled steps are rounded by the time at which they begin.
+        let apart = (once.position - again.position).norm() + (once.rotation.coords - again.rotation.coords).norm();
+        let faster = once.v.iter().zip(&again.v).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-14 && faster < 1e-14, "{integrator}: {apart:e} {faster:e}");
+        // What was given back to it is work from outside.
+        assert!(m.external_work_j.abs() > 1e-3 && m.energy_error_j.abs() < 1e-4, "{integrator}: {m:?}");
+    }
+}
+
+#[test]
+fn a_slide_restored_slides_again() {
+    let text = format!(
+        "duration = 2.0\nfloor = {{ friction = 0.5 }}\n{TIGHT}
+        [robot]\n{BLOCK}\nbase = {{ linear_velocity = [1, 0, 0] }}
+        [[event]]\nat = 0.0\nsave = \"start\"
+        [[event]]\nat = 0.1\nsave = \"sliding\"
+        [[event]]\nat = 0.5\nrestore = \"sliding\"
+        [[event]]\nat = 1.5\nrestore = \"start\"
+        [[event]]\nat = 1.6\nrestore = \"sliding\""
+    );
+    let (m, told) = watch(&text);
+    let way = 1.0 / (2.0 * 0.5 * G);
+    assert!((m.final_base_position[0] - way).abs() < 1e-9, "{:?}", m.final_base_position);
+    let sticks: Vec<f64> = told.events.iter().filter(|e| e.kind == "stick").map(|e| e.time).collect();
+    let rest = 1.0 / (0.5 * G);
+    // Event location at 1e-13 of a step, and speeds below 1e-10 m/s that count as rest.
+    assert_eq!(sticks.len(), 3, "{sticks:?}");
+    for (found, wanted) in sticks.iter().zip([rest, 0.4 + rest, 1.5 + rest]) {
+        assert!((found - wanted).abs() < 1e-9, "{sticks:?}");
+    }
+    assert_eq!((m.impacts, m.inconsistent), (0, 0));
+    assert!(m.energy_error_j.abs() < 1e-9);
+    let other: Vec<_> = told.events.iter().filter(|e| !["event", "stick"].contains(&e.kind)).collect();
+    assert!(other.is_empty(), "{other:?}");
+}
+
+#[test]
+fn events_at_the_start_hold_from_the_start() {
+    let ice =
+        |how: &str| run(&format!("duration = 0.5\n{TIGHT}\n[robot]\n{BLOCK}\nbase = {{ rpy = [0, 0.2, 0] }}\n{how}"));
+    let from_start = ice("[floor]\nfriction = 0.1\nrpy = [0, 0.2, 0]");
+    let by_event = ice("[floor]\nrpy = [0, 0.2, 0]\n[[event]]\nat = 0\nset = { \"floor.friction\" = 0.1 }");
+    assert_eq!(from_start.final_base_position, by_event.final_base_position);
+    assert!(from_start.final_base_shift_m > 0.1);
+}
