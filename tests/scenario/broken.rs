@@ -134,6 +134,31 @@ const BELOW_ROBOT: &[Broken] = &[
         "`force.0.inertia` is not the inertia of a rigid body",
         "",
     ),
+    // Tasks that plan.
+    Broken("[[task]]\ntype = \"squat\"", (3, 1), "`task.0` lacks the key `depth`", ""),
+    Broken("[[task]]\ntype = \"squat\"\ndepth = 0.1\nperiod = 0", (6, 10), "must be greater than 0, not 0", ""),
+    Broken("[[task]]\ntype = \"squat\"\ndepth = 0.1\nrepetitions = 0", (6, 15), "must be at least 1, not 0", ""),
+    Broken("[[task]]\ntype = \"walk\"\nstep = 6", (5, 1), "unknown key `step` in `task.0`", "`steps`"),
+    Broken("[[task]]\ntype = \"walk\"\nsteps = 2.5", (5, 9), "`task.0.steps` must be a whole number", ""),
+    Broken(
+        "[[task]]\ntype = \"walk\"\nstep_time = 0.5\ndouble_support = 0.5",
+        (6, 18),
+        "`task.0.double_support` must be less than `step_time` = 0.5, not 0.5",
+        "",
+    ),
+    Broken("[[task]]\ntype = \"walk\"\ncom_height = -1", (5, 14), "must be greater than 0, not -1", ""),
+    Broken(
+        "[[task]]\ntype = \"balance\"\ncontrol = \"position\"\nposition = { leaning = -1 }",
+        (6, 24),
+        "must be 0 or greater, not -1",
+        "",
+    ),
+    Broken(
+        "[[task]]\ntype = \"balance\"\ncontrol = \"position\"\nposition = { mobility = { knee = -1 } }",
+        (6, 34),
+        "`task.0.position.mobility.knee` must be 0 or greater, not -1",
+        "",
+    ),
     // Springs.
     Broken("[[force]]\ntype = \"spring\"\nlink = \"a\"", (3, 1), "`force.0` lacks the key `stiffness`", ""),
     Broken(
