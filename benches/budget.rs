@@ -5,6 +5,7 @@
 use divan::{Bencher, black_box};
 
 mod dynamics;
+mod scripts;
 mod stepping;
 
 fn main() {

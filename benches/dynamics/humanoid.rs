@@ -76,6 +76,10 @@ fn joint() -> Joint {
         friction: 0.0,
         armature: 0.01,
         lag: 0.0,
+        static_friction: 0.0,
+        stribeck_velocity: 0.2,
+        slip_velocity: 0.05,
+        stop: None,
         drive: Drive::default(),
         drive_configured: false,
     }

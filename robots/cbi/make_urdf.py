@@ -75,14 +75,16 @@ SPEED = 10
 # Shapes, all estimates from the lengths: ("box", size, centre), ("sphere", radius, centre), ("rod", radius, from, to).
 # A shape of a side link is mirrored. Coarse ones marked True are collision shapes as well.
 SHAPES = {
-    "pelvis": [("box", (0.17, 0.15, 0.17), (-0.085, 0, 0.035), "dark", True)],
-    "torso_twist": [("rod", 0.07, (0, 0, -0.09), (0, 0, -0.03), "silver", False)],
-    "torso_lean": [("box", (0.11, 0.13, 0.06), (-0.02, 0, 0.02), "dark", False)],
-    "torso": [("box", (0.19, 0.27, 0.21), (0.01, 0, 0.16), "silver", True),
-              ("box", (0.01, 0.16, 0.10), (0.11, 0, 0.18), "blue", False)],
-    "neck_nod": [("rod", 0.035, (0.01, 0, -0.08), (0.005, 0, -0.01), "dark", False)],
+    "pelvis": [("box", (0.16, 0.15, 0.15), (-0.075, 0, 0.045), "dark", True),
+               ("rod", 0.045, (0, -0.06, 0), (0, 0.06, 0), "silver", False)],
+    "torso_twist": [("rod", 0.075, (-0.01, 0, -0.08), (-0.01, 0, -0.02), "silver", False)],
+    "torso_lean": [("box", (0.13, 0.16, 0.07), (-0.01, 0, 0.02), "dark", False)],
+    "torso": [("box", (0.21, 0.29, 0.21), (0, 0, 0.155), "silver", True),
+              ("box", (0.01, 0.16, 0.10), (0.11, 0, 0.175), "blue", False)],
+    "neck_nod": [("rod", 0.036, (0, 0, -0.06), (0, 0, -0.01), "dark", False)],
     "neck_tilt": [("sphere", 0.038, (0, 0, 0), "dark", False)],
-    "head": [("box", (0.15, 0.145, 0.20), (-0.012, 0, 0.18), "silver", True)],
+    "head": [("rod", 0.03, (0, 0, 0.01), (0, 0, 0.07), "dark", False),
+             ("box", (0.15, 0.145, 0.22), (-0.014, 0, 0.17), "silver", True)],
     "eye_pan": [("rod", 0.012, (0, 0, -0.03), (0, 0, -0.012), "dark", False)],
     "eye": [("sphere", 0.021, (0, 0, 0), "white", False), ("sphere", 0.009, (0.0145, 0, 0), "black", False)],
     "shoulder": [("rod", 0.045, (0, 0.11, 0.11), (0, 0.1957, 0.1957), "silver", False)],

@@ -265,7 +265,7 @@ impl Planner {
 
     fn robot(&mut self, run: &Run) -> Option<Arc<Robot>> {
         let path = run.resolve(&run.scenario.robot.model);
-        let (robot, new) = self.robots.get(&path);
+        let (robot, new) = self.robots.get(&path, &run.scenario.robot);
         match robot {
             Ok(robot) => {
                 if new {

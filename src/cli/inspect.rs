@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stiction::robot;
+use stiction::robot::{self, InertiaPolicy};
 
 use super::{Exit, terminal};
 
@@ -13,12 +13,16 @@ pub struct Inspect {
     /// A robot file or a URDF
     #[arg(value_name = "ROBOT")]
     robot: PathBuf,
+
+    /// Take the nearest physical tensor for an inertia that no body can have, and list it
+    #[arg(long)]
+    repair: bool,
 }
 
 impl Inspect {
     /// Prints the robot's model.
     pub fn execute(self) -> Result<Exit, Exit> {
-        let robot = robot::load(&self.robot).map_err(|error| {
+        let robot = robot::load_with(&self.robot, self.repair.then_some(InertiaPolicy::Repair)).map_err(|error| {
             terminal::complain(&error.render(terminal::colour()));
             Exit::Invalid
         })?;

@@ -4,8 +4,11 @@
 //! the adaptive integrator visits. Models say beforehand at which times they are not smooth, so that steps end there.
 
 pub mod anchor;
+pub mod drag;
 pub mod friction;
 pub mod profile;
+pub mod random_pushes;
+pub mod script;
 pub mod spring;
 pub mod wrench;
 
@@ -88,6 +91,10 @@ pub trait Force: Send {
     /// Adds its forces at this instant, which may lie before or after that of the last call. Allocates nothing.
     fn evaluate(&mut self, scene: &Scene, applied: &mut Applied);
 
+    /// Adds to `out` (nv) by how much its generalised force falls per change of each velocity, N s/m or N m s: velocity-level
+    /// steps take it at the end of the step. For forces that would else turn a motion round within one; not negative.
+    fn damping(&self, _scene: &Scene, _out: &mut [f64]) {}
+
     /// Times at which its value or slope jumps, s.
     fn corners(&self) -> &[f64] {
         &[]
@@ -97,4 +104,11 @@ pub trait Force: Send {
     fn fault(&mut self) -> Option<String> {
         None
     }
+}
+
+/// Stands for an entry that acts in another way than by forces.
+pub struct Nothing;
+
+impl Force for Nothing {
+    fn evaluate(&mut self, _: &Scene, _: &mut Applied) {}
 }

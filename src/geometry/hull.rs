@@ -73,6 +73,20 @@ mod tests {
     }
 
     #[test]
+    fn rounding_moves_no_corner() {
+        // Every order in x of the four points on each of two sides, by differences of one rounding.
+        for mask in 0u32..1 << 8 {
+            let mut points = Vec::new();
+            for (i, x) in [0.3f64, 0.7].into_iter().enumerate() {
+                for (j, y) in [0.1, 0.2, 0.3, 0.4].into_iter().enumerate() {
+                    points.push((if mask >> (4 * i + j) & 1 == 1 { x.next_up() } else { x }, y));
+                }
+            }
+            assert_eq!(hull(&points), [(30, 10), (70, 10), (70, 40), (30, 40)], "{mask:b}");
+        }
+    }
+
+    #[test]
     fn lines_and_points_have_hulls_too() {
         assert_eq!(hull(&[]), []);
         assert_eq!(hull(&[(0.1, 0.2); 3]), [(10, 20)]);

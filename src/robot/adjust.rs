@@ -25,6 +25,14 @@ pub struct DriveSettings {
     pub coulomb: Option<f64>,
     /// Viscous friction.
     pub viscous: Option<f64>,
+    /// Static friction.
+    pub static_friction: Option<f64>,
+    /// Speed over which it falls to Coulomb friction.
+    pub stribeck_velocity: Option<f64>,
+    /// Speed below which friction has not its full size.
+    pub slip_velocity: Option<f64>,
+    /// Stiffness and damping of the end stops.
+    pub stop: Option<(f64, f64)>,
     /// Reflected rotor inertia.
     pub armature: Option<f64>,
     /// Time constant of the actuator.
@@ -42,6 +50,10 @@ impl DriveSettings {
             velocity: self.velocity.or(other.velocity),
             coulomb: self.coulomb.or(other.coulomb),
             viscous: self.viscous.or(other.viscous),
+            static_friction: self.static_friction.or(other.static_friction),
+            stribeck_velocity: self.stribeck_velocity.or(other.stribeck_velocity),
+            slip_velocity: self.slip_velocity.or(other.slip_velocity),
+            stop: self.stop.or(other.stop),
             armature: self.armature.or(other.armature),
             lag: self.lag.or(other.lag),
         }
@@ -90,6 +102,8 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
         ("velocity", s.velocity),
         ("friction.coulomb", s.coulomb),
         ("friction.viscous", s.viscous),
+        ("friction.static", s.static_friction),
+        ("stop.damping", s.stop.map(|s| s.1)),
         ("armature", s.armature),
         ("lag", s.lag),
     ];
@@ -100,6 +114,23 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
             let subject = format!("{what} of joint `{}`", joint.name);
             return Err(bad(subject, value, "a finite number, not negative"));
         }
+    }
+    let above = [
+        ("friction.stribeck_velocity", s.stribeck_velocity),
+        ("friction.slip_velocity", s.slip_velocity),
+        ("stop.stiffness", s.stop.map(|s| s.0)),
+    ];
+    for (what, value) in above {
+        if let Some(value) = value
+            && !(value.is_finite() && value > 0.0)
+        {
+            return Err(bad(format!("{what} of joint `{}`", joint.name), value, "a finite number above 0"));
+        }
+    }
+    let coulomb = s.coulomb.unwrap_or(joint.friction);
+    if let Some(value) = s.static_friction.filter(|s| *s > 0.0 && *s < coulomb) {
+        let subject = format!("friction.static of joint `{}`", joint.name);
+        return Err(bad(subject, value, &format!("at least friction.coulomb, {coulomb}")));
     }
     let implied = if joint.drive_configured { joint.drive.mode } else { DriveMode::Position };
     let mode = match s.mode {
@@ -118,7 +149,11 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
     joint.drive_configured |= s.configures_drive();
     joint.effort_limit = s.effort.unwrap_or(joint.effort_limit);
     joint.velocity_limit = s.velocity.unwrap_or(joint.velocity_limit);
-    joint.friction = s.coulomb.unwrap_or(joint.friction);
+    joint.friction = coulomb;
+    joint.static_friction = s.static_friction.unwrap_or(joint.static_friction);
+    joint.stribeck_velocity = s.stribeck_velocity.unwrap_or(joint.stribeck_velocity);
+    joint.slip_velocity = s.slip_velocity.unwrap_or(joint.slip_velocity);
+    joint.stop = s.stop.or(joint.stop);
     joint.damping = s.viscous.unwrap_or(joint.damping);
     joint.armature = s.armature.unwrap_or(joint.armature);
     joint.lag = s.lag.unwrap_or(joint.lag);
@@ -166,11 +201,28 @@ pub fn add_payload(
     position: Vector3<f64>,
     inertia: [f64; 6],
 ) -> Result<(), RobotError> {
-    let (LinkId(index), frame) = find_link(model, link)?;
+    let (link, load) = load_on(model, link, mass, Translation3::from(position).into(), inertia)?;
+    let target = &mut model.links[link.0];
+    target.set_body(&target.body().plus(&load));
+    Ok(())
+}
+
+/// A load on the link named `link`, as seen from the internal frame of the link that carries it: mass (kg), pose of its
+/// centre of mass and axes in the named link's URDF frame, and inertia `[ixx, iyy, izz, ixy, ixz, iyz]` (kg m^2) in those
+/// axes. The model stays as it is. Errors: as [`add_payload`].
+pub fn load_on(
+    model: &Model,
+    link: &str,
+    mass: f64,
+    pose: Isometry3<f64>,
+    inertia: [f64; 6],
+) -> Result<(LinkId, RigidInertia), RobotError> {
+    let (id, frame) = find_link(model, link)?;
     let subject = |what: &str| format!("{what} of the payload on link `{link}`");
     if !(mass.is_finite() && mass > 0.0) {
         return Err(bad(subject("mass"), mass, "a finite number above 0"));
     }
+    let position = pose.translation.vector;
     if !position.iter().all(|x| x.is_finite()) {
         return Err(bad(subject("position"), format!("{:?}", position.as_slice()), "finite numbers"));
     }
@@ -185,11 +237,7 @@ pub fn add_payload(
         return Err(bad(subject("inertia"), moments_text(moments), wanted));
     }
     let load = RigidInertia { mass, com: Vector3::zeros(), tensor };
-    let load = load.moved(&(frame * Translation3::from(position)));
-    let target = &mut model.links[index];
-    let sum = RigidInertia { mass: target.mass, com: target.com, tensor: target.inertia }.plus(&load);
-    (target.mass, target.com, target.inertia) = (sum.mass, sum.com, sum.tensor);
-    Ok(())
+    Ok((id, load.moved(&(frame * pose))))
 }
 
 fn find_link(model: &Model, name: &str) -> Result<(LinkId, Isometry3<f64>), RobotError> {

@@ -8,6 +8,7 @@ use super::error::RobotError;
 use super::file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
 use super::model::{DriveMode, EndEffector, JointKind, LinkId, Model};
 use super::notice::Notices;
+use super::payload;
 use super::posture::link_poses;
 use super::source::Source;
 
@@ -21,6 +22,7 @@ pub(super) fn apply(
     home(file, source, model)?;
     let kinematic = kinematic(file, source, model)?;
     drives(file, source, model, &kinematic)?;
+    payload::weld(&file.payload, source, model)?;
     if let Some(soles) = &file.sole {
         given_soles(soles, source, model, notices)?;
     }
@@ -163,16 +165,13 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
         Some(v) => Ok(Some(*v.get_ref())),
         None => Ok(None),
     };
-    let mode = match &entry.mode {
-        None => None,
-        Some(word) => Some(match word.get_ref() {
-            ModeWord::Position => DriveMode::Position,
-            ModeWord::Force => DriveMode::Force,
-            ModeWord::Passive => DriveMode::Passive,
-            ModeWord::Velocity => DriveMode::Velocity,
-            ModeWord::Kinematic => DriveMode::Kinematic,
-        }),
-    };
+    let mode = entry.mode.as_ref().map(|word| match word.get_ref() {
+        ModeWord::Position => DriveMode::Position,
+        ModeWord::Force => DriveMode::Force,
+        ModeWord::Passive => DriveMode::Passive,
+        ModeWord::Velocity => DriveMode::Velocity,
+        ModeWord::Kinematic => DriveMode::Kinematic,
+    });
     let friction = entry.friction.clone().unwrap_or_default();
     Ok(DriveSettings {
         mode,
@@ -182,6 +181,16 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
         velocity: number("velocity", &entry.velocity)?,
         coulomb: number("friction.coulomb", &friction.coulomb)?,
         viscous: number("friction.viscous", &friction.viscous)?,
+        static_friction: number("friction.static", &friction.static_)?,
+        stribeck_velocity: number("friction.stribeck_velocity", &friction.stribeck_velocity)?,
+        slip_velocity: number("friction.slip_velocity", &friction.slip_velocity)?,
+        stop: match &entry.stop {
+            None => None,
+            Some(stop) => {
+                let stiffness = number("stop.stiffness", &Some(stop.stiffness.clone()))?.unwrap_or_default();
+                Some((stiffness, number("stop.damping", &stop.damping)?.unwrap_or_default()))
+            }
+        },
         armature: number("armature", &entry.armature)?,
         lag: number("lag", &entry.lag)?,
     })
@@ -250,7 +259,7 @@ fn joint_index(name: &Spanned<String>, source: &Source, model: &Model) -> Result
 }
 
 /// The link of that name with the pose of its URDF frame in its internal frame.
-fn known_link(
+pub(super) fn known_link(
     name: &Spanned<String>,
     element: &str,
     source: &Source,

@@ -9,6 +9,7 @@ use toml::Spanned;
 use super::angle::Angle;
 use super::error::{RobotError, nearest};
 use super::source::Source;
+use super::urdf::InertiaPolicy;
 
 /// A robot file.
 #[derive(Deserialize, JsonSchema, Debug)]
@@ -20,6 +21,8 @@ pub struct RobotFile {
     /// How the root link is held; by default fixed when the URDF's root link is called `world`, else floating.
     #[schemars(with = "Option<BaseWord>")]
     pub base: Option<Spanned<BaseWord>>,
+    /// What happens to inertias that no body can have; a scenario may override it.
+    pub inertia: Option<InertiaWord>,
     /// Joint positions of the home posture; joints not named are at 0, or at the limit nearest to 0.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, Angle>")]
@@ -34,6 +37,10 @@ pub struct RobotFile {
     /// For every joint, what its own table leaves out.
     #[schemars(with = "Option<JointEntry>")]
     pub joint_default: Option<Spanned<JointEntry>>,
+    /// Loads welded to links.
+    #[serde(default)]
+    #[schemars(with = "Vec<PayloadEntry>")]
+    pub payload: Vec<Spanned<PayloadEntry>>,
     /// Joints that follow their command exactly, without dynamics (mode `kinematic`): names in which `*` stands for any
     /// characters and `?` for one.
     #[schemars(with = "Option<Vec<String>>")]
@@ -60,6 +67,25 @@ pub enum BaseWord {
     Floating,
 }
 
+/// What happens to inertias that no body can have.
+#[derive(Deserialize, JsonSchema, Clone, Copy, Debug)]
+#[serde(rename_all = "kebab-case")]
+pub enum InertiaWord {
+    /// The robot is refused, by the link's name.
+    Refuse,
+    /// The nearest physical tensor takes its place, and a notice says so.
+    Repair,
+}
+
+impl From<InertiaWord> for InertiaPolicy {
+    fn from(word: InertiaWord) -> Self {
+        match word {
+            InertiaWord::Refuse => InertiaPolicy::Refuse,
+            InertiaWord::Repair => InertiaPolicy::Repair,
+        }
+    }
+}
+
 /// One sole.
 #[derive(Deserialize, JsonSchema, Debug)]
 #[serde(deny_unknown_fields)]
@@ -72,6 +98,30 @@ pub struct SoleEntry {
     /// Vertices in order around a convex planar polygon, m; one is a point foot, two a line foot.
     #[schemars(with = "Vec<[f64; 3]>")]
     pub polygon: Spanned<Vec<[f64; 3]>>,
+}
+
+/// A load welded to a link.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct PayloadEntry {
+    /// Name, for messages.
+    pub name: String,
+    /// Carrying link.
+    #[schemars(with = "String")]
+    pub link: Spanned<String>,
+    /// Mass, kg, above 0.
+    #[schemars(with = "f64")]
+    pub mass: Spanned<f64>,
+    /// Centre of mass in the link's URDF frame, m.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub position: Option<Spanned<[f64; 3]>>,
+    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about that centre in the link's axes, kg m^2. Without `inertia` and `size` it is a
+    /// point mass.
+    #[schemars(with = "Option<[f64; 6]>")]
+    pub inertia: Option<Spanned<[f64; 6]>>,
+    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; it is drawn, too.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub size: Option<Spanned<[f64; 3]>>,
 }
 
 /// What follows a joint's command.
@@ -117,6 +167,8 @@ pub struct JointEntry {
     /// Time constant of the actuator, s: its effort follows what is asked as a first-order lag.
     #[schemars(with = "Option<f64>")]
     pub lag: Option<Spanned<f64>>,
+    /// End stops; left out: as stiff as lets the joint's own inertia swing at 300 rad/s, critically damped.
+    pub stop: Option<StopEntry>,
 }
 
 /// Joint friction.
@@ -129,6 +181,28 @@ pub struct Friction {
     /// Proportional to speed, N m s/rad or N s/m.
     #[schemars(with = "Option<f64>")]
     pub viscous: Option<Spanned<f64>>,
+    /// At rest, N m or N, not smaller than `coulomb`; left out: as `coulomb`.
+    #[serde(rename = "static")]
+    #[schemars(with = "Option<f64>")]
+    pub static_: Option<Spanned<f64>>,
+    /// Speed over which friction falls from `static` to `coulomb`, rad/s or m/s; 0.2.
+    #[schemars(with = "Option<f64>")]
+    pub stribeck_velocity: Option<Spanned<f64>>,
+    /// Speed below which friction has not its full size, rad/s or m/s; 0.05.
+    #[schemars(with = "Option<f64>")]
+    pub slip_velocity: Option<Spanned<f64>>,
+}
+
+/// A joint's end stops: springs and dampers beyond its limits.
+#[derive(Deserialize, JsonSchema, Clone, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct StopEntry {
+    /// N m/rad or N/m.
+    #[schemars(with = "f64")]
+    pub stiffness: Spanned<f64>,
+    /// N m s/rad or N s/m; 0.
+    #[schemars(with = "Option<f64>")]
+    pub damping: Option<Spanned<f64>>,
 }
 
 /// A frame fixed to a link.

@@ -10,10 +10,13 @@ mod apply;
 mod error;
 mod file;
 mod find;
+mod friction;
+mod hull;
 mod inspect;
 pub mod model;
 mod notice;
 mod outline;
+mod payload;
 mod polygon;
 mod posture;
 mod source;
@@ -23,13 +26,16 @@ use std::path::{Path, PathBuf};
 
 pub use error::{Fault, RobotError};
 pub use file::schema;
+pub use friction::Friction;
 pub use inspect::inspect;
 pub use model::*;
 pub use notice::{Notice, Severity};
 pub use source::Source;
+pub use urdf::{InertiaPolicy, RigidInertia};
 
 use file::{BaseWord, RobotFile};
 use notice::Notices;
+use urdf::Mimic;
 
 /// A loaded robot.
 #[derive(Clone, Debug)]
@@ -46,6 +52,11 @@ pub struct Robot {
 
 /// Loads a robot file (`.toml`) or a bare URDF (`.urdf`). Errors: see [`RobotError`]; the first one found is returned.
 pub fn load(path: &Path) -> Result<Robot, RobotError> {
+    load_with(path, None)
+}
+
+/// As [`load`]; `policy`, if given, overrides what the robot file says of inertias that no body can have.
+pub fn load_with(path: &Path, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let source = Source::read(path)?;
     match extension.as_str() {
@@ -56,20 +67,26 @@ pub fn load(path: &Path) -> Result<Robot, RobotError> {
                 let fault = source.fault(file.urdf.span(), error.to_string()).element("urdf");
                 fault.wanted("the path of a URDF, relative to this file").invalid()
             })?;
-            assemble(urdf, Some((source, file)))
+            assemble(urdf, Some((source, file)), policy)
         }
-        "urdf" | "xml" => assemble(source, None),
+        "urdf" | "xml" => assemble(source, None, policy),
         _ => Err(RobotError::Read { path: path.to_owned(), reason: "it is neither a .toml nor a .urdf file".into() }),
     }
 }
 
-fn assemble(urdf: Source, file: Option<(Source, RobotFile)>) -> Result<Robot, RobotError> {
+fn assemble(
+    urdf: Source,
+    file: Option<(Source, RobotFile)>,
+    policy: Option<InertiaPolicy>,
+) -> Result<Robot, RobotError> {
     let mut notices = Notices::default();
     let base = file.as_ref().and_then(|(_, f)| f.base.as_ref()).map(|word| match word.get_ref() {
         BaseWord::Fixed => Base::Fixed,
         BaseWord::Floating => Base::Floating,
     });
-    let urdf::Loaded { mut model, meshes } = urdf::load(&urdf, base, &mut notices)?;
+    let own_policy = file.as_ref().and_then(|(_, f)| f.inertia).map(InertiaPolicy::from);
+    let policy = policy.or(own_policy).unwrap_or_default();
+    let urdf::Loaded { mut model, meshes, mimics } = urdf::load(&urdf, base, policy, &mut notices)?;
     if model.name.trim().is_empty() {
         model.name = urdf.path().file_stem().map_or("robot".into(), |stem| stem.to_string_lossy().into_owned());
         notices.info(
@@ -78,7 +95,8 @@ fn assemble(urdf: Source, file: Option<(Source, RobotFile)>) -> Result<Robot, Ro
             format!("the robot has no name: `{}` is taken", model.name),
         );
     }
-    home_within_limits(&mut model, &urdf, &mut notices);
+    let named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
+    home_within_limits(&mut model, &urdf, named, &mut notices);
     let mut files = Vec::new();
     let mut soles_given = false;
     if let Some((source, file)) = &file {
@@ -86,19 +104,37 @@ fn assemble(urdf: Source, file: Option<(Source, RobotFile)>) -> Result<Robot, Ro
         soles_given = file.sole.is_some();
         files.push((source.path().to_owned(), source.text().as_bytes().to_vec()));
     }
+    let is_named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
+    homes_that_follow(&mut model, mimics.iter().filter(|m| !is_named(&m.joint)));
     if !soles_given {
         find::find_soles(&mut model, &urdf, &mut notices);
     }
+    // Soles are found on the meshes as they stand.
+    hull::simplify_meshes(&mut model, &urdf, &mut notices);
     files.push((urdf.path().to_owned(), urdf.text().as_bytes().to_vec()));
     files.extend(meshes);
     Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.0 })
 }
 
-/// Zero is the home of a joint nobody names, unless its limits exclude it.
-fn home_within_limits(model: &mut Model, urdf: &Source, notices: &mut Notices) {
+/// A mimic joint is at home where it would be if it followed, as far as its limits let it.
+fn homes_that_follow<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mimic> + Clone) {
+    // A joint may follow one that follows: as many rounds as there are links in the longest such chain, at most.
+    for _ in mimics.clone() {
+        for mimic in mimics.clone() {
+            let (Some(joint), Some(of)) = (model.joint(&mimic.joint), model.joint(&mimic.of)) else { continue };
+            let home = mimic.multiplier * model.home[of.0] + mimic.offset;
+            if home.is_finite() {
+                model.home[joint.0] = home.clamp(model.joints[joint.0].lower, model.joints[joint.0].upper);
+            }
+        }
+    }
+}
+
+/// Zero is the home of a joint nobody names, unless its limits exclude it. `named` are those of the robot file's home.
+fn home_within_limits(model: &mut Model, urdf: &Source, named: impl Fn(&str) -> bool, notices: &mut Notices) {
     for (joint, home) in model.joints.iter().zip(&mut model.home) {
         *home = 0.0f64.clamp(joint.lower, joint.upper);
-        if *home != 0.0 {
+        if *home != 0.0 && !named(&joint.name) {
             let at = urdf.text().find(&format!("\"{}\"", joint.name)).unwrap_or(0);
             let words = format!("0 is outside the limits of joint `{}`: its home is {home}", joint.name);
             notices.info(urdf, at, words);

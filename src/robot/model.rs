@@ -9,6 +9,8 @@
 //!   velocity, both in world axes; then one number per joint. A fixed base has joints only.
 //! - The root's internal frame is its URDF frame.
 
+use super::friction::Friction;
+use super::urdf::RigidInertia;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 macro_rules! index {
@@ -98,6 +100,14 @@ pub struct Joint {
     pub damping: f64,
     /// Coulomb friction, N m or N.
     pub friction: f64,
+    /// Static friction, N m or N; Coulomb friction counts where it is greater.
+    pub static_friction: f64,
+    /// Speed over which friction falls from static to Coulomb's, rad/s or m/s, above 0.
+    pub stribeck_velocity: f64,
+    /// Speed below which friction has not its full size, rad/s or m/s, above 0.
+    pub slip_velocity: f64,
+    /// Stiffness (N m/rad or N/m) and damping (N m s/rad or N s/m) of the end stops; `None` when they follow from the inertia.
+    pub stop: Option<(f64, f64)>,
     /// Reflected rotor inertia, kg m^2 or kg.
     pub armature: f64,
     /// Time constant with which the actuator's effort follows what is asked, s; 0 when it follows at once.
@@ -106,6 +116,19 @@ pub struct Joint {
     pub drive: Drive,
     /// True when the URDF or robot file configured the drive; `joint_default` of a scenario fills the others.
     pub drive_configured: bool,
+}
+
+impl Joint {
+    /// The law of the joint's friction.
+    pub fn friction_law(&self) -> Friction {
+        Friction {
+            coulomb: self.friction,
+            viscous: self.damping,
+            static_: self.static_friction,
+            stribeck_velocity: self.stribeck_velocity,
+            slip_velocity: self.slip_velocity,
+        }
+    }
 }
 
 /// A shape fixed to a link, for pictures, hulls and sole finding.
@@ -168,6 +191,18 @@ pub struct Link {
     pub visuals: Vec<Shape>,
     /// Collision shapes.
     pub collisions: Vec<Shape>,
+}
+
+impl Link {
+    /// Mass, centre of mass and inertia, in the internal frame.
+    pub fn body(&self) -> RigidInertia {
+        RigidInertia { mass: self.mass, com: self.com, tensor: self.inertia }
+    }
+
+    /// Replaces them.
+    pub fn set_body(&mut self, body: &RigidInertia) {
+        (self.mass, self.com, self.inertia) = (body.mass, body.com, body.tensor);
+    }
 }
 
 /// A convex planar polygon of vertices that may touch the floor, fixed to one link.

@@ -50,3 +50,22 @@ pub(super) fn simplify(mut outline: Vec<Vector3<f64>>, most: usize) -> Vec<Vecto
     }
     outline
 }
+
+/// The greatest distance between two vertices, and those two.
+pub(super) fn longest(outline: &[Vector3<f64>]) -> (f64, [Vector3<f64>; 2]) {
+    let pairs = outline.iter().enumerate().flat_map(|(i, a)| outline[i + 1..].iter().map(move |b| [*a, *b]));
+    let length = |[a, b]: &[Vector3<f64>; 2]| (b - a).norm();
+    let none = outline.first().copied().unwrap_or_default();
+    pairs.max_by(|a, b| length(a).total_cmp(&length(b))).map_or((0.0, [none; 2]), |pair| (length(&pair), pair))
+}
+
+/// The least width of a convex outline seen along `up`: over its edges, how far the furthest vertex is off.
+pub(super) fn width(outline: &[Vector3<f64>], up: &Vector3<f64>) -> f64 {
+    let n = outline.len();
+    let off_edge = |i: usize| {
+        let edge = outline[(i + 1) % n] - outline[i];
+        let inward = up.cross(&edge).normalize();
+        outline.iter().map(|p| inward.dot(&(p - outline[i]))).fold(0.0, f64::max)
+    };
+    if n < 3 { 0.0 } else { (0..n).map(off_edge).fold(f64::INFINITY, f64::min) }
+}

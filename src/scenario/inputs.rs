@@ -1,4 +1,4 @@
-//! Files that a scenario names beside its robot, such as motions: read when it is expanded, so that a run's key, its
+//! Files that a scenario names beside its robot, such as motions and scripts: read when it is expanded, so that a run's key, its
 //! records and what is simulated rest on the same bytes.
 
 use std::{
@@ -56,5 +56,7 @@ impl Files {
 /// Dotted paths of the values that name files, and these names as written.
 fn named(scenario: &Scenario) -> impl Iterator<Item = (String, &str)> {
     let tasks = scenario.task.iter().enumerate();
-    tasks.filter_map(|(i, task)| Some((format!("task.{i}.file"), task.file()?)))
+    let forces = scenario.force.iter().enumerate();
+    let of_tasks = tasks.filter_map(|(i, task)| Some((format!("task.{i}.file"), task.file()?)));
+    of_tasks.chain(forces.filter_map(|(i, force)| Some((format!("force.{i}.file"), force.file()?))))
 }

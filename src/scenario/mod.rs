@@ -41,9 +41,11 @@ pub use file::{ScenarioFile, load, parse};
 pub use inputs::Input;
 pub use key::key;
 pub use overrides::parse_override;
+pub use quantity::Angle;
 pub use scenario::{FORMAT, Scenario};
 pub use schema::schema;
 pub use spec::{
+    change::ChangeSpec,
     compare::{CompareSpec, TruthMetric},
     contact::{
         ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec, LcpSpec, NcpSpec,
@@ -54,19 +56,22 @@ pub use spec::{
     expect::{Expect, ExpectedOutcome, METRICS},
     floor::{FloorSpec, Friction, PatchSpec},
     force::{
-        AnchorSpec, ConstantForce, ForceFrame, ForceSpec, JointFrictionForce, PathShape, Profile, PushForce, RampForce,
-        SineSpec, SpringForce, WaypointSpec,
+        AnchorSpec, CarriedObject, ConstantForce, Directions, DragForce, ForceFrame, ForceSpec, JointFrictionForce,
+        PathShape, Profile, PushForce, RampForce, RandomPushes, ScriptForce, SineSpec, SpringForce, WaypointSpec,
     },
     planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},
     robot::{
-        BaseSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec, SoleSpec,
+        BaseSpec, InertiaSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec,
+        SoleSpec,
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
     sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
     task::{
-        BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PostureTask, TaskSpec,
+        BalanceControl, BalanceTask, Contacts, Ends, ForceBalance, Gains, GravityCompensationTask, MocapTarget,
+        MocapTask, PlaybackChange, PlaybackTask, PositionBalance, PostureTask, Recorded, ScriptTask, SineChange,
+        SineJoint, SineJointChange, SineTask, SquatTask, TaskSpec, WalkTask,
     },
 };
 pub use suggest::help as suggest;

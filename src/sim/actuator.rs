@@ -4,15 +4,14 @@
 //! position  tau = clip(kp (q_des - q) + kd (qd_des - qd) + feed-forward, effort limit)
 //! velocity  tau = clip(kd (qd_des - qd) + feed-forward, effort limit)
 //! force     tau = clip(feed-forward, effort limit)
-//! friction  tau = -d qd - c tanh(qd / v_s)                                 (URDF dynamics)
+//! friction  see robot::friction
 //! stop      tau = -max(0, k p + b p')   with p the travel beyond the limit
 //! ```
 //!
 //! A stop is a stiff one-sided spring and damper: real end stops yield, and the spring keeps the joint's dynamics
-//! within reach of an explicit integrator. Its stiffness makes the joint's own inertia swing at `STOP_RATE`, critically
-//! damped.
+//! within reach of an explicit integrator. Unless the robot says otherwise its stiffness makes the joint's own inertia swing
+//! at `STOP_RATE`, critically damped.
 
-use crate::force::friction::{SLIP_SPEED, coulomb};
 use crate::robot::{DriveMode, Joint, JointKind, Model};
 use crate::task::Command;
 
@@ -27,9 +26,10 @@ pub struct Stop {
 }
 
 impl Stop {
-    /// For a joint that feels `inertia` (kg m^2 or kg).
-    pub fn new(inertia: f64) -> Self {
-        Stop { stiffness: inertia * STOP_RATE * STOP_RATE, damping: 2.0 * inertia * STOP_RATE }
+    /// The joint's own, or one for a joint that feels `inertia` (kg m^2 or kg).
+    pub fn new(joint: &Joint, inertia: f64) -> Self {
+        let (stiffness, damping) = joint.stop.unwrap_or((inertia * STOP_RATE * STOP_RATE, 2.0 * inertia * STOP_RATE));
+        Stop { stiffness, damping }
     }
 
     /// Effort at position `q` and velocity `qd`.
@@ -46,9 +46,9 @@ impl Stop {
     }
 }
 
-/// Servo effort before clipping, and whether the limit clips it.
-pub fn servo(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command) -> (f64, bool) {
-    let wanted = match command.mode[j] {
+/// Servo effort before clipping.
+pub fn wanted(j: usize, q: f64, qd: f64, command: &Command) -> f64 {
+    match command.mode[j] {
         DriveMode::Position => {
             command.kp[j] * (command.position[j] - q) + command.kd[j] * (command.velocity[j] - qd) + command.effort[j]
         }
@@ -56,30 +56,60 @@ pub fn servo(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command) -> (f6
         DriveMode::Force => command.effort[j],
         // What moves a kinematic joint follows from its motion.
         DriveMode::Passive | DriveMode::Kinematic => 0.0,
-    };
+    }
+}
+
+/// Servo effort, and whether the limit clips it.
+pub fn servo(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command) -> (f64, bool) {
+    let wanted = wanted(j, q, qd, command);
     let clipped = wanted.clamp(-joint.effort_limit, joint.effort_limit);
     (clipped, clipped != wanted)
 }
 
-/// How much less effort a servo gives over a velocity-level step of size `dt` per change of the velocity, times `dt`.
-pub fn implicit_gain(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command, dt: f64) -> f64 {
-    let gain = match command.mode[j] {
-        DriveMode::Position => dt * command.kd[j] + dt * dt * command.kp[j],
-        DriveMode::Velocity => dt * command.kd[j],
-        _ => return 0.0,
-    };
-    if servo(joint, j, q, qd, command).1 { 0.0 } else { gain }
+/// What a servo that is not clipped gives over a velocity-level step of size `dt`, beside its effort at the present state:
+/// the part that follows from the position which the present velocity leads to, and how much less it gives per change of
+/// the velocity, times `dt`.
+pub fn implicit(j: usize, qd: f64, command: &Command, dt: f64) -> (f64, f64) {
+    match command.mode[j] {
+        DriveMode::Position => (-command.kp[j] * dt * qd, dt * command.kd[j] + dt * dt * command.kp[j]),
+        DriveMode::Velocity => (0.0, dt * command.kd[j]),
+        _ => (0.0, 0.0),
+    }
 }
 
-/// Adds the passive efforts of all joints: URDF friction and, if wanted, stops. `q` and `qd` per joint, `tau` per joint.
+/// Adds the passive efforts of all joints: friction and, if wanted, stops. `q` and `qd` per joint, `tau` per joint.
 pub fn passive(model: &Model, stops: Option<&[Stop]>, q: &[f64], qd: &[f64], tau: &mut [f64]) {
     for (j, joint) in model.joints.iter().enumerate() {
-        tau[j] -= joint.damping * qd[j];
-        if joint.friction > 0.0 {
-            tau[j] += coulomb(joint.friction, qd[j], SLIP_SPEED);
-        }
+        tau[j] += joint.friction_law().effort(qd[j]);
         if let Some(stops) = stops {
             tau[j] += stops[j].effort(joint, q[j], qd[j]);
+        }
+    }
+}
+
+/// The same over a velocity-level step of size `dt`: referred to the position that the present velocity leads to, and by
+/// how much they fall per change of the velocity, times `dt`, into `give`.
+///
+/// Friction is taken by its secant at the velocity of the step's end, so it may be as steep as it likes; a stop acts if
+/// it would with the present velocity.
+pub fn passive_implicit(
+    model: &Model,
+    stops: Option<&[Stop]>,
+    q: &[f64],
+    qd: &[f64],
+    dt: f64,
+    tau: &mut [f64],
+    give: &mut [f64],
+) {
+    for (j, joint) in model.joints.iter().enumerate() {
+        let friction = joint.friction_law();
+        tau[j] += friction.effort(qd[j]);
+        give[j] = dt * friction.secant(qd[j]);
+        let Some(stop) = stops.map(|s| &s[j]) else { continue };
+        let effort = stop.effort(joint, q[j] + dt * qd[j], qd[j]);
+        if effort != 0.0 {
+            tau[j] += effort;
+            give[j] += dt * stop.damping + dt * dt * stop.stiffness;
         }
     }
 }

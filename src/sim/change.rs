@@ -92,7 +92,11 @@ impl Simulation {
         if let Some(slot) = change.restore {
             self.restore(slot);
         }
+        let another = change.model.is_some();
         self.plant.take_over(change).map_err(|m| Stop::new(Outcome::Error, m))?;
+        if another {
+            self.hold_on();
+        }
         for command in [&mut self.tasks.command, &mut self.plant.command] {
             for &(j, kp, kd) in &change.gains {
                 (command.kp[j], command.kd[j]) = (kp, kd);

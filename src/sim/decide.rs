@@ -135,7 +135,7 @@ impl Simulation {
     }
 
     /// Velocity jump of an impact.
-    fn impact(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+    pub(super) fn impact(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         let rules = self.rules();
         let tol = self.tolerances;
         let forced = self.forced(self.plant.state.time);

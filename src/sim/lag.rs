@@ -30,12 +30,11 @@ impl Plant {
     pub(super) fn lag_behind(&mut self, dt: Option<f64>) {
         for (i, &j) in self.lagging.iter().enumerate() {
             let z = self.state.actuators[i];
-            self.asked[i] = self.servo[j];
+            self.asked[i] = (self.servo[j], self.drive_give[j]);
+            let mean = dt.map_or(0.0, |dt| shares(dt / self.model.joints[j].lag).1);
             self.efforts[j] = z;
-            self.servo[j] = match dt {
-                None => z,
-                Some(dt) => z + shares(dt / self.model.joints[j].lag).1 * (self.asked[i] - z),
-            };
+            self.servo[j] = z + mean * (self.asked[i].0 - z);
+            self.drive_give[j] *= mean;
         }
     }
 
@@ -45,14 +44,15 @@ impl Plant {
             .iter()
             .zip(&self.asked)
             .zip(&self.state.actuators)
-            .map(|((&j, u), z)| (u - z) / self.model.joints[j].lag)
+            .map(|((&j, (u, _)), z)| (u - z) / self.model.joints[j].lag)
     }
 
     /// Lets the actuators follow over a velocity-level step of size `dt` that changed the velocity by `dv`.
     pub(super) fn lag_over(&mut self, dv: &[f64], dt: f64) {
         let nb = self.model.nb();
         for (i, &j) in self.lagging.iter().enumerate() {
-            let u = self.asked[i] - self.gains[j] / dt * dv[nb + j];
+            let (asked, gain) = self.asked[i];
+            let u = asked - gain / dt * dv[nb + j];
             self.state.actuators[i] += shares(dt / self.model.joints[j].lag).0 * (u - self.state.actuators[i]);
         }
     }

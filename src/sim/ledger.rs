@@ -30,6 +30,11 @@ impl Flows {
         actuators + external - joints - friction - dampers
     }
 
+    /// Adds energy that came from outside, J.
+    pub fn bring(&mut self, energy: f64) {
+        self.0[1] += energy;
+    }
+
     /// Adds the flows of a step.
     pub fn add(&mut self, more: &Flows) {
         self.0.iter_mut().zip(more.0).for_each(|(sum, x)| *sum += x);
@@ -122,13 +127,11 @@ impl super::plant::Plant {
         let mean = |i: usize| self.state.v[i] - 0.5 * dv[i];
         let (mut actuators, mut joints) = (0.0, 0.0);
         for (j, (servo, passive)) in self.servo.iter().zip(&self.passive).enumerate() {
-            let joint = &self.model.joints[j];
-            let damping = dt * joint.damping;
-            let gains = self.shift[nb + j] - damping;
-            actuators += mean(nb + j) * (dt * servo - gains * dv[nb + j]);
-            joints -= mean(nb + j) * (dt * passive - damping * dv[nb + j]);
+            actuators += mean(nb + j) * (dt * servo - self.drive_give[j] * dv[nb + j]);
+            joints -= mean(nb + j) * (dt * passive - self.give[j] * dv[nb + j]);
         }
-        let external: f64 = (0..dv.len()).map(|i| mean(i) * dt * self.external[i]).sum();
+        let external: f64 =
+            (0..dv.len()).map(|i| mean(i) * (dt * self.external[i] - self.external_give[i] * dv[i])).sum();
         let mut friction = 0.0;
         for (s, sole) in self.problem.soles.iter().enumerate() {
             for (i, (vertex, t)) in sole.vertices.iter().zip(&self.solution.tangent[s]).enumerate() {

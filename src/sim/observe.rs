@@ -1,5 +1,6 @@
 //! What a run tells: snapshots.
 
+use super::actuator;
 use super::estimate::Estimator;
 use super::plant::Plant;
 use super::report::{EstimateSnapshot, Snapshot, SoleSnapshot};
@@ -7,7 +8,7 @@ use crate::contact::residual;
 use crate::dynamics::body;
 use crate::geometry::stable_point::Edge;
 use crate::geometry::{convex_hull, stable_point};
-use crate::robot::Model;
+use crate::robot::{DriveMode, Model};
 use crate::task::Sensed;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::fmt::Write;
@@ -18,6 +19,7 @@ pub fn blank(model: &Model) -> Snapshot {
         q: vec![0.0; model.nj()],
         qd: vec![0.0; model.nj()],
         effort: vec![0.0; model.nj()],
+        effort_desired: vec![0.0; model.nj()],
         q_desired: vec![0.0; model.nj()],
         qd_desired: vec![0.0; model.nj()],
         link_poses: vec![Isometry3::identity(); model.links.len()],
@@ -87,6 +89,11 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
     out.q.copy_from_slice(&state.joints);
     out.qd.copy_from_slice(&state.v[nb..]);
     out.effort.copy_from_slice(&plant.efforts);
+    for (j, desired) in out.effort_desired.iter_mut().enumerate() {
+        let guided = plant.command.mode[j] == DriveMode::Kinematic;
+        let wanted = actuator::wanted(j, state.joints[j], state.v[nb + j], &plant.command);
+        *desired = if guided { plant.efforts[j] } else { wanted };
+    }
     out.q_desired.copy_from_slice(&plant.command.position);
     out.qd_desired.copy_from_slice(&plant.command.velocity);
     for (i, pose) in out.link_poses.iter_mut().enumerate() {

@@ -7,6 +7,7 @@
 //! | `penalty` | x | x | x | x | | |
 //! | `lcp`, `ncp` | | | | x | | |
 
+use crate::robot::{Base, DriveMode, Model};
 use crate::scenario::{ContactMethod, Diagnostic, IntegratorMethod, Run};
 
 /// Every integrator.
@@ -64,6 +65,30 @@ pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
         let message = format!("`contact.forced` does not work with `contact.method` = \"{method}\", which {reason}");
         let help = "methods \"exact\" and \"one-step\" can be told theirs".to_owned();
         errors.push(run.error_at("contact.forced", message, Some(help)));
+    }
+}
+
+/// Refuses soles that only prescribed motions carry: no contact force could change how they move.
+pub(super) fn check_soles(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
+    if model.base == Base::Floating {
+        return;
+    }
+    for sole in &model.soles {
+        let mut up = Some(sole.link);
+        let mut free = false;
+        while let Some(link) = up.filter(|link| link.0 > 0) {
+            free |= model.joints[link.0 - 1].drive.mode != DriveMode::Kinematic;
+            up = model.links[link.0].parent;
+        }
+        if !free {
+            let message = format!(
+                "sole `{}` moves as prescribed: every joint between it and the fixed root is kinematic, and no contact \
+                 force could hold it",
+                sole.name
+            );
+            let help = "set `robot.soles` = [] if it touches nothing".to_owned();
+            errors.push(run.error_at("robot.model", message, Some(help)));
+        }
     }
 }
 

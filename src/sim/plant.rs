@@ -9,7 +9,6 @@
 
 use super::actuator::{self, Stop};
 use super::guide::Guide;
-use super::lag;
 use super::layout::Layout;
 use super::setup::{Floor, Setup};
 use super::zones::Place;
@@ -20,7 +19,7 @@ use crate::contact::state::States;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, factor, kinematics, reduced, rnea};
 use crate::force::{Applied, Force, Scene, Tell};
 use crate::integrate::System;
-use crate::robot::{DriveMode, Model, SoleId};
+use crate::robot::{LinkId, Model, RigidInertia, SoleId};
 use crate::task::Command;
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
@@ -85,16 +84,22 @@ pub struct Plant {
     pub acceleration: Vec<f64>,
     /// What the implicit step adds to the diagonal of M; zero for evaluations in continuous time.
     pub(super) shift: Vec<f64>,
-    /// What the servos themselves would add there, by joint.
-    pub(super) gains: Vec<f64>,
+    /// What the drives add there, by joint.
+    pub(super) drive_give: Vec<f64>,
+    /// What friction and stops of the joints add there, by joint.
+    pub(super) give: Vec<f64>,
+    /// What external forces add there, nv.
+    pub(super) external_give: Vec<f64>,
+    /// Joints that a velocity-level step holds on the line of their speed limit.
+    pub(super) on_line: Vec<bool>,
     /// Motions of kinematic joints.
     pub(super) guide: Guide,
     /// Prescribed accelerations, by joint.
     pub(super) demanded: Vec<f64>,
     /// Joints whose actuators lag.
     pub(super) lagging: Vec<usize>,
-    /// What was asked of these at the last evaluation.
-    pub(super) asked: Vec<f64>,
+    /// What was asked of these at the last evaluation, and what the servo adds to `shift`.
+    pub(super) asked: Vec<(f64, f64)>,
     pub(super) scratch: Vec<f64>,
     /// Evaluations so far.
     pub evaluations: u64,
@@ -115,9 +120,9 @@ impl Plant {
         let mut ws = Workspace::new(&model);
         kinematics::update(&model, &state, &mut ws);
         crba::mass_matrix(&model, &mut ws);
-        let stops = setup
-            .joint_stops
-            .then(|| (0..nj).map(|j| Stop::new(ws.mass.get(model.nb() + j, model.nb() + j))).collect());
+        let stops = setup.joint_stops.then(|| {
+            (0..nj).map(|j| Stop::new(&model.joints[j], ws.mass.get(model.nb() + j, model.nb() + j))).collect()
+        });
         let directions = model.soles.iter().map(|s| vec![Vector2::zeros(); s.vertices.len()]).collect();
         Plant {
             layout: Layout::new(&model),
@@ -145,10 +150,13 @@ impl Plant {
             arrows: Vec::with_capacity(16),
             acceleration: vec![0.0; nv],
             shift: vec![0.0; nv],
-            gains: vec![0.0; nj],
+            drive_give: vec![0.0; nj],
+            give: vec![0.0; nj],
+            external_give: vec![0.0; nv],
+            on_line: vec![false; nj],
             guide: Guide::new(nj),
             demanded: vec![0.0; nj],
-            asked: vec![0.0; model.lagging().count()],
+            asked: vec![(0.0, 0.0); model.lagging().count()],
             lagging: model.lagging().map(|j| j.0).collect(),
             scratch: vec![0.0; nv],
             evaluations: 0,
@@ -168,26 +176,33 @@ impl Plant {
         self.finish_free();
     }
 
-    /// As [`evaluate_free`](Self::evaluate_free) for a velocity-level step of size `dt`: servo and damping are taken at
-    /// the end of the step, which adds `dt (kd + d) + dt^2 kp` to the diagonal of M.
+    /// As [`evaluate_free`](Self::evaluate_free) for a velocity-level step of size `dt`: servo, friction and stops are taken
+    /// at the end of the step, which adds `dt (kd + d) + dt^2 kp` to the diagonal of M.
     pub fn evaluate_implicit(&mut self, dt: f64) {
         self.evaluations += 1;
         self.move_links();
+        self.on_line.fill(false);
+        self.pose_implicit(dt);
+        if self.enter_band(dt) {
+            self.pose_implicit(dt);
+        }
+    }
+
+    fn pose_implicit(&mut self, dt: f64) {
         self.efforts(Some(dt));
         let nb = self.model.nb();
-        for (j, joint) in self.model.joints.iter().enumerate() {
-            let (q, qd) = (self.state.joints[j], self.state.v[nb + j]);
-            let gains = actuator::implicit_gain(joint, j, q, qd, &self.command, dt);
-            self.gains[j] = gains;
-            let share = if joint.lag > 0.0 { lag::shares(dt / joint.lag).1 } else { 1.0 };
-            self.shift[nb + j] = dt * joint.damping + gains * share;
+        for ((shift, give), drive) in self.shift[nb..].iter_mut().zip(&self.give).zip(&self.drive_give) {
+            *shift = give + drive;
+        }
+        for (shift, give) in self.shift.iter_mut().zip(&self.external_give) {
+            *shift += give;
         }
         self.demand(Some(dt));
         self.finish_free();
     }
 
     /// Brings the kinematics to `self.state`, unless they are there: a fixed step begins where the last one ended.
-    fn move_links(&mut self) {
+    pub(super) fn move_links(&mut self) {
         let (state, at) = (&self.state, &mut self.placed);
         at.time = state.time;
         if *at != *state {
@@ -201,6 +216,15 @@ impl Plant {
         self.placed.position.x = f64::NAN;
     }
 
+    /// Replaces the inertia of a link at `self.state`.
+    pub(super) fn set_body(&mut self, link: LinkId, body: &RigidInertia) {
+        let model = Arc::make_mut(&mut self.model);
+        model.links[link.0].set_body(body);
+        self.problem.scale = load_scale(model, &self.gravity);
+        self.placed.copy_from(&self.state);
+        kinematics::update(&self.model, &self.state, &mut self.ws);
+    }
+
     /// Fills tau with actuators, passive joint efforts and external forces. With a step size the position servo is
     /// referred to the position that the present velocity leads to, as the implicit step requires.
     fn efforts(&mut self, dt: Option<f64>) {
@@ -208,17 +232,25 @@ impl Plant {
         for (j, joint) in self.model.joints.iter().enumerate() {
             let (q, qd) = (self.state.joints[j], self.state.v[nb + j]);
             let (effort, clipped) = actuator::servo(joint, j, q, qd, &self.command);
-            let ahead = match dt {
-                Some(dt) if self.command.mode[j] == DriveMode::Position && !clipped => -self.command.kp[j] * dt * qd,
-                _ => 0.0,
+            let (ahead, gain) = match dt {
+                Some(dt) if !clipped => actuator::implicit(j, qd, &self.command, dt),
+                _ => (0.0, 0.0),
             };
             self.efforts[j] = effort;
             self.servo[j] = effort + ahead;
+            self.drive_give[j] = gain;
         }
         self.lag_behind(dt);
+        self.limit_speeds(dt);
         self.passive.fill(0.0);
-        let (stops, state) = (self.stops.as_deref(), &self.state);
-        actuator::passive(&self.model, stops, &state.joints, &state.v[nb..], &mut self.passive);
+        let (stops, joints, rates) = (self.stops.as_deref(), &self.state.joints, &self.state.v[nb..]);
+        match dt {
+            None => actuator::passive(&self.model, stops, joints, rates, &mut self.passive),
+            Some(dt) => {
+                let (passive, give) = (&mut self.passive, &mut self.give);
+                actuator::passive_implicit(&self.model, stops, joints, rates, dt, passive, give);
+            }
+        }
         self.external.fill(0.0);
         self.arrows.clear();
         let scene = Scene {
@@ -231,6 +263,11 @@ impl Plant {
         let mut applied = Applied::new(&mut self.external, &mut self.arrows);
         for force in &mut self.forces {
             force.evaluate(&scene, &mut applied);
+        }
+        if let Some(dt) = dt {
+            self.external_give.fill(0.0);
+            self.forces.iter().for_each(|force| force.damping(&scene, &mut self.external_give));
+            self.external_give.iter_mut().for_each(|give| *give *= dt);
         }
         self.tau.copy_from_slice(&self.external);
         for (tau, (servo, passive)) in self.tau[nb..].iter_mut().zip(self.servo.iter().zip(&self.passive)) {
@@ -401,6 +438,11 @@ impl Plant {
     pub fn sole_origin(&self, s: usize) -> Vector3<f64> {
         self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point))
     }
+}
+
+/// The size of contact forces to expect: the weight, N, or the mass where little or nothing pulls.
+pub(super) fn load_scale(model: &Model, gravity: &Vector3<f64>) -> f64 {
+    model.mass() * gravity.norm().max(1.0)
 }
 
 impl System for Plant {

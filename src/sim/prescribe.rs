@@ -97,7 +97,8 @@ impl Plant {
             let k = nb + j;
             let contact = self.contact_load(&self.solution.wrench, k);
             // Passive efforts as `step_flows` takes them: with what the implicit step adds.
-            let others = self.external[k] + self.passive[j] - self.shift[k] * dv[k] / dt;
+            let give = self.give[j] + self.external_give[k];
+            let others = self.external[k] + self.passive[j] - give * dv[k] / dt;
             self.efforts[j] = (self.scratch[k] - contact) / dt + self.ws.bias[k] - others;
             self.servo[j] = self.efforts[j];
         }

@@ -24,6 +24,8 @@ pub struct Snapshot {
     pub qd: Vec<f64>,
     /// Actuator efforts (friction and stops not included).
     pub effort: Vec<f64>,
+    /// Efforts that the drives ask for, before limits and lag; in mode `kinematic` those of `effort`.
+    pub effort_desired: Vec<f64>,
     /// Desired joint positions.
     pub q_desired: Vec<f64>,
     /// Desired joint velocities.

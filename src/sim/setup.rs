@@ -2,6 +2,7 @@
 
 use super::change::Change;
 use super::estimate::EstimatorSetup;
+use super::loads::Load;
 use super::patch::Patch;
 use super::sensors::SensorErrors;
 use crate::contact::method::Parameters;
@@ -138,6 +139,8 @@ pub struct Setup {
     pub tasks: TaskServer,
     /// External forces.
     pub forces: Vec<Box<dyn Force>>,
+    /// Objects that links carry for a time.
+    pub loads: Vec<Load>,
     /// Errors of the sensors; none: they tell the truth.
     pub sensors: Option<SensorErrors>,
     /// Where tasks have the base's state from.
@@ -154,4 +157,6 @@ pub struct Setup {
     pub log_rate: f64,
     /// End the run when the base is lower than this above the floor, m.
     pub fallen_below: Option<f64>,
+    /// What else there is to tell a person.
+    pub notes: Vec<String>,
 }

@@ -6,9 +6,10 @@ use super::estimate::Estimator;
 use super::explicit::{Explicit, Sizes};
 use super::fixed::Fixed;
 use super::ledger::Flows;
+use super::loads::Loads;
 use super::marks::Marks;
 use super::measure::Tally;
-use super::plant::Plant;
+use super::plant::{Plant, load_scale};
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::sample::Sampler;
 use super::sensors::Sensors;
@@ -58,6 +59,7 @@ pub struct Simulation {
     pub(super) tolerances: Tolerances,
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
+    pub(super) loads: Loads,
     pub(super) sensors: Sensors,
     pub(super) estimator: Estimator,
     pub(super) metrics: Metrics,
@@ -123,12 +125,14 @@ impl Simulation {
                 (v.mu_s, v.mu_k) = (setup.floor.mu_s, setup.floor.mu_k);
             }
         }
-        problem.scale = model.mass() * setup.gravity.norm().max(1.0);
+        problem.scale = load_scale(&model, &setup.gravity);
         let method = method::make(&setup.contact.method, &setup.contact.parameters, &problem)
             .ok_or_else(|| error(format!("unknown contact method `{}`", setup.contact.method)))?;
         let projection = Solution::new(&problem);
         let plant = Plant::new(&mut setup, method, problem);
         let mut corners: Vec<f64> = plant.forces.iter().flat_map(|f| f.corners().iter().copied()).collect();
+        let loads = Loads::new(&model, std::mem::take(&mut setup.loads));
+        corners.extend(loads.corners());
         corners.extend(setup.contact.forced.iter().flat_map(|f| [f.from, f.to]));
         for change in &setup.changes {
             corners.push(change.at);
@@ -169,6 +173,7 @@ impl Simulation {
             tolerances,
             contact: setup.contact,
             tasks: setup.tasks,
+            loads,
             sensors,
             estimator,
             metrics: Metrics::default(),
@@ -235,6 +240,7 @@ impl Simulation {
         self.init_forces()?;
         self.happen(observer)?;
         self.pass_forces(observer)?;
+        self.pass_loads(observer)?;
         self.run_tasks(observer)?;
         self.plant.fill_actuators();
         self.plant.within = 0.0;
@@ -268,6 +274,7 @@ impl Simulation {
         let happens = corner && self.happen(observer)?;
         if corner {
             self.pass_forces(observer)?;
+            self.pass_loads(observer)?;
         }
         if ticks {
             self.run_tasks(observer)?;
@@ -418,6 +425,11 @@ impl Simulation {
         super::observe::fill(&mut self.plant, &mut self.edges, &mut self.snapshot);
         self.snapshot.energy = self.balance();
         observer.snapshot(&self.snapshot).map_err(|m| Stop::new(Outcome::Error, m))
+    }
+
+    /// Are steps taken at the velocity level? (Not while one is being taken.)
+    pub(super) fn steps_velocities(&self) -> bool {
+        matches!(self.stepper, Some(Stepper::Fixed(_)))
     }
 
     /// Are events located inside steps?

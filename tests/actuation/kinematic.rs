@@ -2,9 +2,10 @@
 
 use super::{SILENT, hinge, link, robot, simulation};
 use crate::analytic::body::G;
-use crate::analytic::support::{Told, finish, rk4};
+use crate::analytic::support::{Told, finish, rk4, root};
 use stiction::dynamics::body;
-use stiction::sim::Blind;
+use stiction::scenario;
+use stiction::sim::{Blind, build};
 
 const TIGHT: &str = "integrator = { relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }";
 
@@ -198,6 +199,25 @@ fn a_command_that_jumps_is_reached_within_one_tick() {
     // 0.1 rad within a millisecond, at 150 rad/s: some 0.5 kg m^2 hold 5600 J on the way, of which the integrator's
     // tolerance of 1e-6 lets a part of that size go.
     assert!(metrics.max_energy_error_j < 1e-6 * 5600.0 && metrics.impacts == 0, "{metrics:?}");
+}
+
+#[test]
+fn a_sole_that_only_prescribed_motions_carry_is_refused() {
+    let text = |mode: &str| {
+        PENDULUM.replace("soles = []", "soles = [{ name = \"tip\", link = \"lower\", polygon = [[0, 0, -0.5]] }]")
+            + &format!("joint.elbow = {{ mode = \"{mode}\" }}\n")
+    };
+    let setup = |mode: &str| {
+        let text = text(mode)
+            .replace("joint = { shoulder = { mode = \"kinematic\" } }", "joint.shoulder = { mode = \"kinematic\" }");
+        let file = scenario::parse(&root().join("test.toml"), &text).unwrap_or_else(|e| panic!("{e}"));
+        let run = file.expand(&[]).unwrap_or_else(|e| panic!("{e}")).remove(0);
+        let robot = stiction::robot::load(&run.resolve(&run.scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"));
+        build::setup(&run, &robot).map(|_| ()).map_err(|e| e.to_string())
+    };
+    assert_eq!(setup("passive"), Ok(()));
+    let message = setup("kinematic").expect_err("nothing could hold it");
+    assert!(message.contains("sole `tip` moves as prescribed") && message.contains("test.toml:5:"), "{message}");
 }
 
 /// HOAP-2 with its head kinematic, nodding, on the floor or above it.

@@ -1,5 +1,7 @@
 //! Drives, limits, friction and lag of joints against closed forms and conservation laws.
 
+mod drives;
+mod friction;
 mod kinematic;
 mod lag;
 

@@ -67,7 +67,7 @@ fn table() -> Vec<Broken> {
         scenario("not finite", "[floor]\nheight = inf #@@"),
         scenario("bad angle", "[floor]\nrpy = [0, \"30 dge\", 0] #@@"),
         scenario("unknown task", "[[task]]\ntype = \"posutre\" #@@"),
-        scenario("task not available yet", "[[task]]\ntype = \"sine\" #@@"),
+        scenario("task not available yet", "[[task]]\ntype = \"balance\" #@@"),
         scenario("unknown metric", "[[expect]]\nmetric = \"final_bas_x\" #@@\nmin = 0"),
         // Scenario: sweeps.
         scenario("swept key unknown", "[sweep]\ngrid = { \"floor.frction\" = [0.1, 0.2] } #@@"),
@@ -111,15 +111,14 @@ fn table() -> Vec<Broken> {
         urdf("URDF: no mass", "<mass value=\"1\"/>", "<mass value=\"0\"/><!--@@-->"),
         urdf("URDF: no number", "<mass value=\"1\"/>", "<mass value=\"heavy\"/><!--@@-->"),
         urdf(
-            "URDF: comma vector",
+            "URDF: comma in place of a number",
             "<box size=\"0.2 0.2 0.1\"/></geometry>\n      <material",
-            "<box size=\"0.2, 0.2, 0.1\"/></geometry><!--@@-->\n      <material",
+            "<box size=\"0.2,, 0.1\"/></geometry><!--@@-->\n      <material",
         ),
         urdf("URDF: impossible inertia", "izz=\"0.0066666666666666667\"/>", "izz=\"1.0\"/><!--@@-->"),
-        arm("URDF: no limits", "\"revolute\"><!--@@-->", PARENT, "<axis xyz=\"0 1 0\"/>"),
-        arm("URDF: joint type", "\"planar\"><!--@@-->", PARENT, "<axis xyz=\"0 1 0\"/>"),
+        arm("URDF: one limit", "\"revolute\">", PARENT, "<axis xyz=\"0 1 0\"/><limit lower=\"-1\"/><!--@@-->"),
+        arm("URDF: joint type", "\"spherical\"><!--@@-->", PARENT, "<axis xyz=\"0 1 0\"/>"),
         arm("URDF: no such parent", "\"continuous\">", "<parent link=\"blok\"/><!--@@-->", ""),
-        arm("URDF: mimic", "\"continuous\">", PARENT, "<mimic joint=\"x\"/><!--@@-->"),
     ]
 }
 

@@ -1,6 +1,9 @@
 //! External forces against closed forms and conservation laws.
 
+mod carried_object;
+mod drag;
 mod ramp;
+mod random_pushes;
 mod spring;
 
 use crate::analytic::body::Body;

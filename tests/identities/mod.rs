@@ -8,6 +8,6 @@ mod context;
 mod equation_of_motion;
 mod jacobians;
 mod numeric;
-mod random_tree;
+pub mod random_tree;
 mod stable_point;
 mod stepping;

@@ -69,6 +69,10 @@ pub fn joint(name: &str, kind: JointKind) -> Joint {
         friction: 0.0,
         armature: 0.0,
         lag: 0.0,
+        static_friction: 0.0,
+        stribeck_velocity: 0.2,
+        slip_velocity: 0.05,
+        stop: None,
         drive: Drive::default(),
         drive_configured: false,
     }

@@ -48,3 +48,33 @@ fn stepping_allocates_nothing() {
         assert_eq!(allocations, 0, "{method} {integrator}");
     }
 }
+
+#[test]
+fn forces_allocate_nothing() {
+    let more = "
+        [[force]]
+        type = \"spring\"
+        link = \"torso\"
+        stiffness = 20.0
+        damping = 1.0
+        anchor = { waypoints = [{ at = 0, position = [0, 0, 0.3] }, { at = 40, position = [0.01, 0, 0.3] }] }
+        [[force]]
+        type = \"drag\"
+        linear = 0.1
+        quadratic = 0.1
+        [[force]]
+        type = \"random-pushes\"
+        links = [\"torso\"]
+        number = 1000
+        magnitude = [0.1, 0.2]
+        [[force]]
+        type = \"carried-object\"
+        link = \"torso\"
+        mass = 0.1\n";
+    let mut sim = simulation(&format!("{}{more}", pushed("exact", "method = \"dopri5\"")));
+    sim.begin(&mut Blind).expect("it begins");
+    sim.step(&mut Blind).expect("it steps");
+    // Telling of a push makes words: count the steps in which none begins.
+    let quiet = (0..200).filter(|_| count(|| sim.step(&mut Blind).expect("it steps")) == 0).count();
+    assert!(quiet > 150, "{quiet} of 200 steps");
+}

@@ -143,7 +143,7 @@ def check_residual(residual, contact, check):
 
 
 def check_state(state, joints, check):
-    for name in ("q", "qd", "q_desired", "qd_desired", "effort"):
+    for name in ("q", "qd", "q_desired", "qd_desired", "effort", "effort_desired"):
         values = getattr(state, name)
         # A run without drives desires nothing.
         check(len(values) in (len(joints), 0), f"/state: {len(values)} {name} for {len(joints)} joints")

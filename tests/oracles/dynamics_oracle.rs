@@ -202,6 +202,10 @@ impl Oracle {
             friction: 0.0,
             armature: self.armature[index],
             lag: 0.0,
+            static_friction: 0.0,
+            stribeck_velocity: 0.2,
+            slip_velocity: 0.05,
+            stop: None,
             drive: Drive::default(),
             drive_configured: false,
         }

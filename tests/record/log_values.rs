@@ -63,6 +63,7 @@ fn state_holds_the_snapshot_to_the_last_bit() {
             q_desired: s.q_desired,
             qd_desired: s.qd_desired,
             effort: s.effort,
+            effort_desired: s.effort_desired,
             com: Some(own(&s.com)),
             com_velocity: Some(own(&s.com_velocity)),
             cop: s.centre_of_pressure.as_ref().map(own),

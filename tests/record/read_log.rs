@@ -55,6 +55,7 @@ fn the_motion_is_read_to_the_last_bit() {
         same(&joint.desired_position, |s| s.q_desired[j]);
         same(&joint.desired_velocity, |s| s.qd_desired[j]);
         same(&joint.effort, |s| s.effort[j]);
+        same(&joint.desired_effort, |s| s.effort_desired[j]);
     }
 }
 

@@ -54,6 +54,10 @@ fn joint(name: &str, kind: JointKind) -> Joint {
         friction: 0.0,
         armature: 0.0,
         lag: 0.0,
+        static_friction: 0.0,
+        stribeck_velocity: 0.2,
+        slip_velocity: 0.05,
+        stop: None,
         drive: Drive::default(),
         drive_configured: false,
     }
@@ -164,6 +168,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
         q: vec![wobble(tick, 1), wobble(tick, 2)],
         qd: vec![wobble(tick, 3), wobble(tick, 4)],
         effort: vec![wobble(tick, 5), wobble(tick, 6)],
+        effort_desired: vec![wobble(tick, 10), wobble(tick, 11)],
         q_desired: vec![wobble(tick, 7), wobble(tick, 8)],
         qd_desired: vec![wobble(tick, 9), 0.0],
         link_poses: link_poses.clone(),

@@ -111,6 +111,7 @@ fn names_belong_to_their_values() {
         assert_eq!(found["q_desired"], texts(&s.q_desired));
         assert_eq!(found["qd_desired"], texts(&s.qd_desired));
         assert_eq!(found["effort"], texts(&s.effort));
+        assert_eq!(found["effort_desired"], texts(&s.effort_desired));
         for (name, v) in [
             ("base_position", s.base_pose.translation.vector),
             ("base_linear_velocity", s.base_linear_velocity),

@@ -59,6 +59,67 @@ fn round_feet_are_points_and_lines() {
 }
 
 #[test]
+fn balls_at_the_corners_of_a_foot_stand_together() {
+    let ball = |x: f64, y: f64, z: f64, r: f64| {
+        format!("<collision><origin xyz=\"{x} {y} {z}\"/><geometry><sphere radius=\"{r}\"/></geometry></collision>")
+    };
+    // One more on the shin does not.
+    let balls =
+        [ball(0.1, 0.0, 0.0, 0.01), ball(0.0, 0.2, 0.0, 0.01), ball(-0.1, 0.0, 0.01, 0.02), ball(0.0, 0.0, 1.0, 0.01)];
+    let found = polygon(&standing_on(&balls.concat()), 0);
+    let corners = [Vector3::new(0.1, 0.0, -0.01), Vector3::new(0.0, 0.2, -0.01), Vector3::new(-0.1, 0.0, -0.01)];
+    assert!(same_ring(&found, &corners, 1e-16), "{found:?}");
+}
+
+#[test]
+fn a_link_without_collision_shapes_stands_on_what_is_seen_of_it() {
+    let seen = "<visual><geometry><box size=\"0.2 0.1 0.04\"/></geometry></visual>";
+    let robot = standing_on(seen);
+    assert_eq!(polygon(&robot, 0).len(), 4);
+    assert!(robot.notices.iter().any(|n| n.message.contains("by its visual shapes")), "{:?}", robot.notices);
+}
+
+/// A foot given as a mesh: `corners` of its bottom, from which it narrows to a point at height `top`.
+fn on_mesh(corners: &[Vector3<f64>], top: f64) -> Robot {
+    let mut obj: String = corners.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z)).collect();
+    obj += &format!("v 0 0 {top}\n");
+    let n = corners.len();
+    for i in 0..n {
+        obj += &format!("f {} {} {}\n", i + 1, (i + 1) % n + 1, n + 1);
+        if i >= 2 {
+            obj += &format!("f 1 {} {}\n", i + 1, i);
+        }
+    }
+    let text = format!(
+        "<robot name=\"r\"><link name=\"a\">{BODY}<collision><geometry><mesh filename=\"m.obj\"/></geometry></collision></link></robot>"
+    );
+    let folder = super::folder(&[("r.urdf", &text), ("m.obj", &obj)]);
+    stiction::robot::load(&folder.path().join("r.urdf")).unwrap()
+}
+
+#[test]
+fn a_bumpy_mesh_gives_a_flat_sole_and_a_small_one_a_point() {
+    // Corners of a plate, one of them 0.2 mm up: less than 1 degree off.
+    let plate = |size: f64, up: f64| {
+        [(1.0, 0.5, 0.0), (-1.0, 0.5, up), (-1.0, -0.5, 0.0), (1.0, -0.5, 0.0)]
+            .map(|(x, y, z)| Vector3::new(size * x, size * y, z))
+    };
+    let robot = on_mesh(&plate(0.1, 2e-4), 1.0);
+    let p = polygon(&robot, 0);
+    assert_eq!(p.len(), 4);
+    let normal = (p[1] - p[0]).cross(&(p[2] - p[0])).normalize();
+    // Rounding of coordinates of size 0.1.
+    assert!(normal.dot(&(p[3] - p[0])).abs() < 1e-16, "{p:?}");
+    assert!(p.iter().zip(plate(0.1, 2e-4)).all(|(a, _)| a.z.abs() < 2e-4), "{p:?}");
+    assert!(robot.notices.iter().any(|n| n.message.contains("mm onto one plane")), "{:?}", robot.notices);
+    // 2 cm under a robot of 1 m.
+    assert_eq!(polygon(&on_mesh(&plate(0.01, 0.0), 1.0), 0).len(), 1);
+    // 10 cm by 5 mm: a line.
+    let blade = [(0.05, 0.002), (-0.05, 0.002), (-0.05, -0.002), (0.05, -0.002)].map(|(x, y)| Vector3::new(x, y, 0.0));
+    assert_eq!(polygon(&on_mesh(&blade, 1.0), 0).len(), 2);
+}
+
+#[test]
 fn a_foot_tilted_at_home_still_gives_its_whole_face() {
     let tilted = "<collision><origin rpy=\"0.1 0.2 0\"/><geometry><box size=\"0.2 0.1 0.04\"/></geometry></collision>";
     let found = polygon(&standing_on(tilted), 0);

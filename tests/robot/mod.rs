@@ -3,10 +3,18 @@
 mod adjust;
 mod broken_file;
 mod broken_urdf;
+mod cbi;
 mod convention;
+mod example_robots;
+mod figures;
 mod finding;
 mod hoap2;
+mod joints;
+mod meshes;
 mod notices;
+mod payload;
+mod quadruped;
+mod repair;
 mod welding;
 
 use std::path::{Path, PathBuf};

@@ -44,7 +44,11 @@ fn ignored_and_assumed_things_are_told_with_their_line() {
     told(11, "axis of joint `k` has length 2", Info);
     told(12, "limit of the continuous joint `k` are ignored", Info);
     told(12, "joint `k`: effort limit 0", Warning);
-    told(14, "collision mesh `package://nowhere/foot.stl` of link `c` is left out: the file is not found", Warning);
+    told(
+        14,
+        "collision mesh `package://nowhere/foot.stl` of link `c` is left out: no folder `nowhere` with `foot.stl` in it is found in",
+        Warning,
+    );
     told(15, "visual mesh `foot.dae` of link `c` is left out", Warning);
     assert_eq!(robot.model.home, [1.0, 0.0], "0 is outside the limits of j");
     told(5, "0 is outside the limits of joint `j`", Info);
@@ -157,4 +161,19 @@ fn incomplete_parts_that_are_not_read_do_no_harm() {
         );
         assert_eq!((read.damping, read.friction), (0.0, 0.0));
     }
+}
+
+#[test]
+fn a_home_that_the_robot_file_names_needs_no_words() {
+    let urdf = format!(
+        "<robot name=\"r\"><link name=\"a\">{BODY}</link><joint name=\"j\" type=\"revolute\"><parent link=\"a\"/>\
+         <child link=\"b\"/><axis xyz=\"0 0 1\"/><limit lower=\"1\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>\
+         <link name=\"b\">{BODY}</link></robot>"
+    );
+    let told = |toml: &str| {
+        let robot = super::load_toml(toml, &urdf).unwrap();
+        (robot.model.home[0], robot.notices.iter().any(|n| n.message.contains("outside the limits of joint `j`")))
+    };
+    assert_eq!(told("urdf = \"robot.urdf\"\nsole = []\n"), (1.0, true));
+    assert_eq!(told("urdf = \"robot.urdf\"\nsole = []\n[home]\nj = 1.5\n"), (1.5, false));
 }

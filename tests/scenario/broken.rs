@@ -17,12 +17,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[[task]]\ntype = \"posture\"\njoint = { knee = 1 }", (5, 1), "unknown key `joint` in `task.0`", "`joints`"),
     Broken("soles = [{ name = \"l\", polygon = [[0, 0, 0]] }]", (3, 10), "`robot.soles.0` lacks the key `link`", ""),
     Broken("[[task]]\ntype = \"posture\"", (3, 1), "`task.0` lacks the key `joints`", ""),
-    Broken(
-        "[[task]]\nstart = 1",
-        (3, 1),
-        "`task.0` lacks the key `type`",
-        "types: posture, balance, gravity-compensation",
-    ),
+    Broken("[[task]]\nstart = 1", (3, 1), "`task.0` lacks the key `type`", "types: posture,"),
     // Types.
     Broken("[floor]\nheight = \"low\"", (4, 10), "`floor.height` must be a number, not the string \"low\"", ""),
     Broken("[floor]\nfriction = [1, 2]", (4, 12), "must be a number or `{ static, kinetic }`, not an array", ""),
@@ -101,8 +96,44 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[sensors]\ngyro = {}", (4, 1), "unknown key `gyro` in `sensors`", "`gyroscope`"),
     Broken("[sensors]\nsole_force = { delay = 11 }", (4, 24), "must be at most 10 s, not 11", ""),
     Broken("[control]\nkinematic = { threshold = 2 }", (4, 27), "between 0 and 1, not 2", ""),
-    Broken("[[task]]\ntype = \"sine\"", (4, 8), "task type `sine` is not available yet", ""),
-    Broken("[[force]]\ntype = \"carried-object\"", (4, 8), "force type `carried-object` is not available yet", ""),
+    // Other forces.
+    Broken("[[force]]\ntype = \"drag\"\nlink = \"a\"", (3, 1), "`force.0` needs `linear` or `quadratic`", ""),
+    Broken(
+        "[[force]]\ntype = \"drag\"\nlinear = 1\npoint = [0, 0, 0]",
+        (6, 9),
+        "`force.0.point` needs `link`: without it the drag acts on every link",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"random-pushes\"\nlinks = [\"a\"]\nmagnitude = [1, 2]",
+        (3, 1),
+        "`force.0` needs either `number` or `rate`",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"random-pushes\"\nlinks = []\nmagnitude = [1, 2]\nrate = 1",
+        (5, 9),
+        "`force.0.links` must name at least one link",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"random-pushes\"\nlinks = [\"a\"]\nmagnitude = [3, 2]\nrate = 1",
+        (6, 13),
+        "`force.0.magnitude` must be [least, greatest], 0 or greater and in order, not [3, 2]",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"random-pushes\"\nlinks = [\"a\"]\nmagnitude = [1, 2]\nrate = 1\nprofile = \"ramp\"",
+        (8, 11),
+        "`force.0.profile` cannot be \"ramp\", which has no end",
+        "",
+    ),
+    Broken(
+        "[[force]]\ntype = \"carried-object\"\nlink = \"a\"\nmass = 1\ninertia = [1, 1, 3, 0, 0, 0]",
+        (7, 11),
+        "`force.0.inertia` is not the inertia of a rigid body",
+        "",
+    ),
     // Springs.
     Broken("[[force]]\ntype = \"spring\"\nlink = \"a\"", (3, 1), "`force.0` lacks the key `stiffness`", ""),
     Broken(
@@ -656,7 +687,7 @@ fn a_scenario_needs_a_robot() {
 
 #[test]
 fn mistakes_in_several_places_are_told_at_once() {
-    let text = "duraton = 1\n[robot]\nmodel = \"b\"\n[floor]\nheigt = 1\n[[task]]\ntype = \"sine\"\n[[task]]\ntype = \"posture\"\njoints = 1\n[log]\nrate = -1\n";
+    let text = "duraton = 1\n[robot]\nmodel = \"b\"\n[floor]\nheigt = 1\n[[task]]\ntype = \"balance\"\n[[task]]\ntype = \"posture\"\njoints = 1\n[log]\nrate = -1\n";
     let lines: Vec<_> = wrong(text, &[]).iter().map(|d| d.place.unwrap().line).collect();
     assert_eq!(lines, [1, 5, 7, 10, 12]);
 }

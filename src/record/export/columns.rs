@@ -111,6 +111,7 @@ impl<'a> Columns<'a> {
         self.scalar(name("desired_position", position), &j.desired_position);
         self.scalar(name("desired_velocity", &format!("{position}_s")), &j.desired_velocity);
         self.scalar(name("effort", effort), &j.effort);
+        self.scalar(name("desired_effort", effort), &j.desired_effort);
     }
 
     fn sole(&mut self, sole: &'a SoleSeries) {

@@ -52,6 +52,7 @@ fn messages() -> Vec<DescriptorProto> {
                 many(14, "support_polygon", VECTOR3),
                 many(15, "external", Of::Message("Force")),
                 one(16, "stable_point", VECTOR3),
+                many(17, "effort_desired", DOUBLE),
             ],
         ),
         message(

@@ -96,6 +96,9 @@ pub struct State {
     /// plane, m; absent in flight.
     #[prost(message, optional, tag = "16")]
     pub stable_point: Option<Vector3>,
+    /// Efforts that the drives ask for, before limits and lag, N m or N.
+    #[prost(double, repeated, tag = "17")]
+    pub effort_desired: Vec<f64>,
 }
 
 /// One sole at one tick. Arrays have one entry per vertex.

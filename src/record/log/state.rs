@@ -47,6 +47,7 @@ impl Topic for StateTopic {
         m.q_desired.clone_from(&s.q_desired);
         m.qd_desired.clone_from(&s.qd_desired);
         m.effort.clone_from(&s.effort);
+        m.effort_desired.clone_from(&s.effort_desired);
         m.com = Some(own(&s.com));
         m.com_velocity = Some(own(&s.com_velocity));
         m.cop = s.centre_of_pressure.as_ref().map(own);

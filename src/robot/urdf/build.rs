@@ -3,14 +3,16 @@
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use urdf_rs::JointType;
 
-use super::inertia::{Flaw, RigidInertia, examine, moments_text};
+use super::inertia::RigidInertia;
+use super::movable::without_inertia;
+use super::plausible::{FlawedPart, judge, link_inertia};
 use super::root::Root;
 use super::shapes::{Shapes, isometry};
 use super::tree::Tree;
-use super::xml::{Xml, child};
-use super::{Loaded, limits};
-use crate::robot::error::{Fault, RobotError};
-use crate::robot::model::{Base, Joint, Link, LinkId, Merged, Model};
+use super::xml::Xml;
+use super::{InertiaPolicy, Loaded, compound, limits};
+use crate::robot::error::RobotError;
+use crate::robot::model::{Joint, Link, LinkId, Merged, Model};
 use crate::robot::notice::Notices;
 
 /// The next URDF link to place: welded to a link that is already there, or moved by a joint.
@@ -19,11 +21,60 @@ enum Step {
     Move { joint: usize, carrier: usize, frame: Isometry3<f64> },
 }
 
-/// Builds the model. Links come in depth-first order, siblings as their joints stand in the file.
-pub(super) fn build(tree: &Tree, xml: &Xml, root: Root, notices: &mut Notices) -> Result<Loaded, RobotError> {
+/// Builds the model. Links come in depth-first order, siblings as their joints stand in the file. With
+/// [`InertiaPolicy::Repair`], joints that nothing resists are locked.
+pub(super) fn build(
+    tree: &Tree,
+    xml: &Xml,
+    root: Root,
+    policy: InertiaPolicy,
+    notices: &mut Notices,
+) -> Result<Loaded, RobotError> {
     let mut shapes = Shapes::new(xml, &tree.robot.materials);
+    let mut parts = gather(tree, xml, &root, policy, &[], &mut shapes, notices)?;
+    if policy == InertiaPolicy::Repair {
+        let bare = without_inertia(&parts.links, &parts.joints, root.base);
+        let mut locked: Vec<usize> = bare.iter().filter(|&&i| i > 0).map(|&i| parts.moved_by[i - 1]).collect();
+        locked.dedup();
+        for joint in locked.iter().map(|&j| &tree.robot.joints[j]) {
+            let words = format!("joint `{}` is locked at 0: nothing it moves has inertia about it", joint.name);
+            notices.warning(xml.source, xml.named("joint", &joint.name).range().start, words);
+        }
+        if !locked.is_empty() {
+            parts = gather(tree, xml, &root, policy, &locked, &mut shapes, notices)?;
+        }
+    }
+    judge(xml, &parts, root.base, notices)?;
+    let Parts { links, joints, .. } = parts;
+    let home = vec![0.0; joints.len()];
+    let name = tree.robot.name.clone();
+    let model = Model { name, base: root.base, links, joints, soles: Vec::new(), end_effectors: Vec::new(), home };
+    Ok(Loaded { model, meshes: shapes.files, mimics: Vec::new() })
+}
+
+/// The moving tree, not judged yet.
+pub(super) struct Parts {
+    pub links: Vec<Link>,
+    pub joints: Vec<Joint>,
+    /// For each of `joints`, the URDF joint it is, or is a motion of.
+    moved_by: Vec<usize>,
+    /// What is odd about the inertias of single URDF links.
+    pub flawed: Vec<FlawedPart>,
+}
+
+/// Walks the tree; URDF joints in `locked` are welded.
+fn gather(
+    tree: &Tree,
+    xml: &Xml,
+    root: &Root,
+    policy: InertiaPolicy,
+    locked: &[usize],
+    shapes: &mut Shapes,
+    notices: &mut Notices,
+) -> Result<Parts, RobotError> {
     let mut links: Vec<Link> = vec![bare_link(&tree.robot.links[root.link].name, None)];
     let mut joints: Vec<Joint> = Vec::new();
+    let mut moved_by: Vec<usize> = Vec::new();
     let mut flawed: Vec<FlawedPart> = Vec::new();
     let mut stack = vec![Step::Weld { link: root.link, carrier: 0, frame: Isometry3::identity() }];
     while let Some(step) = stack.pop() {
@@ -32,16 +83,22 @@ pub(super) fn build(tree: &Tree, xml: &Xml, root: Root, notices: &mut Notices) -
             Step::Move { joint, carrier, frame } => {
                 let urdf_joint = &tree.robot.joints[joint];
                 let child = tree.child_of[joint];
-                // Internal frame of the child, seen from its URDF frame: same origin, z along the axis.
-                let turn = z_to(&limits::axis(xml, urdf_joint, notices)?);
-                let at_zero = frame * turn;
-                joints.push(limits::joint(xml, urdf_joint, notices)?);
-                let mut link = bare_link(&tree.robot.links[child].name, Some(LinkId(carrier)));
-                link.rotation = at_zero.rotation.to_rotation_matrix().into_inner();
-                link.offset = at_zero.translation.vector;
-                link.urdf_frame = Isometry3::from_parts(Translation3::identity(), turn.inverse());
-                links.push(link);
-                (child, links.len() - 1, links[links.len() - 1].urdf_frame)
+                let child_name = &tree.robot.links[child].name;
+                let (mut carrier, mut frame) = (carrier, frame);
+                for (moved, motion, axis) in motions(xml, urdf_joint, child_name, notices)? {
+                    // Internal frame of the moved link, seen from its URDF frame: same origin, z along the axis.
+                    let turn = z_to(&axis);
+                    let at_zero = frame * turn;
+                    let mut link = bare_link(&moved, Some(LinkId(carrier)));
+                    link.rotation = at_zero.rotation.to_rotation_matrix().into_inner();
+                    link.offset = at_zero.translation.vector;
+                    link.urdf_frame = Isometry3::from_parts(Translation3::identity(), turn.inverse());
+                    (carrier, frame) = (links.len(), link.urdf_frame);
+                    links.push(link);
+                    joints.push(motion);
+                    moved_by.push(joint);
+                }
+                (child, carrier, frame)
             }
         };
         let urdf_link = &tree.robot.links[index];
@@ -49,8 +106,8 @@ pub(super) fn build(tree: &Tree, xml: &Xml, root: Root, notices: &mut Notices) -
         if here.name != urdf_link.name {
             here.merged.push(Merged { name: urdf_link.name.clone(), pose: frame });
         }
-        let mut note = |fault| flawed.push(FlawedPart { carrier, fault });
-        if let Some(own) = link_inertia(xml, urdf_link, &mut note) {
+        let mut note = |flaw, fault| flawed.push(FlawedPart { carrier, flaw, fault });
+        if let Some(own) = link_inertia(xml, urdf_link, policy, &mut note, notices) {
             let sum = RigidInertia { mass: here.mass, com: here.com, tensor: here.inertia }.plus(&own.moved(&frame));
             (here.mass, here.com, here.inertia) = (sum.mass, sum.com, sum.tensor);
         }
@@ -60,16 +117,41 @@ pub(super) fn build(tree: &Tree, xml: &Xml, root: Root, notices: &mut Notices) -
         for &joint in tree.joints_of[index].iter().rev() {
             let origin = frame * isometry(&tree.robot.joints[joint].origin);
             stack.push(match tree.robot.joints[joint].joint_type {
+                _ if locked.contains(&joint) => Step::Weld { link: tree.child_of[joint], carrier, frame: origin },
                 JointType::Fixed => Step::Weld { link: tree.child_of[joint], carrier, frame: origin },
                 _ => Step::Move { joint, carrier, frame: origin },
             });
         }
     }
-    judge(xml, &links, root.base, flawed, notices)?;
-    let home = vec![0.0; joints.len()];
-    let name = tree.robot.name.clone();
-    let model = Model { name, base: root.base, links, joints, soles: Vec::new(), end_effectors: Vec::new(), home };
-    Ok(Loaded { model, meshes: shapes.files })
+    Ok(Parts { links, joints, moved_by, flawed })
+}
+
+/// The motions of one joint, parent's side first: name of the moved link, joint, unit axis in the joint's frame.
+fn motions(
+    xml: &Xml,
+    joint: &urdf_rs::Joint,
+    child: &str,
+    notices: &mut Notices,
+) -> Result<Vec<(String, Joint, Vector3<f64>)>, RobotError> {
+    let axis = match joint.joint_type {
+        JointType::Floating => Vector3::z(),
+        _ => limits::axis(xml, joint, notices)?,
+    };
+    let Some(parts) = compound::parts(&joint.joint_type, &axis) else {
+        return Ok(vec![(child.to_owned(), limits::joint(xml, joint, notices)?, axis)]);
+    };
+    let names: Vec<String> = parts.iter().map(|p| format!("`{}/{}`", joint.name, p.suffix)).collect();
+    let steep = if parts.len() == 6 { "; it must not pitch by 90 degrees" } else { "" };
+    let words =
+        format!("joint `{}` is taken as the chain of {}, passive and unlimited{steep}", joint.name, names.join(", "));
+    notices.warning(xml.source, xml.named("joint", &joint.name).range().start, words);
+    let last = parts.len() - 1;
+    let chain = parts.into_iter().enumerate().map(|(i, part)| {
+        let name = format!("{}/{}", joint.name, part.suffix);
+        let moved = if i == last { child.to_owned() } else { name.clone() };
+        (moved, limits::free_joint(name, part.kind), part.axis)
+    });
+    Ok(chain.collect())
 }
 
 /// The rotation that takes z to a unit axis. Axes along x, y or z get exact quaternions, so that a robot drawn with
@@ -109,86 +191,4 @@ fn bare_link(name: &str, parent: Option<LinkId>) -> Link {
         visuals: Vec::new(),
         collisions: Vec::new(),
     }
-}
-
-/// A part whose inertia no body can have: an error if the rigid body it ends up in has none either, else a warning, for
-/// exporters put placeholders on massless frames.
-struct FlawedPart {
-    carrier: usize,
-    fault: Fault,
-}
-
-/// A link's own inertia in its URDF frame; `None` when it has none. What is odd about it goes to `flawed`.
-fn link_inertia(xml: &Xml, link: &urdf_rs::Link, flawed: &mut impl FnMut(Fault)) -> Option<RigidInertia> {
-    let inertial = child(xml.named("link", &link.name), "inertial")?;
-    let i = &link.inertial.inertia;
-    let tensor = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
-    let mass = link.inertial.mass.value;
-    let name = &link.name;
-    if mass == 0.0 {
-        if tensor != Matrix3::zeros() {
-            let at = child(inertial, "mass").unwrap_or(inertial);
-            let fault = xml.attribute_fault(at, "value", format!("link `{name}` has inertia but no mass"));
-            flawed(fault.wanted("a mass above 0"));
-        }
-        return None;
-    }
-    let at = child(inertial, "inertia").unwrap_or(inertial);
-    let (moments, flaw) = examine(&tensor);
-    let (words, wanted) = match flaw {
-        Some(Flaw::Negative | Flaw::Singular) => ("is not positive definite", "three moments above 0"),
-        Some(Flaw::Triangle) => {
-            ("breaks the triangle inequality", "the largest principal moment at most the sum of the others")
-        }
-        None => ("", ""),
-    };
-    if flaw.is_some() {
-        let fault = xml.fault(at, format!("the inertia of link `{name}` {words}"));
-        flawed(fault.seen(moments_text(moments)).wanted(wanted));
-    }
-    let body = RigidInertia { mass, com: Vector3::zeros(), tensor };
-    Some(body.moved(&isometry(&link.inertial.origin)))
-}
-
-/// Every link that can accelerate needs mass and a tensor a body can have, welded parts counted.
-fn judge(
-    xml: &Xml,
-    links: &[Link],
-    base: Base,
-    flawed: Vec<FlawedPart>,
-    notices: &mut Notices,
-) -> Result<(), RobotError> {
-    for (i, link) in links.iter().enumerate().skip(usize::from(base == Base::Fixed)) {
-        let (moments, flaw) = examine(&link.inertia);
-        let part = flawed.iter().find(|part| part.carrier == i);
-        let is_bad = match flaw {
-            _ if link.mass == 0.0 => true,
-            Some(Flaw::Negative | Flaw::Singular) => true,
-            // Sound parts make a sound whole but for rounding.
-            Some(Flaw::Triangle) => part.is_some(),
-            None => false,
-        };
-        if !is_bad {
-            continue;
-        }
-        if let Some(part) = part {
-            return Err(part.fault.clone().invalid());
-        }
-        let node = xml.named("link", &link.name);
-        if link.mass == 0.0 {
-            let message = format!("link `{}` moves but has no mass, nor has anything welded to it", link.name);
-            return Err(xml.fault(node, message).wanted("<inertial> with a mass above 0").invalid());
-        }
-        let fault = xml.fault(node, format!("the inertia of link `{}` is not positive definite", link.name));
-        return Err(fault.seen(moments_text(moments)).wanted("three moments above 0").invalid());
-    }
-    for FlawedPart { fault, .. } in flawed {
-        let words = format!(
-            "{}{}",
-            fault.message,
-            if fault.seen.is_empty() { String::new() } else { format!(": {}", fault.seen) }
-        );
-        notices.warning(xml.source, fault.span.start, words);
-    }
-    Ok(())
 }

@@ -152,7 +152,7 @@ fn element(xml: &Xml, node: Node, notices: &mut Notices) -> Result<(), RobotErro
     let Some(rule) = RULES.iter().find(|r| r.tag == tag) else { return Ok(()) };
     for (name, value, required) in rule.attributes {
         match node.attribute(*name) {
-            Some(text) => attribute(xml, node, name, text, *value)?,
+            Some(text) => attribute(xml, node, name, text, *value, notices)?,
             None if *required => {
                 let fault = xml.fault(node, format!("{}: <{tag}> lacks the attribute `{name}`", describe(node)));
                 return Err(fault.wanted(format!("{name}=\"{}\"", describe_value(*value))).invalid());
@@ -166,6 +166,27 @@ fn element(xml: &Xml, node: Node, notices: &mut Notices) -> Result<(), RobotErro
         }
     }
     children(xml, node, rule, notices)
+}
+
+/// Does the attribute of an element that is read hold several numbers with commas between them, which URDF wants to be
+/// spaces?
+pub(super) fn has_commas(tag: &str, attribute: &str, text: &str) -> bool {
+    let rule = RULES.iter().find(|r| r.tag == tag);
+    let value =
+        rule.and_then(|r| r.attributes.iter().find(|(name, ..)| *name == attribute)).map(|(_, value, _)| *value);
+    text.contains(',') && value.is_some_and(is_list)
+}
+
+fn is_list(value: Value) -> bool {
+    matches!(value, Vector(_) | PositiveVector(_))
+}
+
+/// Each single comma as a space: `1,,2` is no vector of two.
+fn without_commas(text: &str, has_commas: bool) -> std::borrow::Cow<'_, str> {
+    match has_commas && text.split(',').all(|part| !part.trim().is_empty()) {
+        true => text.replace(',', " ").into(),
+        false => text.into(),
+    }
 }
 
 /// Is a child element of that name read from this one? What is not has been reported.
@@ -217,8 +238,17 @@ fn children(xml: &Xml, node: Node, rule: &Rule, notices: &mut Notices) -> Result
     Ok(())
 }
 
-fn attribute(xml: &Xml, node: Node, name: &str, text: &str, value: Value) -> Result<(), RobotError> {
-    let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
+fn attribute(
+    xml: &Xml,
+    node: Node,
+    name: &str,
+    text: &str,
+    value: Value,
+    notices: &mut Notices,
+) -> Result<(), RobotError> {
+    let has_commas = text.contains(',') && is_list(value);
+    let numbers: Option<Vec<f64>> =
+        without_commas(text, has_commas).split_whitespace().map(|word| word.parse().ok()).collect();
     let good = match (value, &numbers) {
         (Text, _) => true,
         (Name, _) => !text.is_empty() && text.trim() == text,
@@ -237,13 +267,15 @@ fn attribute(xml: &Xml, node: Node, name: &str, text: &str, value: Value) -> Res
         }
     };
     if good {
+        if has_commas {
+            let words = format!("{}: commas in `{name}=\"{text}\"` are read as spaces", describe(node));
+            notices.warning(xml.source, node.range().start, words);
+        }
         return Ok(());
     }
     let message = format!("{}: `{name}` of <{}> cannot be used", describe(node), node.tag_name().name());
     let mut fault = xml.attribute_fault(node, name, message).wanted(describe_value(value));
-    if text.contains(',') {
-        fault = fault.help("URDF separates numbers by spaces, not commas");
-    } else if text.contains("${") {
+    if text.contains("${") {
         fault = fault.help("this looks like xacro: run the file through xacro first");
     }
     Err(fault.invalid())

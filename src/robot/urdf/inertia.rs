@@ -8,9 +8,12 @@ use nalgebra::{Isometry3, Matrix3, Point3, SymmetricEigen, Vector3};
 
 /// Mass (kg), centre (m) and inertia tensor about that centre (kg m^2), all in one frame.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(in crate::robot) struct RigidInertia {
+pub struct RigidInertia {
+    /// Mass, kg.
     pub mass: f64,
+    /// Centre of mass, m.
     pub com: Vector3<f64>,
+    /// Inertia tensor about it, kg m^2.
     pub tensor: Matrix3<f64>,
 }
 

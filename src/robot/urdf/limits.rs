@@ -6,10 +6,11 @@ use urdf_rs::JointType;
 
 use super::xml::{Xml, child};
 use crate::robot::error::RobotError;
+use crate::robot::friction::{SLIP_SPEED, STRIBECK_SPEED};
 use crate::robot::model::{Drive, Joint, JointKind};
 use crate::robot::notice::Notices;
 
-const KNOWN_TYPES: [&str; 5] = ["revolute", "continuous", "prismatic", "fixed", "floating"];
+const KNOWN_TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 
 /// Refuses joint types that cannot be simulated; to be called before `urdf-rs` complains without a place.
 pub(super) fn check_type(xml: &Xml, node: Node) -> Result<(), RobotError> {
@@ -19,7 +20,7 @@ pub(super) fn check_type(xml: &Xml, node: Node) -> Result<(), RobotError> {
         return Ok(());
     }
     let wanted = format!("one of {}", KNOWN_TYPES.join(", "));
-    if matches!(kind, "planar" | "spherical") {
+    if kind == "spherical" {
         let fault = xml.attribute_fault(node, "type", format!("joint `{name}`: {kind} joints are not available"));
         let help = "build it from revolute and prismatic joints with light links between them";
         return Err(fault.wanted(wanted).help(help).not_available());
@@ -28,32 +29,75 @@ pub(super) fn check_type(xml: &Xml, node: Node) -> Result<(), RobotError> {
     Err(fault.wanted(wanted).suggest(kind, KNOWN_TYPES).invalid())
 }
 
-/// A joint that follows another would need a constraint: refused, unless it cannot move anyway.
-pub(super) fn check_mimic(xml: &Xml, node: Node, notices: &mut Notices) -> Result<(), RobotError> {
-    let Some(mimic) = child(node, "mimic") else { return Ok(()) };
-    let name = node.attribute("name").unwrap_or_default();
-    if node.attribute("type") == Some("fixed") {
-        notices.info(xml.source, mimic.range().start, format!("<mimic> of the fixed joint `{name}` is ignored"));
-        return Ok(());
-    }
-    let followed = mimic.attribute("joint").unwrap_or_default();
-    let fault = xml.fault(mimic, format!("joint `{name}` mimics joint `{followed}`: mimic joints are not available"));
-    Err(fault.wanted("an independent joint").help("make it fixed, or remove <mimic>").not_available())
+/// A joint that URDF lets follow another: `q = multiplier q_of + offset`.
+#[derive(Clone, PartialEq, Debug)]
+pub(in crate::robot) struct Mimic {
+    /// The following joint.
+    pub joint: String,
+    /// The joint it follows.
+    pub of: String,
+    pub multiplier: f64,
+    pub offset: f64,
 }
 
-/// The joint without its drive. Faults: no axis direction, limits absent or the wrong way round.
+/// The `<mimic>` of a joint. To follow exactly would take a constraint: the joint is independent, with its own drive, and
+/// only its home follows.
+pub(super) fn mimic(xml: &Xml, node: Node, notices: &mut Notices) -> Option<Mimic> {
+    let mimic = child(node, "mimic")?;
+    let joint = node.attribute("name").unwrap_or_default().to_owned();
+    let at = mimic.range().start;
+    if node.attribute("type") == Some("fixed") {
+        notices.info(xml.source, at, format!("<mimic> of the fixed joint `{joint}` is ignored"));
+        return None;
+    }
+    let of = mimic.attribute("joint").unwrap_or_default().to_owned();
+    let words = format!("joint `{joint}` mimics joint `{of}`: it is taken as independent, only its home follows");
+    notices.warning(xml.source, at, words);
+    let number = |name, default| mimic.attribute(name).and_then(|text| text.trim().parse().ok()).unwrap_or(default);
+    Some(Mimic { joint, of, multiplier: number("multiplier", 1.0), offset: number("offset", 0.0) })
+}
+
+/// A joint without limits, friction or actuator: one motion of a planar or floating joint.
+pub(super) fn free_joint(name: String, kind: JointKind) -> Joint {
+    Joint {
+        name,
+        kind,
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        velocity_limit: f64::INFINITY,
+        effort_limit: f64::INFINITY,
+        damping: 0.0,
+        friction: 0.0,
+        static_friction: 0.0,
+        stribeck_velocity: STRIBECK_SPEED,
+        slip_velocity: SLIP_SPEED,
+        stop: None,
+        armature: 0.0,
+        lag: 0.0,
+        drive: Drive::default(),
+        // Passive for good: a scenario's default drive must not hold it.
+        drive_configured: true,
+    }
+}
+
+/// The joint without its drive. Faults: no axis direction, one limit absent, limits the wrong way round.
 pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) -> Result<Joint, RobotError> {
     let name = &joint.name;
     let node = xml.named("joint", name);
+    let limit = child(node, "limit");
+    let given = |attribute: &str| limit.and_then(|l| l.attribute(attribute)).is_some();
+    let is_bounded = given("lower") || given("upper");
     let kind = match joint.joint_type {
         JointType::Continuous => JointKind::Continuous,
         JointType::Prismatic => JointKind::Prismatic,
+        _ if !is_bounded => JointKind::Continuous,
         _ => JointKind::Revolute,
     };
-    let limit = child(node, "limit");
-    let given = |attribute: &str| limit.and_then(|l| l.attribute(attribute)).is_some();
     let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
-    if kind != JointKind::Continuous {
+    if joint.joint_type != JointType::Continuous && !is_bounded {
+        let at = limit.unwrap_or(node).range().start;
+        notices.warning(xml.source, at, format!("joint `{name}` has no position limits: taken as unlimited"));
+    } else if kind != JointKind::Continuous {
         for side in ["lower", "upper"] {
             if !given(side) {
                 let fault = xml.fault(limit.unwrap_or(node), format!("joint `{name}` has no {side} limit"));
@@ -68,7 +112,7 @@ pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) ->
             let fault = xml.fault(limit.unwrap_or(node), format!("joint `{name}`: the lower limit is above the upper"));
             return Err(fault.seen(format!("{lower} > {upper}")).wanted("lower <= upper").invalid());
         }
-    } else if given("lower") || given("upper") {
+    } else if is_bounded {
         let at = limit.unwrap_or(node).range().start;
         notices.info(xml.source, at, format!("lower and upper limit of the continuous joint `{name}` are ignored"));
     }
@@ -95,6 +139,10 @@ pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) ->
         effort_limit,
         damping: dynamics.damping,
         friction: dynamics.friction,
+        static_friction: 0.0,
+        stribeck_velocity: STRIBECK_SPEED,
+        slip_velocity: SLIP_SPEED,
+        stop: None,
         armature: 0.0,
         lag: 0.0,
         drive: Drive::default(),

@@ -6,10 +6,15 @@
 
 mod build;
 mod check;
+mod collada;
+mod compound;
 mod inertia;
 mod limits;
 mod mesh;
+mod movable;
 mod package;
+mod plausible;
+mod repair;
 mod root;
 mod shapes;
 mod tidy;
@@ -18,7 +23,9 @@ mod xml;
 
 use std::path::PathBuf;
 
-pub(super) use inertia::{Flaw, RigidInertia, examine, moments_text};
+pub use inertia::RigidInertia;
+pub(super) use inertia::{Flaw, examine, moments_text};
+pub(super) use limits::Mimic;
 
 use super::error::RobotError;
 use super::model::{Base, Model};
@@ -31,16 +38,34 @@ pub(super) struct Loaded {
     pub model: Model,
     /// Mesh files read, with their bytes.
     pub meshes: Vec<(PathBuf, Vec<u8>)>,
+    /// Joints that the URDF lets follow others.
+    pub mimics: Vec<Mimic>,
+}
+
+/// What happens to an inertia that no body can have.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum InertiaPolicy {
+    /// The robot is refused, by the link's name.
+    #[default]
+    Refuse,
+    /// The nearest physical tensor takes its place, and a notice says so.
+    Repair,
 }
 
 /// Reads a URDF. `base` overrides how the root is held.
-pub(super) fn load(source: &Source, base: Option<Base>, notices: &mut Notices) -> Result<Loaded, RobotError> {
+pub(super) fn load(
+    source: &Source,
+    base: Option<Base>,
+    policy: InertiaPolicy,
+    notices: &mut Notices,
+) -> Result<Loaded, RobotError> {
     let document = roxmltree::Document::parse(source.text()).map_err(|e| xml::syntax_error(source, &e))?;
     let xml = xml::Xml::new(source, &document)?;
     check::check(&xml, notices)?;
+    let mut mimics = Vec::new();
     for joint in xml.robot.children().filter(|n| n.has_tag_name("joint")) {
         limits::check_type(&xml, joint)?;
-        limits::check_mimic(&xml, joint, notices)?;
+        mimics.extend(limits::mimic(&xml, joint, notices));
     }
     let robot = urdf_rs::read_from_string(&tidy::tidy(&xml)).map_err(|e| {
         source.fault(document.root_element().range(), format!("the URDF cannot be read: {e}")).invalid()
@@ -48,7 +73,7 @@ pub(super) fn load(source: &Source, base: Option<Base>, notices: &mut Notices) -
     agree(&robot, &xml)?;
     let tree = tree::Tree::new(&robot, &xml)?;
     let root = root::choose(&tree, &xml, base, notices)?;
-    build::build(&tree, &xml, root, notices)
+    Ok(Loaded { mimics, ..build::build(&tree, &xml, root, policy, notices)? })
 }
 
 /// Both readers must have seen the same links and joints, since one gives the values and the other the places.

@@ -1,23 +1,40 @@
 //! Where a mesh is.
 //!
 //! `package://NAME/REST` names a ROS package. There is no ROS here, so the package is looked for around the URDF: in
-//! every folder above it, the folder may be the package itself or contain it.
+//! every folder from the URDF's own upward, the folder may contain one called NAME, or be the package itself, by its
+//! own name or by that in its `package.xml`. `package:///NAME/REST` and `model://NAME/REST` mean the same.
 
 use std::path::{Path, PathBuf};
 
-/// The file a mesh name of a URDF in `folder` stands for; `None` when there is none.
-pub(super) fn resolve(folder: &Path, filename: &str) -> Option<PathBuf> {
-    if let Some(rest) = filename.strip_prefix("package://").or_else(|| filename.strip_prefix("model://")) {
-        let (package, inside) = rest.split_once('/')?;
+/// The file a mesh name of a URDF in `folder` stands for; the error lists the places searched.
+pub(super) fn resolve(folder: &Path, filename: &str) -> Result<PathBuf, String> {
+    if let Some(name) = filename.strip_prefix("package://").or_else(|| filename.strip_prefix("model://")) {
+        let Some((package, inside)) = name.trim_start_matches('/').split_once('/') else {
+            return Err("the name lacks a path inside the package".into());
+        };
         // A relative folder has no further ancestors by name alone.
-        let absolute = std::path::absolute(folder).ok()?;
-        return absolute.ancestors().find_map(|above| {
+        let absolute = std::path::absolute(folder).map_err(|e| e.to_string())?;
+        let found = absolute.ancestors().find_map(|above| {
             let beside = above.join(package).join(inside);
-            let itself = (above.file_name()? == package).then(|| above.join(inside));
+            let itself = is_package(above, package).then(|| above.join(inside));
             [Some(beside), itself].into_iter().flatten().find(|path| path.is_file())
         });
+        return found.ok_or_else(|| {
+            let places: Vec<String> = absolute.ancestors().map(|a| a.display().to_string()).collect();
+            format!("no folder `{package}` with `{inside}` in it is found in {}", places.join(", "))
+        });
     }
-    let path = filename.strip_prefix("file://").unwrap_or(filename);
-    let path = folder.join(path);
-    path.is_file().then_some(path)
+    let path = folder.join(filename.strip_prefix("file://").unwrap_or(filename));
+    if path.is_file() { Ok(path) } else { Err(format!("there is no file {}", path.display())) }
+}
+
+/// Is the folder the ROS package of that name?
+fn is_package(folder: &Path, name: &str) -> bool {
+    let manifest = || std::fs::read_to_string(folder.join("package.xml")).ok();
+    let says = |text: String| {
+        let document = roxmltree::Document::parse(&text).ok()?;
+        let node = document.root_element().children().find(|n| n.has_tag_name("name"))?;
+        Some(node.text()?.trim() == name)
+    };
+    folder.file_name().is_some_and(|own| own == name) || manifest().and_then(says).unwrap_or(false)
 }

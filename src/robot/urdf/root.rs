@@ -19,20 +19,16 @@ pub(super) struct Root {
 }
 
 /// A root named `world` without mass stands for the world itself: what is welded or jointed to it is fixed, what hangs
-/// on a floating joint is free. Any other root is free unless `wanted` says otherwise.
+/// on a floating joint is free. So is what hangs on the only joint of any massless root if that joint floats. Any other
+/// root is free unless `wanted` says otherwise.
 pub(super) fn choose(tree: &Tree, xml: &Xml, wanted: Option<Base>, notices: &mut Notices) -> Result<Root, RobotError> {
     let root = tree.root;
     let link = &tree.robot.links[root];
     let node = xml.named("link", &link.name);
     let joints = &tree.joints_of[root];
-    let is_world = link.name == "world" && child(node, "inertial").is_none();
-    for (j, joint) in tree.robot.joints.iter().enumerate() {
-        if joint.joint_type == JointType::Floating && !(is_world && joints[..] == [j]) {
-            let message = format!("joint `{}` floats below another link", joint.name);
-            let fault = xml.attribute_fault(xml.named("joint", &joint.name), "type", message);
-            return Err(fault.wanted("a floating joint only as the single joint of a root link `world`").invalid());
-        }
-    }
+    let is_massless = child(node, "inertial").is_none();
+    let floats = matches!(joints[..], [j] if tree.robot.joints[j].joint_type == JointType::Floating);
+    let is_world = is_massless && (link.name == "world" || floats);
     if !is_world {
         if link.name == "world" {
             notices.warning(xml.source, node.range().start, "root link `world` has a mass: taken as an ordinary link");

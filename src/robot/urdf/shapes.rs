@@ -1,5 +1,6 @@
 //! Visual and collision elements as [`Shape`]s.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -27,11 +28,13 @@ pub(super) struct Shapes<'a> {
     materials: &'a [urdf_rs::Material],
     /// Mesh files read so far, each once.
     pub files: Vec<(PathBuf, Vec<u8>)>,
+    /// The same files as triangles: several links may share one.
+    decoded: HashMap<PathBuf, Result<mesh::Decoded, String>>,
 }
 
 impl<'a> Shapes<'a> {
     pub fn new(xml: &'a Xml<'a>, materials: &'a [urdf_rs::Material]) -> Self {
-        Self { xml, materials, files: Vec::new() }
+        Self { xml, materials, files: Vec::new(), decoded: HashMap::new() }
     }
 
     /// All visual shapes of a link, in the frame in which the link's URDF frame has pose `frame`.
@@ -75,7 +78,12 @@ impl<'a> Shapes<'a> {
             urdf_rs::Geometry::Mesh { filename, scale } => {
                 let scale = scale.map_or(Vector3::repeat(1.0), |s| Vector3::from(s.0));
                 match self.mesh(filename, scale) {
-                    Ok(mesh) => mesh,
+                    Ok((mesh, remark)) => {
+                        if let Some(words) = remark {
+                            notices.info(self.xml.source, node.range().start, words);
+                        }
+                        mesh
+                    }
                     Err(reason) => {
                         let tag = node.tag_name().name();
                         let words = format!("{} mesh `{filename}` of {} is left out: {reason}", tag, describe(node));
@@ -87,19 +95,19 @@ impl<'a> Shapes<'a> {
         })
     }
 
-    fn mesh(&mut self, filename: &str, scale: Vector3<f64>) -> Result<Geometry, String> {
+    /// The shape and what its reader remarks.
+    fn mesh(&mut self, filename: &str, scale: Vector3<f64>) -> Result<(Geometry, Option<String>), String> {
         let folder = self.xml.source.path().parent().unwrap_or(Path::new("."));
-        let path = package::resolve(folder, filename).ok_or("the file is not found")?;
-        let known = self.files.iter().position(|(p, _)| *p == path);
-        let index = match known {
-            Some(index) => index,
-            None => {
-                let bytes = std::fs::read(&path).map_err(|e| e.to_string())?;
-                self.files.push((path.clone(), bytes));
-                self.files.len() - 1
-            }
-        };
-        mesh::decode(&self.files[index].1, &path, scale)
+        let path = package::resolve(folder, filename)?;
+        if !self.decoded.contains_key(&path) {
+            let bytes = std::fs::read(&path).map_err(|e| e.to_string())?;
+            self.decoded.insert(path.clone(), mesh::decode(&bytes, &path));
+            self.files.push((path.clone(), bytes));
+        }
+        match &self.decoded[&path] {
+            Ok(mesh) => Ok((mesh.scaled(&scale), mesh.remark.clone())),
+            Err(reason) => Err(reason.clone()),
+        }
     }
 
     /// A visual's own colour, or the one of the material of that name declared under `<robot>`.

@@ -1,7 +1,7 @@
 //! Rules for `[[force]]`.
 
 use super::Check;
-use crate::scenario::spec::force::{AnchorSpec, ForceSpec};
+use crate::scenario::spec::force::{AnchorSpec, ForceSpec, Profile, RandomPushes};
 
 impl Check<'_> {
     /// `path` is the entry's, `end` the run's, s.
@@ -14,9 +14,38 @@ impl Check<'_> {
                 self.anchor(&format!("{path}.anchor"), &spring.anchor);
                 return self.starts_in_time(path, spring.start, end);
             }
+            ForceSpec::RandomPushes(pushes) => {
+                self.random_pushes(path, pushes);
+                return self.starts_in_time(path, pushes.start, end);
+            }
+            ForceSpec::Drag(drag) => {
+                if drag.linear == 0.0 && drag.quadratic == 0.0 {
+                    self.error(path, "needs `linear` or `quadratic`");
+                }
+                if drag.link.is_none() && drag.point.is_some() {
+                    self.error(&format!("{path}.point"), "needs `link`: without it the drag acts on every link");
+                }
+                return self.starts_in_time(path, drag.start, end);
+            }
+            ForceSpec::CarriedObject(object) => {
+                self.inertia(&format!("{path}.inertia"), object.inertia);
+                return self.starts_in_time(path, object.start, end);
+            }
+            ForceSpec::Script(script) => {
+                self.changes(path, &script.change);
+                return self.starts_in_time(path, script.start, end);
+            }
             ForceSpec::JointFriction(friction) => {
                 if friction.all.is_none() && friction.joints.is_empty() {
                     self.error(path, "needs `all`, or `joints` with at least one joint");
+                }
+                let all = friction.all.iter().map(|f| ("all".to_owned(), f));
+                let joints = friction.joints.iter().map(|(name, f)| (format!("joints.{name}"), f));
+                for (key, f) in all.chain(joints) {
+                    if let Some(value) = f.static_.filter(|s| *s < f.coulomb) {
+                        let must = format!("must not be smaller than `coulomb` = {}, not {value}", f.coulomb);
+                        self.error(&format!("{path}.{key}.static"), must);
+                    }
                 }
                 return;
             }
@@ -38,6 +67,26 @@ impl Check<'_> {
             if pair[1].at <= pair[0].at {
                 let place = format!("{path}.waypoints.{}.at", i + 1);
                 self.error(&place, format!("must be after the waypoint before, at {}, not {}", pair[0].at, pair[1].at));
+            }
+        }
+    }
+
+    fn random_pushes(&mut self, path: &str, pushes: &RandomPushes) {
+        if pushes.number.is_some() == pushes.rate.is_some() {
+            self.error(path, "needs either `number` or `rate`");
+        }
+        if pushes.links.is_empty() {
+            self.error(&format!("{path}.links"), "must name at least one link");
+        }
+        if pushes.profile == Profile::Ramp {
+            self.error(&format!("{path}.profile"), "cannot be \"ramp\", which has no end");
+        }
+        let limits = [("magnitude", pushes.magnitude, 0.0), ("push_duration", pushes.push_duration, f64::MIN_POSITIVE)];
+        for (key, [low, high], least) in limits {
+            if !(least <= low && low <= high) {
+                let above = if least > 0.0 { "above 0" } else { "0 or greater" };
+                let must = format!("must be [least, greatest], {above} and in order, not [{low}, {high}]");
+                self.error(&format!("{path}.{key}"), must);
             }
         }
     }

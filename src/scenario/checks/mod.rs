@@ -101,17 +101,18 @@ impl Check<'_> {
         }
     }
 
+    fn payload(&mut self, i: usize, payload: &PayloadSpec) {
+        self.inertia(&format!("robot.payload.{i}.inertia"), payload.inertia);
+    }
+
     /// A rigid body's inertia tensor is positive semidefinite, and so is `trace/2 * 1 - inertia`, the second moment of its
     /// mass (the triangle inequality in any axes).
-    fn payload(&mut self, i: usize, payload: &PayloadSpec) {
-        let [xx, yy, zz, xy, xz, yz] = payload.inertia;
+    fn inertia(&mut self, path: &str, [xx, yy, zz, xy, xz, yz]: [f64; 6]) {
         let half = (xx + yy + zz) / 2.0;
         let tolerance = 1e-9 * half.abs();
         if !semidefinite([half - xx, half - yy, half - zz, -xy, -xz, -yz], tolerance) {
-            self.error(
-                &format!("robot.payload.{i}.inertia"),
-                "is not the inertia of a rigid body (order: ixx, iyy, izz, ixy, ixz, iyz; triangle inequality)",
-            );
+            let must = "is not the inertia of a rigid body (order: ixx, iyy, izz, ixy, ixz, iyz; triangle inequality)";
+            self.error(path, must);
         }
     }
 

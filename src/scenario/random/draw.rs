@@ -5,15 +5,13 @@
 //! key's numbers depend on its place among the keys instead. Sources: M. D. McKay, R. J. Beckman, W. J. Conover,
 //! Technometrics 21 (1979) 239; B. Burley, Practical hash-based Owen scrambling, JCGT 9 (2020) 4.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
-
+use crate::random::Stream;
 use crate::scenario::path::Path;
 
 /// `n` independent uniform numbers; the first ones stay when `n` grows.
 pub fn independent(seed: u64, path: &Path, n: usize) -> Vec<f64> {
     let mut stream = stream(seed, path);
-    (0..n).map(|_| unit(&mut stream)).collect()
+    (0..n).map(|_| stream.unit()).collect()
 }
 
 /// `n` numbers, one in each of the `n` equal parts of the interval, in random order.
@@ -22,10 +20,10 @@ pub fn latin(seed: u64, path: &Path, n: usize) -> Vec<f64> {
     let mut part: Vec<usize> = (0..n).collect();
     // Fisher and Yates.
     for last in (1..n).rev() {
-        part.swap(last, below(&mut stream, last as u64 + 1) as usize);
+        part.swap(last, stream.below(last as u64 + 1) as usize);
     }
     let inside = |k: usize| {
-        let x = (k as f64 + unit(&mut stream)) / n as f64;
+        let x = (k as f64 + stream.unit()) / n as f64;
         // Rounding must not move a number into the next part.
         x.min(((k + 1) as f64 / n as f64).next_down())
     };
@@ -41,30 +39,9 @@ pub fn sobol(seed: u64, dimension: u32, n: usize) -> Vec<f64> {
     (0..n as u32).map(middle).collect()
 }
 
-fn stream(seed: u64, path: &Path) -> ChaCha8Rng {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&seed.to_le_bytes());
-    for (segment, _) in &path.segments {
-        // Lengths first, so that no two paths run together to the same bytes.
-        hasher.update(&(segment.len() as u64).to_le_bytes()).update(segment.as_bytes());
-    }
-    ChaCha8Rng::from_seed(*hasher.finalize().as_bytes())
-}
-
-/// 52 random bits and half a bit: neither 0 nor 1.
-fn unit(stream: &mut ChaCha8Rng) -> f64 {
-    ((stream.next_u64() >> 12) as f64 + 0.5) * 0.5f64.powi(52)
-}
-
-/// A whole number below `n`, each equally likely: numbers beyond the last full round are drawn again.
-fn below(stream: &mut ChaCha8Rng, n: u64) -> u64 {
-    let rounds = u64::MAX - u64::MAX % n;
-    loop {
-        let x = stream.next_u64();
-        if x < rounds {
-            return x % n;
-        }
-    }
+fn stream(seed: u64, path: &Path) -> Stream {
+    let words: Vec<&str> = path.segments.iter().map(|(segment, _)| segment.as_str()).collect();
+    Stream::new(seed, &words)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The types of a scenario, one file per part, every field with its unit and default.
 
+pub mod change;
 pub mod compare;
 pub mod contact;
 pub mod control;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::quantity::{
     angles, angular_rates, joint_positions, joint_velocities, json, non_negative, positive, some_non_negative,
+    some_positive,
 };
 
 /// The robot of a scenario.
@@ -35,6 +36,9 @@ pub struct RobotSpec {
     /// Soles instead of the robot's own; an empty list means no contact. Left out: the robot's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soles: Option<Vec<SoleSpec>>,
+    /// What happens to inertias that no body can have. Left out: as the robot file says, else `"refuse"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<InertiaSpec>,
     /// Masses welded to links.
     #[serde(default)]
     pub payload: Vec<PayloadSpec>,
@@ -111,6 +115,16 @@ pub enum JointLimits {
     Ignore,
 }
 
+/// What happens to inertias that no body can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum InertiaSpec {
+    /// The robot is refused, by the link's name.
+    Refuse,
+    /// The nearest physical tensor takes its place, and a notice says so.
+    Repair,
+}
+
 /// A convex planar polygon that may touch the floor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -177,9 +191,12 @@ pub struct JointSpec {
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub lag: Option<f64>,
+    /// End stops. Left out: as stiff as lets the joint's own inertia swing at 300 rad/s, critically damped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop: Option<JointStop>,
 }
 
-/// Friction in a joint.
+/// Friction in a joint: `tau = -[c + (s - c) exp(-(qd/v_str)^2)] tanh(qd/v_s) - d qd`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct JointFriction {
@@ -191,4 +208,30 @@ pub struct JointFriction {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub viscous: f64,
+    /// Static friction s, N m or N, not smaller than `coulomb`. Left out: as `coulomb`.
+    #[serde(rename = "static", skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub static_: Option<f64>,
+    /// Speed v_str over which friction falls from `static` to `coulomb`, rad/s or m/s. Left out: 0.2.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub stribeck_velocity: Option<f64>,
+    /// Speed v_s below which friction has not its full size, rad/s or m/s. Left out: 0.05.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub slip_velocity: Option<f64>,
+}
+
+/// A joint's end stops: springs and dampers beyond its limits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JointStop {
+    /// N m/rad or N/m.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub stiffness: f64,
+    /// N m s/rad or N s/m.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub damping: f64,
 }

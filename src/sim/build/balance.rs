@@ -1,22 +1,24 @@
 //! Tasks that balance, from their entries.
 
-use super::names;
-use crate::robot::{Base, Model, SoleId};
+use super::{names, planned};
+use crate::robot::{Base, JointId, Model, SoleId};
 use crate::scenario::{BalanceControl, BalanceTask, Contacts, Diagnostic, GravityCompensationTask, Run};
 use crate::task::Task;
 use crate::task::balance::force::{ForceBalance, Gains, Settings};
+use crate::task::balance::position::{self, PositionBalance};
+use crate::task::kinematic::figure;
 use nalgebra::Vector3;
 
-/// The task of the entry at `path`.
+/// The task of the entry at `path`; none, with an error, for a robot that it cannot stand.
 pub(super) fn balance(
     run: &Run,
     model: &Model,
     path: &str,
     spec: &BalanceTask,
     errors: &mut Vec<Diagnostic>,
-) -> Box<dyn Task> {
+) -> Option<Box<dyn Task>> {
     let soles = footing(run, model, path, spec.soles.as_deref(), errors);
-    match spec.control {
+    let task: Box<dyn Task> = match spec.control {
         BalanceControl::Force => {
             let s = &spec.force;
             let gains = |g: crate::scenario::Gains| Gains { kp: g.kp, kd: g.kd };
@@ -33,7 +35,33 @@ pub(super) fn balance(
             };
             Box::new(ForceBalance::new("balance", model, soles, settings))
         }
-    }
+        BalanceControl::Position => {
+            planned::plannable(run, path, figure::check(model), errors)?;
+            let s = &spec.position;
+            let mut mobility = vec![0.0; model.nj()];
+            figure::carrying_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
+            for (JointId(j), w) in
+                names::joints(model, run, &format!("{path}.position.mobility"), s.mobility.iter(), errors)
+            {
+                mobility[j] = w;
+            }
+            let settings = position::Settings {
+                duration: spec.duration.unwrap_or(f64::INFINITY),
+                proportional: s.proportional,
+                damping: s.damping,
+                integral: s.integral,
+                leaning: s.leaning,
+                reach: s.reach,
+                posture: s.posture,
+                approach: s.approach,
+                offset: s.offset.into(),
+                mobility,
+                feed_forward: s.feed_forward,
+            };
+            Box::new(PositionBalance::new(model, soles, settings))
+        }
+    };
+    Some(task)
 }
 
 /// The task of the entry at `path`.

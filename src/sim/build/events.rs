@@ -2,7 +2,7 @@
 
 use super::{floor, forces, model};
 use crate::robot::{Model, Robot};
-use crate::scenario::{Diagnostic, Event, Run};
+use crate::scenario::{Diagnostic, Event, ForceSpec, Run};
 use crate::sim::change::Change;
 use std::sync::Arc;
 
@@ -37,6 +37,13 @@ pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<
         let mut touched: Vec<usize> = event.set.iter().filter_map(|key| number(key)).collect();
         touched.sort_unstable();
         touched.dedup();
+        for i in &touched {
+            if let Some(ForceSpec::CarriedObject(_)) = after.scenario.force.get(*i) {
+                let message = format!("`force.{i}` is a carried object, which does not change while the run goes on");
+                let help = Some("write one object more, with times of its own".to_owned());
+                errors.push(after.error_at(&format!("force.{i}"), message, help));
+            }
+        }
         if !touched.is_empty() {
             let made = forces::forces(after, &model, errors).into_iter().enumerate();
             change.forces = made.filter(|(i, _)| touched.binary_search(i).is_ok()).collect();

@@ -19,6 +19,10 @@ pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -
             lag: joint.lag,
             coulomb: joint.friction.map(|f| f.coulomb),
             viscous: joint.friction.map(|f| f.viscous),
+            static_friction: joint.friction.map(|f| f.static_.unwrap_or(0.0)),
+            stribeck_velocity: joint.friction.and_then(|f| f.stribeck_velocity),
+            slip_velocity: joint.friction.and_then(|f| f.slip_velocity),
+            stop: joint.stop.map(|s| (s.stiffness, s.damping)),
         };
         if let Err(e) = adjust::set_drive(&mut model, name, &settings) {
             errors.push(run.error_at_key(&format!("robot.joint.{name}"), e.to_string(), None));

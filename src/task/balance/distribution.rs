@@ -50,10 +50,16 @@ pub struct Measure {
 /// How much more a missing vertical force counts: without it a robot rather jumps than gives way.
 pub const VERTICAL: f64 = 10.0;
 
-/// Weights eps of (2), one step each, relative to the number of contacts. The last is repeated.
-const WEIGHTS: [f64; 10] = [1e-1, 1e-3, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5];
+/// Weights eps of the first steps of (2), relative to the number of contacts: the early ones lead the later ones near.
+const WEIGHTS: [f64; 2] = [1e-1, 1e-3];
+/// That of all further steps. Each leaves about this part of what the one before has missed.
+const LAST_WEIGHT: f64 = 1e-5;
+/// Most of these further steps; two to four are usual.
+const LAST_STEPS: usize = 8;
 /// Newton steps for one step of (2): convergence takes about ten.
 const NEWTON_STEPS: usize = 40;
+/// Part of a Newton step below which it is given up: rounding has the last word.
+const SHORTEST: f64 = 1e-8;
 /// What is left of w, relative to it, that counts as rounding.
 const ROUNDING: f64 = 1e-15;
 
@@ -158,7 +164,7 @@ impl Distribution {
         let size = w.norm().max(f64::MIN_POSITIVE);
         let mut y = Vector6::zeros();
         let mut missing = f64::INFINITY;
-        for weight in WEIGHTS {
+        for weight in WEIGHTS.into_iter().chain([LAST_WEIGHT; LAST_STEPS]) {
             let eps = weight * self.contacts.len() as f64;
             y = self.proximal(map, w, friction, &y, eps);
             let mut rest = *w;
@@ -168,7 +174,7 @@ impl Distribution {
             }
             let left = rest.norm() / size;
             // Either all is there, or no more comes: w cannot be had.
-            if left <= ROUNDING || (weight == WEIGHTS[9] && left > 0.5 * missing) {
+            if left <= ROUNDING || (weight == LAST_WEIGHT && left > 0.5 * missing) {
                 return;
             }
             missing = left;
@@ -180,25 +186,28 @@ impl Distribution {
         let mut y = *centre;
         let (mut value, mut gradient) = self.dual(map, w, friction, &y, centre, eps);
         for _ in 0..NEWTON_STEPS {
-            let Some(factor) = self.curvature(map, friction, &y, eps).cholesky() else { return y };
+            if gradient.norm() <= ROUNDING * (w.norm() + eps * y.norm()) {
+                break;
+            }
+            let Some(factor) = self.curvature(map, friction, &y, eps).cholesky() else { break };
             let step = -factor.solve(&gradient);
             let slope = gradient.dot(&step);
             let mut length = 1.0;
-            loop {
+            let better = loop {
                 let next = y + step * length;
                 let (v, g) = self.dual(map, w, friction, &next, centre, eps);
-                if v <= value + 1e-4 * length * slope {
-                    (y, value, gradient) = (next, v, g);
-                    break;
+                // Where rounding hides the value's decrease the gradient has to tell.
+                let hidden = (v - value).abs() <= 8.0 * f64::EPSILON * value.abs();
+                if v <= value + 1e-4 * length * slope || (hidden && g.norm() < gradient.norm()) {
+                    break Some((next, v, g));
                 }
                 length *= 0.5;
-                if length < 1e-3 {
-                    // Less than the rounding of the value: a full step if it makes the gradient smaller, then it is done.
-                    let next = y + step;
-                    let (_, g) = self.dual(map, w, friction, &next, centre, eps);
-                    return if g.norm() < gradient.norm() { next } else { y };
+                if length < SHORTEST {
+                    break None;
                 }
-            }
+            };
+            let Some(better) = better else { break };
+            (y, value, gradient) = better;
         }
         y
     }

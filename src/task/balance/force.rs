@@ -75,7 +75,7 @@ pub struct ForceBalance {
     /// Drive modes before the task.
     modes: Vec<DriveMode>,
     start: f64,
-    /// Of the centre of mass from the centre of the soles, at the start and when approached, m.
+    /// Of the reference of the centre of mass from the centre of the soles, at the start and when approached, m.
     path: [Vector3<f64>; 2],
     orientation: UnitQuaternion<f64>,
     /// Generalised force and joint motion, nv.
@@ -88,7 +88,7 @@ impl ForceBalance {
     pub fn new(name: &'static str, model: &Model, soles: Vec<SoleId>, settings: Settings) -> Self {
         let stance = Stance::new(model, soles);
         let vertices = stance.footholds.capacity();
-        let driven = |j: &usize| model.joints[*j].drive.mode != DriveMode::Passive;
+        let driven = |j: &usize| !matches!(model.joints[*j].drive.mode, DriveMode::Passive | DriveMode::Kinematic);
         ForceBalance {
             name,
             split: Distribution::new(vertices),
@@ -235,13 +235,17 @@ impl Task for ForceBalance {
         for j in 0..nj {
             self.inertia[j] = ws.mass.get(nb + j, nb + j);
         }
-        self.slack = Slack::new(nb, &self.inertia, 6 * self.stance.soles().len() + 6);
+        // Joints that it does not drive stay where they are: they would cost more than all others together.
+        let mut weights = vec![1e6 * self.inertia.iter().fold(0.0, |m: f64, x| m.max(*x)); nj];
+        self.joints.iter().for_each(|j| weights[j.0] = self.inertia[j.0]);
+        self.slack = Slack::new(nb, &weights, 6 * self.stance.soles().len() + 6);
         self.modes.copy_from_slice(&command.mode);
         self.start = context.time;
         self.place(context);
         let now = context.data.com - self.stance.centre;
         let up = upwards(&context.gravity);
-        self.path = [now, up * now.dot(&up) + self.settings.offset];
+        let stable = self.stance.stable_point(model, &context.data.workspace, &up) - self.stance.centre;
+        self.path = [now, up * now.dot(&up) + stable + self.settings.offset];
         self.orientation = context.state.rotation;
         Ok(Status::Running)
     }
@@ -269,7 +273,8 @@ impl Task for ForceBalance {
     }
 
     fn needs(&self) -> Needs {
-        Needs::LINKS | Needs::COM | Needs::COM_JACOBIAN
+        let loads = if self.settings.sensed { Needs::LOADS } else { Needs::NONE };
+        Needs::LINKS | Needs::COM | Needs::COM_JACOBIAN | loads
     }
 
     fn name(&self) -> &str {

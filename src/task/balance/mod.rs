@@ -2,5 +2,6 @@
 
 pub mod distribution;
 pub mod force;
+pub mod position;
 pub mod slack;
 pub mod stance;

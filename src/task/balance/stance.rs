@@ -1,9 +1,10 @@
 //! The vertices of the soles that a robot stands on, as its own kinematics has them.
 
 use crate::dynamics::{State, Workspace};
+use crate::geometry::{Plane, convex_hull, stable_point};
 use crate::robot::{Model, SoleId};
 use crate::task::Sensed;
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 /// One vertex that may carry.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -58,6 +59,18 @@ impl Stance {
             }
         }
         self.centre = if count > 0.0 { sum / count } else { ws.position };
+    }
+
+    /// The point of optimal stability of all vertices of the soles as seen along `up`, at the height of the centre, world, m.
+    /// Needs [`place`](Self::place). Allocates.
+    pub fn stable_point(&self, model: &Model, ws: &Workspace, up: &Vector3<f64>) -> Vector3<f64> {
+        let axes = Rotation3::rotation_between(&Vector3::z(), up).unwrap_or_else(Rotation3::identity);
+        let level = Plane { rotation: axes.into_inner(), point: self.centre };
+        let soles = self.soles.iter().map(|id| &model.soles[id.0]);
+        let mut corners: Vec<_> = soles.flat_map(|s| s.vertices.iter().map(|v| ws.point(s.link, v))).collect();
+        convex_hull(&mut corners, &level);
+        let found = stable_point(corners.iter().map(|c| level.flat(c)), &mut Vec::new());
+        found.map_or(self.centre, |s| level.world(&s.point))
     }
 }
 

@@ -98,6 +98,8 @@ pub struct JointSeries {
     pub desired_velocity: Vec<f64>,
     /// Actuator efforts, N m or N.
     pub effort: Vec<f64>,
+    /// Efforts that the drives ask for, before limits and lag; not a number where the log does not say.
+    pub desired_effort: Vec<f64>,
 }
 
 /// One sole.

@@ -165,6 +165,8 @@ fn motion(joints: &[(String, bool)], rows: &[State]) -> Motion {
         desired_position: column(|s| &s.q_desired, j),
         desired_velocity: column(|s| &s.qd_desired, j),
         effort: column(|s| &s.effort, j),
+        // Logs of earlier versions do not say.
+        desired_effort: rows.iter().map(|s| s.effort_desired.get(j).copied().unwrap_or(f64::NAN)).collect(),
     };
     let triples = |get: fn(&State) -> &Option<Triple>| rows.iter().map(|s| some_vector(get(s))).collect();
     let arrow = |f: &super::super::messages::Force| (some_vector(&f.point), some_vector(&f.force));

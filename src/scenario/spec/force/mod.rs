@@ -1,15 +1,23 @@
 //! `[[force]]`: what acts on the robot besides gravity and the floor. One file per type.
 
+mod carried_object;
 mod constant;
+mod drag;
 mod joint_friction;
 mod push;
 mod ramp;
+mod random_pushes;
+mod script;
 mod spring;
 
+pub use carried_object::CarriedObject;
 pub use constant::ConstantForce;
+pub use drag::DragForce;
 pub use joint_friction::JointFrictionForce;
 pub use push::{Profile, PushForce};
 pub use ramp::RampForce;
+pub use random_pushes::{Directions, RandomPushes};
+pub use script::ScriptForce;
 pub use spring::{AnchorSpec, PathShape, SineSpec, SpringForce, WaypointSpec};
 
 use schemars::JsonSchema;
@@ -30,6 +38,24 @@ tagged! {
         "ramp" => Ramp(RampForce),
         /// A spring and damper to an anchor that may move.
         "spring" => Spring(SpringForce),
+        /// Pushes drawn at random.
+        "random-pushes" => RandomPushes(RandomPushes),
+        /// Resistance of the air.
+        "drag" => Drag(DragForce),
+        /// An object that a link holds for a time.
+        "carried-object" => CarriedObject(CarriedObject),
+        /// Forces computed by a script.
+        "script" => Script(ScriptForce),
+    }
+}
+
+impl ForceSpec {
+    /// The file that the key `file` names, if the type has that key.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            ForceSpec::Script(script) => Some(&script.file),
+            _ => None,
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::balance_force::ForceBalance;
+use super::{balance_force::ForceBalance, balance_position::PositionBalance};
 use crate::scenario::quantity::{json, non_negative, some_positive};
 
 /// Keep the centre of mass above the soles.
@@ -26,6 +26,9 @@ pub struct BalanceTask {
     /// Settings of `control = "force"`.
     #[serde(default)]
     pub force: ForceBalance,
+    /// Settings of `control = "position"`.
+    #[serde(default)]
+    pub position: PositionBalance,
 }
 
 /// What the joints are asked for.
@@ -34,4 +37,6 @@ pub struct BalanceTask {
 pub enum BalanceControl {
     /// Efforts: gravity compensation with optimally distributed contact forces.
     Force,
+    /// Positions: feedback of the centre of mass through its Jacobian.
+    Position,
 }

@@ -17,8 +17,8 @@ pub struct ForceBalance {
     /// Of all joints towards the positions they are asked for, where that moves neither centre of mass nor base nor soles;
     /// `kd` damps every joint, always.
     pub joints: Gains,
-    /// Displacement of the reference of the centre of mass from its default, above the centre of the soles at the height
-    /// it has at the start; world axes, m.
+    /// Displacement of the reference of the centre of mass from its default, above the point of optimal stability of the
+    /// soles at the height it has at the start; world axes, m.
     pub offset: [f64; 3],
     /// Time in which the reference of the centre of mass moves from where it is to there, s.
     #[serde(deserialize_with = "non_negative")]
@@ -41,7 +41,7 @@ impl Default for ForceBalance {
         ForceBalance {
             com: Gains { kp: 100.0, kd: 20.0 },
             orientation: Gains { kp: 100.0, kd: 20.0 },
-            joints: Gains { kp: 25.0, kd: 2.0 },
+            joints: Gains { kp: 25.0, kd: 10.0 },
             offset: [0.0; 3],
             approach: 1.0,
             friction: 0.5,

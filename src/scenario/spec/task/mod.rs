@@ -2,13 +2,27 @@
 
 mod balance;
 mod balance_force;
+mod balance_position;
 mod gravity_compensation;
+mod mocap;
+mod playback;
 mod posture;
+mod script;
+mod sine;
+mod squat;
+mod walk;
 
 pub use balance::{BalanceControl, BalanceTask};
 pub use balance_force::{Contacts, ForceBalance, Gains};
+pub use balance_position::PositionBalance;
 pub use gravity_compensation::GravityCompensationTask;
+pub use mocap::{MocapTarget, MocapTask};
+pub use playback::{Ends, PlaybackChange, PlaybackTask, Recorded};
 pub use posture::PostureTask;
+pub use script::ScriptTask;
+pub use sine::{SineChange, SineJoint, SineJointChange, SineTask};
+pub use squat::SquatTask;
+pub use walk::WalkTask;
 
 use super::tagged::tagged;
 
@@ -21,6 +35,18 @@ tagged! {
         "balance" => Balance(BalanceTask),
         /// Hold the robot up and give way to every push.
         "gravity-compensation" => GravityCompensation(GravityCompensationTask),
+        /// What a script says.
+        "script" => Script(ScriptTask),
+        /// Swing joints sinusoidally.
+        "sine" => Sine(SineTask),
+        /// Play a motion file.
+        "playback" => Playback(PlaybackTask),
+        /// Follow captured motion.
+        "mocap" => Mocap(MocapTask),
+        /// Bend the legs and rise again.
+        "squat" => Squat(SquatTask),
+        /// Walk, or step in place.
+        "walk" => Walk(WalkTask),
     }
 }
 
@@ -28,7 +54,10 @@ impl TaskSpec {
     /// The file that the key `file` names, if the type has that key.
     pub fn file(&self) -> Option<&str> {
         match self {
-            TaskSpec::Posture(_) | TaskSpec::Balance(_) | TaskSpec::GravityCompensation(_) => None,
+            TaskSpec::Playback(playback) => Some(&playback.file),
+            TaskSpec::Mocap(mocap) => Some(&mocap.file),
+            TaskSpec::Script(script) => Some(&script.file),
+            _ => None,
         }
     }
 }

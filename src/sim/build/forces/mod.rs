@@ -1,13 +1,18 @@
 //! External force models from their entries.
 
+mod drag;
+mod load;
+mod random_pushes;
 mod spring;
 
-use super::names;
-use crate::force::Force;
-use crate::force::friction::{Joint, JointFriction, SLIP_SPEED};
+pub(super) use load::loads;
+
+use super::{names, script};
+use crate::force::friction::JointFriction;
 use crate::force::profile::{Profile, Shape};
 use crate::force::wrench::Wrench;
-use crate::robot::Model;
+use crate::force::{Force, Nothing};
+use crate::robot::{Friction, Model};
 use crate::scenario::{
     ConstantForce, Diagnostic, ForceFrame, ForceSpec, Profile as ProfileSpec, PushForce, RampForce, Run,
 };
@@ -19,20 +24,12 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
     for (i, spec) in run.scenario.force.iter().enumerate() {
         match spec {
             ForceSpec::Push(PushForce { link, point, force, moment, frame, start, duration, profile }) => {
-                let shape = match profile {
-                    ProfileSpec::Constant => Shape::Constant,
-                    ProfileSpec::HalfSine => Shape::HalfSine,
-                    ProfileSpec::Ramp => Shape::Ramp,
-                    ProfileSpec::Triangle => Shape::Triangle,
-                };
-                let profile = Profile::new(shape, *start, *duration);
+                let profile = Profile::new(shape(*profile), *start, *duration);
                 let made = wrench(run, model, i, link, [point, force, moment], *frame, profile, errors);
                 forces.extend(made);
             }
             ForceSpec::Constant(ConstantForce { link, point, force, moment, frame, start, duration }) => {
-                let always = *start == 0.0 && duration.is_none();
-                let shape = if always { Shape::Always } else { Shape::Constant };
-                let profile = Profile::new(shape, *start, duration.unwrap_or(f64::INFINITY));
+                let profile = span(*start, *duration);
                 let made = wrench(run, model, i, link, [point, force, moment], *frame, profile, errors);
                 forces.extend(made);
             }
@@ -42,18 +39,50 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
                 forces.extend(made);
             }
             ForceSpec::Spring(spec) => forces.extend(spring::spring(run, model, i, spec, errors)),
+            ForceSpec::RandomPushes(spec) => forces.extend(random_pushes::pushes(run, model, i, spec, errors)),
+            ForceSpec::Drag(spec) => forces.extend(drag::drag(run, model, i, spec, errors)),
+            ForceSpec::Script(spec) => {
+                let span = span(spec.start, spec.duration);
+                forces.extend(script::force(run, model, i, spec, span, errors));
+            }
+            // No force, but inertia: see `loads`. It keeps its number among the forces.
+            ForceSpec::CarriedObject(_) => forces.push(Box::new(Nothing)),
             ForceSpec::JointFriction(spec) => {
                 let unused: Vec<f64> = spec.joints.values().map(|_| 0.0).collect();
                 names::joints(model, run, &format!("force.{i}.joints"), spec.joints.keys().zip(&unused), errors);
-                let of = |(j, joint): (usize, &crate::robot::Joint)| {
-                    spec.of(&joint.name).map(|f| Joint { joint: j, coulomb: f.coulomb, viscous: f.viscous })
-                };
+                let of = |(j, joint): (usize, &crate::robot::Joint)| spec.of(&joint.name).map(|f| (j, friction(&f)));
                 let joints = model.joints.iter().enumerate().filter_map(of).collect();
-                forces.push(Box::new(JointFriction { joints, slip_speed: SLIP_SPEED }));
+                forces.push(Box::new(JointFriction { joints }));
             }
         }
     }
     forces
+}
+
+/// Full from `start` on for a time, or to the end.
+fn span(start: f64, duration: Option<f64>) -> Profile {
+    let always = start == 0.0 && duration.is_none();
+    Profile::new(if always { Shape::Always } else { Shape::Constant }, start, duration.unwrap_or(f64::INFINITY))
+}
+
+fn shape(profile: ProfileSpec) -> Shape {
+    match profile {
+        ProfileSpec::Constant => Shape::Constant,
+        ProfileSpec::HalfSine => Shape::HalfSine,
+        ProfileSpec::Ramp => Shape::Ramp,
+        ProfileSpec::Triangle => Shape::Triangle,
+    }
+}
+
+fn friction(f: &crate::scenario::JointFriction) -> Friction {
+    let default = Friction::default();
+    Friction {
+        coulomb: f.coulomb,
+        viscous: f.viscous,
+        static_: f.static_.unwrap_or(default.static_),
+        stribeck_velocity: f.stribeck_velocity.unwrap_or(default.stribeck_velocity),
+        slip_velocity: f.slip_velocity.unwrap_or(default.slip_velocity),
+    }
 }
 
 #[expect(clippy::too_many_arguments)]

@@ -1,0 +1,48 @@
+//! `drag`: the resistance of the air.
+//!
+//! ```text
+//! f = -(c1 + c2 |w|) w,    w = v_point - u
+//! ```
+//!
+//! v_point the velocity of a point of the link, u that of the air, c1 the linear coefficient (Stokes), c2 the quadratic
+//! one (Newton: `rho A C_d / 2`). The force acts at the point, so it turns nothing that the point does not move.
+
+use super::profile::Profile;
+use super::{Applied, Force, Scene};
+use crate::dynamics::jacobian;
+use crate::robot::LinkId;
+use nalgebra::Vector3;
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Drag {
+    /// Where it acts: points in the internal frames of links, m.
+    pub points: Vec<(LinkId, Vector3<f64>)>,
+    /// Linear coefficient c1 of each point, N s/m.
+    pub linear: f64,
+    /// Quadratic coefficient c2 of each point, N s^2/m^2.
+    pub quadratic: f64,
+    /// Velocity u of the air, world, m/s.
+    pub wind: Vector3<f64>,
+    /// When there is air.
+    pub span: Profile,
+}
+
+impl Force for Drag {
+    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
+        let strength = self.span.factor(scene.time, scene.within);
+        if strength == 0.0 {
+            return;
+        }
+        for &(link, local) in &self.points {
+            let point = scene.kinematics.point(link, &local);
+            let relative = jacobian::point_velocity(scene.kinematics, link, &point) - self.wind;
+            let force = relative * -(self.linear + self.quadratic * relative.norm());
+            applied.wrench(scene, link, &point, &force, &Vector3::zeros());
+        }
+    }
+
+    fn corners(&self) -> &[f64] {
+        self.span.corners()
+    }
+}

@@ -1,0 +1,134 @@
+//! `script`: a force model written in Luau; see [`crate::script`].
+//!
+//! The integrator asks for forces at any time and state, before and after those it asked for last, and takes steps back.
+//! So between corners the answer has to be a function of both alone: globals of the script stand still, no random numbers
+//! are to be had, and after the start and every corner the first question is asked twice and the answers compared.
+
+use super::profile::Profile;
+use super::{Applied, Force, Scene, Tell};
+use crate::script::fields::View;
+use crate::script::{Effect, Named, Params, Script, ScriptError};
+use nalgebra::Vector3;
+
+/// See the module.
+pub struct ScriptForce {
+    name: String,
+    script: Script,
+    named: Named,
+    gravity: Vector3<f64>,
+    span: Profile,
+    corners: Vec<f64>,
+    params: Params,
+    /// Parameters that are to come, with their times, in order.
+    changes: Vec<(f64, Params)>,
+    changed: usize,
+    effects: Vec<Effect>,
+    again: Vec<Effect>,
+    /// Is the next answer to be compared with that to the same question asked again?
+    doubted: bool,
+    /// Has it been initialised?
+    ready: bool,
+    fault: Option<String>,
+}
+
+/// When a script acts and what it is told.
+pub struct Plan {
+    /// When it acts.
+    pub span: Profile,
+    /// Times at which its forces jump, s.
+    pub corners: Vec<f64>,
+    /// Parameters at the start.
+    pub params: Params,
+    /// Parameters that are to come, with their times, ascending.
+    pub changes: Vec<(f64, Params)>,
+}
+
+impl ScriptForce {
+    /// A force model called `name`; `gravity` in m/s^2, world axes.
+    pub fn new(name: String, script: Script, named: Named, gravity: Vector3<f64>, plan: Plan) -> Self {
+        let mut corners = plan.corners;
+        corners.extend(plan.span.corners());
+        corners.extend(plan.changes.iter().map(|(at, _)| *at));
+        ScriptForce {
+            name,
+            script,
+            named,
+            gravity,
+            span: plan.span,
+            corners,
+            params: plan.params,
+            changes: plan.changes,
+            changed: 0,
+            effects: Vec::new(),
+            again: Vec::new(),
+            doubted: true,
+            ready: false,
+            fault: None,
+        }
+    }
+
+    fn ask(&mut self, view: &View) -> Result<(), ScriptError> {
+        self.script.effects(view, &self.named, &mut self.effects)?;
+        if std::mem::take(&mut self.doubted) {
+            self.script.effects(view, &self.named, &mut self.again)?;
+            if self.effects != self.again {
+                let message = "`run` answered the same time and state with different forces: between corners it must be a \
+                               function of both alone";
+                return Err(ScriptError::new(&self.name, None, message));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn view<'a>(scene: &'a Scene, gravity: Vector3<f64>) -> View<'a> {
+    View { time: scene.time, model: scene.model, gravity, state: scene.state, kinematics: scene.kinematics, task: None }
+}
+
+impl Force for ScriptForce {
+    fn init(&mut self, scene: &Scene) -> Result<(), String> {
+        let goes_on = self.script.init(&view(scene, self.gravity), &self.params);
+        self.ready = true;
+        goes_on.map(|_| ()).map_err(|e| e.to_string())
+    }
+
+    fn pass(&mut self, scene: &Scene, tell: &mut Tell) {
+        self.doubted = true;
+        while let Some((_, params)) = self.changes.get(self.changed).filter(|(at, _)| *at <= scene.time) {
+            self.changed += 1;
+            tell("force", &self.name, "changes".into());
+            if let Err(error) = self.script.change(&view(scene, self.gravity), params) {
+                self.fault.get_or_insert(error.to_string());
+            }
+        }
+    }
+
+    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
+        if !self.ready || self.fault.is_some() || self.span.factor(scene.time, scene.within) == 0.0 {
+            return;
+        }
+        if let Err(error) = self.ask(&view(scene, self.gravity)) {
+            self.fault = Some(error.to_string());
+            return;
+        }
+        for effect in &self.effects {
+            match effect {
+                Effect::Joint { joint, effort } => applied.joint(scene.model, *joint, *effort),
+                Effect::Wrench { link, point, force, moment, axes } => {
+                    let (rotation, origin) = scene.frame(*link);
+                    let turn = |v: &Vector3<f64>| axes.as_ref().map_or(*v, |axes| rotation * (axes * v));
+                    applied.wrench(scene, *link, &(origin + rotation * point), &turn(force), &turn(moment));
+                }
+            }
+        }
+    }
+
+    fn corners(&self) -> &[f64] {
+        &self.corners
+    }
+
+    fn fault(&mut self) -> Option<String> {
+        // It stays: a model that has failed is not asked again.
+        self.fault.clone()
+    }
+}

@@ -1,0 +1,39 @@
+//! Random numbers that depend on a seed and a purpose, and on nothing of the machine.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+/// A ChaCha8 stream seeded with the BLAKE3 hash of a seed and of words that say what it is for: another purpose beside it
+/// changes nothing.
+#[derive(Clone, Debug)]
+pub struct Stream(ChaCha8Rng);
+
+impl Stream {
+    /// The stream of a seed for a purpose, such as `["force", "0"]`.
+    pub fn new<S: AsRef<str>>(seed: u64, purpose: &[S]) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&seed.to_le_bytes());
+        for word in purpose {
+            // Lengths first, so that no two purposes run together to the same bytes.
+            let word = word.as_ref().as_bytes();
+            hasher.update(&(word.len() as u64).to_le_bytes()).update(word);
+        }
+        Stream(ChaCha8Rng::from_seed(*hasher.finalize().as_bytes()))
+    }
+
+    /// A uniform number in (0, 1): 52 random bits and half a bit, neither 0 nor 1.
+    pub fn unit(&mut self) -> f64 {
+        ((self.0.next_u64() >> 12) as f64 + 0.5) * 0.5f64.powi(52)
+    }
+
+    /// A whole number below `n` (at least 1), each equally likely: numbers beyond the last full round are drawn again.
+    pub fn below(&mut self, n: u64) -> u64 {
+        let rounds = u64::MAX - u64::MAX % n;
+        loop {
+            let x = self.0.next_u64();
+            if x < rounds {
+                return x % n;
+            }
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Friction in joints.
+//!
+//! ```text
+//! tau = -[c + (s - c) exp(-(qd / v_str)^2)] tanh(qd / v_s) - d qd
+//! ```
+//!
+//! c Coulomb, s static, d viscous friction, v_str the Stribeck speed over which static friction falls to Coulomb's, v_s the
+//! slip speed. Source: H. Olsson et al., Friction models and friction compensation, Eur. J. Control 4 (1998), equations 1
+//! to 4, with the hyperbolic tangent in the place of the jump at rest: below the slip speed a joint under the load tau
+//! creeps at about `v_s atanh(tau / s)` instead of sticking. That is a model of its own, not the floor's exact friction;
+//! choose v_s small against the speeds of interest, and against v_str where static friction is to show its full height (a
+//! smaller one costs integration steps).
+
+/// Slip speed when none is given, rad/s or m/s.
+pub const SLIP_SPEED: f64 = 0.05;
+/// Stribeck speed when none is given, rad/s or m/s.
+pub const STRIBECK_SPEED: f64 = 0.2;
+
+/// Friction of one joint; speeds in rad/s or m/s, frictions in N m or N, viscous friction per speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Coulomb friction c.
+    pub coulomb: f64,
+    /// Viscous friction d.
+    pub viscous: f64,
+    /// Static friction s; Coulomb friction counts where it is greater.
+    pub static_: f64,
+    /// Stribeck speed v_str, above 0.
+    pub stribeck_velocity: f64,
+    /// Slip speed v_s, above 0.
+    pub slip_velocity: f64,
+}
+
+impl Default for Friction {
+    fn default() -> Self {
+        Friction {
+            coulomb: 0.0,
+            viscous: 0.0,
+            static_: 0.0,
+            stribeck_velocity: STRIBECK_SPEED,
+            slip_velocity: SLIP_SPEED,
+        }
+    }
+}
+
+impl Friction {
+    /// Size of the dry friction at the joint velocity `qd`, before the hyperbolic tangent.
+    fn dry(&self, qd: f64) -> f64 {
+        if self.static_ > self.coulomb {
+            self.coulomb + (self.static_ - self.coulomb) * (-(qd / self.stribeck_velocity).powi(2)).exp()
+        } else {
+            self.coulomb
+        }
+    }
+
+    /// Is there dry friction at all?
+    pub fn is_dry(&self) -> bool {
+        self.coulomb > 0.0 || self.static_ > 0.0
+    }
+
+    /// Effort at the joint velocity `qd`.
+    pub fn effort(&self, qd: f64) -> f64 {
+        let viscous = -(self.viscous * qd);
+        if self.is_dry() { viscous + -self.dry(qd) * (qd / self.slip_velocity).tanh() } else { viscous }
+    }
+
+    /// `-effort / qd`: the damping that takes the friction's place in a velocity-level step. Taken at the velocity of the
+    /// step's end it never turns the motion round, however great friction is against inertia.
+    pub fn secant(&self, qd: f64) -> f64 {
+        if !self.is_dry() {
+            return self.viscous;
+        }
+        let x = qd.abs() / self.slip_velocity;
+        let steep = if x > 1e-8 { x.tanh() / x } else { 1.0 };
+        self.viscous + self.dry(qd) * steep / self.slip_velocity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_law_has_its_limits() {
+        let f = Friction { coulomb: 2.0, viscous: 0.5, static_: 3.0, stribeck_velocity: 0.3, slip_velocity: 1e-4 };
+        // Just off rest all of the static friction, well above the Stribeck speed Coulomb's and the viscous part.
+        assert!((f.effort(2e-3) + 3.0).abs() < 2e-3 && (f.effort(-3.0) - 3.5).abs() < 1e-12);
+        assert_eq!((f.effort(0.0), f.effort(-0.1)), (0.0, -f.effort(0.1)));
+        for qd in [0.0, 1e-14, 1e-5, 0.1, -4.0] {
+            assert!((f.secant(qd) * qd + f.effort(qd)).abs() < 1e-15 * 4.0, "{qd}");
+        }
+        assert_eq!(f.secant(0.0), 0.5 + 3.0 / 1e-4);
+        // Without static friction the law is Coulomb's.
+        let plain = Friction { static_: 0.0, ..f };
+        assert!((plain.effort(0.01) + 2.005).abs() < 1e-12);
+    }
+}

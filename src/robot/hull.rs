@@ -1,0 +1,109 @@
+//! Meshes of many triangles become convex hulls: a body for pictures, small enough for every log.
+
+use nalgebra::{Point3, Vector3};
+use parry3d_f64::math::Vector as ParryVector;
+use parry3d_f64::transformation::try_convex_hull;
+
+use super::model::{Geometry, Model};
+use super::notice::Notices;
+use super::source::Source;
+
+/// Meshes of at most this many triangles are kept as they are.
+const MOST_TRIANGLES: usize = 1000;
+/// Directions along which the outermost vertices of a larger mesh are kept: about 14 degrees apart, so the hull of a ball
+/// of radius r lies at most 0.8 % of r within it, and that of a body with few corners is exact.
+const DIRECTIONS: usize = 200;
+
+/// Replaces large meshes by hulls of their outermost vertices and says how many.
+pub(super) fn simplify_meshes(model: &mut Model, source: &Source, notices: &mut Notices) {
+    let directions = spread(DIRECTIONS);
+    let shapes = model.links.iter_mut().flat_map(|l| l.visuals.iter_mut().chain(&mut l.collisions));
+    let (mut replaced, mut before) = (0, 0);
+    for shape in shapes {
+        let Geometry::Mesh(points, triangles) = &shape.geometry else { continue };
+        if triangles.len() <= MOST_TRIANGLES {
+            continue;
+        }
+        // A flat mesh has no hull and stays.
+        let Some(hull) = hull(&outermost(points, &directions)) else { continue };
+        (replaced, before) = (replaced + 1, before + triangles.len());
+        shape.geometry = hull;
+    }
+    if replaced > 0 {
+        let words = format!(
+            "{replaced} meshes of more than {MOST_TRIANGLES} triangles ({before} in all) are kept as convex hulls"
+        );
+        notices.info(source, source.text().find("<robot").unwrap_or(0), words);
+    }
+}
+
+/// Unit vectors spread evenly over the sphere, on a spiral of golden angles.
+fn spread(n: usize) -> Vec<Vector3<f64>> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0f64.sqrt());
+    let direction = |i: usize| {
+        let z = 1.0 - (2 * i + 1) as f64 / n as f64;
+        let (sin, cos) = (golden * i as f64).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        Vector3::new(r * cos, r * sin, z)
+    };
+    (0..n).map(direction).collect()
+}
+
+/// The outermost point along each direction, each point once.
+fn outermost(points: &[Point3<f64>], directions: &[Vector3<f64>]) -> Vec<Point3<f64>> {
+    let mut best = vec![(f64::NEG_INFINITY, 0); directions.len()];
+    for (i, p) in points.iter().enumerate() {
+        for (best, d) in best.iter_mut().zip(directions) {
+            let reach = d.dot(&p.coords);
+            if reach > best.0 {
+                *best = (reach, i);
+            }
+        }
+    }
+    let mut chosen: Vec<usize> = best.into_iter().map(|(_, i)| i).collect();
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen.into_iter().map(|i| points[i]).collect()
+}
+
+fn hull(points: &[Point3<f64>]) -> Option<Geometry> {
+    let input: Vec<ParryVector> = points.iter().map(|p| ParryVector::new(p.x, p.y, p.z)).collect();
+    let (vertices, triangles) = try_convex_hull(&input).ok()?;
+    let finite = vertices.iter().all(|p| p.x.is_finite() && p.y.is_finite() && p.z.is_finite());
+    finite.then(|| Geometry::Mesh(vertices.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect(), triangles))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ball_of_many_vertices_loses_less_than_a_hundredth() {
+        let points: Vec<Point3<f64>> = spread(20_000).into_iter().map(|d| Point3::from(2.0 * d)).collect();
+        let Some(Geometry::Mesh(vertices, triangles)) = hull(&outermost(&points, &spread(DIRECTIONS))) else {
+            panic!("no hull")
+        };
+        assert!(vertices.len() <= DIRECTIONS && triangles.len() == 2 * vertices.len() - 4, "Euler's formula");
+        for t in &triangles {
+            let [a, b, c] = t.map(|i| vertices[i as usize]);
+            let normal = (b - a).cross(&(c - a)).normalize();
+            assert!(normal.dot(&a.coords) > 2.0 * 0.98, "{}", normal.dot(&a.coords));
+        }
+    }
+
+    #[test]
+    fn a_block_of_many_vertices_keeps_its_corners() {
+        let points: Vec<Point3<f64>> =
+            spread(5_000).into_iter().map(|d| Point3::from(d / d.amax()).map(|x| x * 0.5)).chain(corners()).collect();
+        let Some(Geometry::Mesh(vertices, _)) = hull(&outermost(&points, &spread(DIRECTIONS))) else {
+            panic!("no hull")
+        };
+        for corner in corners() {
+            assert!(vertices.contains(&corner), "{corner}");
+        }
+    }
+
+    fn corners() -> impl Iterator<Item = Point3<f64>> {
+        (0..8).map(|i| Point3::from(Vector3::from_fn(|axis, _| if i >> axis & 1 == 1 { 0.5 } else { -0.5 })))
+    }
+}

@@ -1,0 +1,130 @@
+//! Can the links be bodies, and can they be moved? What is unphysical is refused by name, or repaired where that is asked
+//! for.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::InertiaPolicy;
+use super::build::Parts;
+use super::inertia::{Flaw, RigidInertia, examine, moments_text};
+use super::movable::without_inertia;
+use super::repair::nearest_physical;
+use super::shapes::isometry;
+use super::xml::{Xml, child};
+use crate::robot::error::{Fault, RobotError};
+use crate::robot::model::{Base, Link};
+use crate::robot::notice::Notices;
+
+/// A part whose inertia no body can have, or a point or a rod: an error if the rigid body it ends up in has none either,
+/// else a warning, for exporters put placeholders on massless frames.
+pub(super) struct FlawedPart {
+    /// The moving link it is part of.
+    pub carrier: usize,
+    pub flaw: Flaw,
+    pub fault: Fault,
+}
+
+/// A link's own inertia in its URDF frame; `None` when it has none. What is odd about it goes to `flawed`, unless it is
+/// repaired.
+pub(super) fn link_inertia(
+    xml: &Xml,
+    link: &urdf_rs::Link,
+    policy: InertiaPolicy,
+    flawed: &mut impl FnMut(Flaw, Fault),
+    notices: &mut Notices,
+) -> Option<RigidInertia> {
+    let inertial = child(xml.named("link", &link.name), "inertial")?;
+    let i = &link.inertial.inertia;
+    let mut tensor = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
+    let mass = link.inertial.mass.value;
+    let name = &link.name;
+    if mass == 0.0 {
+        if tensor != Matrix3::zeros() {
+            let at = child(inertial, "mass").unwrap_or(inertial);
+            let fault = xml.attribute_fault(at, "value", format!("link `{name}` has inertia but no mass"));
+            flawed(Flaw::Singular, fault.wanted("a mass above 0"));
+        }
+        return None;
+    }
+    let at = child(inertial, "inertia").unwrap_or(inertial);
+    let (moments, flaw) = examine(&tensor);
+    // A point mass is a body; it is for `judge` to say whether it can be moved.
+    let is_repaired = policy == InertiaPolicy::Repair && tensor != Matrix3::zeros();
+    match flaw {
+        Some(_) if is_repaired => {
+            tensor = nearest_physical(&tensor);
+            let after = moments_text(examine(&tensor).0);
+            let words = format!("inertia of link `{name}` repaired: {} become {after}", moments_text(moments));
+            notices.warning(xml.source, at.range().start, words);
+        }
+        Some(flaw) => {
+            let (words, wanted) = match flaw {
+                Flaw::Negative | Flaw::Singular => ("is not positive definite", "three moments above 0"),
+                Flaw::Triangle => {
+                    ("breaks the triangle inequality", "the largest principal moment at most the sum of the others")
+                }
+            };
+            let fault = xml.fault(at, format!("the inertia of link `{name}` {words}"));
+            flawed(flaw, fault.seen(moments_text(moments)).wanted(wanted).help(HOW_TO_REPAIR));
+        }
+        None => {}
+    }
+    let body = RigidInertia { mass, com: Vector3::zeros(), tensor };
+    Some(body.moved(&isometry(&link.inertial.origin)))
+}
+
+const HOW_TO_REPAIR: &str = "inertia = \"repair\" in a scenario's [robot] or in the robot file, or inspect's --repair, \
+     takes the nearest physical tensor and locks joints that nothing resists";
+
+/// Every link that can accelerate needs a tensor a body can have, welded parts counted, and inertia along its joint.
+pub(super) fn judge(xml: &Xml, parts: &Parts, base: Base, notices: &mut Notices) -> Result<(), RobotError> {
+    let Parts { links, joints, flawed, .. } = parts;
+    let unphysical = |i: usize, link: &Link| match examine(&link.inertia).1 {
+        Some(Flaw::Negative) => true,
+        // Sound parts make a sound whole but for rounding.
+        Some(Flaw::Triangle) => flawed.iter().any(|part| part.carrier == i && part.flaw != Flaw::Singular),
+        _ => false,
+    };
+    let moving = links.iter().enumerate().skip(usize::from(base == Base::Fixed));
+    if let Some((i, _)) = moving.clone().find(|(i, link)| unphysical(*i, link)) {
+        return Err(refusal(xml, links, i, flawed));
+    }
+    // The deepest: those above may only carry it.
+    if let Some(&i) = without_inertia(links, joints, base).last() {
+        return Err(refusal(xml, links, i, flawed));
+    }
+    for (_, link) in moving.filter(|(_, link)| link.mass == 0.0) {
+        let node = xml.named("link", &link.name);
+        // Links between the motions of one joint stand in no file.
+        if node == xml.robot {
+            continue;
+        }
+        let at = node.range().start;
+        notices.info(xml.source, at, format!("link `{}` has no mass: what hangs on it is its inertia", link.name));
+    }
+    for FlawedPart { fault, .. } in flawed {
+        let words = format!(
+            "{}{}",
+            fault.message,
+            if fault.seen.is_empty() { String::new() } else { format!(": {}", fault.seen) }
+        );
+        notices.warning(xml.source, fault.span.start, words);
+    }
+    Ok(())
+}
+
+/// Why the link cannot be simulated: a part of it if one is to blame.
+fn refusal(xml: &Xml, links: &[Link], i: usize, flawed: &[FlawedPart]) -> RobotError {
+    if let Some(part) = flawed.iter().find(|part| part.carrier == i) {
+        return part.fault.clone().invalid();
+    }
+    let link = &links[i];
+    let node = xml.named("link", &link.name);
+    if link.mass == 0.0 {
+        let message = format!("link `{}` moves but has no mass, nor has anything welded to it", link.name);
+        let fault = xml.fault(node, message).wanted("<inertial> with a mass above 0");
+        return fault.help(HOW_TO_REPAIR).invalid();
+    }
+    let fault = xml.fault(node, format!("the inertia of link `{}` is not positive definite", link.name));
+    let fault = fault.seen(moments_text(examine(&link.inertia).0)).wanted("three moments above 0");
+    fault.help(HOW_TO_REPAIR).invalid()
+}

@@ -1,0 +1,21 @@
+//! Parameters that change by time.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::quantity::{json, non_negative};
+
+/// New values of some parameters; the others stay.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChangeSpec {
+    /// When, s.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub at: f64,
+    /// The new values.
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
+    pub params: BTreeMap<String, toml::Value>,
+}

@@ -1,0 +1,61 @@
+//! Settings of `balance` with `control = "position"`.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::quantity::{json, non_negative, positive};
+
+/// Gains of the position-controlled balance: how far the joints are asked to move the centre of mass against its error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PositionBalance {
+    /// Displacement asked for per error of the centre of mass, m/m; below zero it gives way.
+    pub proportional: f64,
+    /// Displacement asked for against its velocity, s.
+    pub damping: f64,
+    /// Rate of displacement per error, 1/s: takes away what sag is left.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub integral: f64,
+    /// Rate of displacement per distance of the zero-moment point from the reference, 1/s: leans against a lasting push.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub leaning: f64,
+    /// Greatest displacement along x and along y, m.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub reach: f64,
+    /// Rate at which joints return to the posture of the start as far as soles and centre of mass allow, 1/s.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub posture: f64,
+    /// Time in which the balance comes into force, s.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub approach: f64,
+    /// Displacement of the reference from the point of optimal stability, world axes, m.
+    pub offset: [f64; 2],
+    /// How readily joints move, by name: 0 keeps one out. Left out: 1 for those that move a sole, 0 for the others.
+    pub mobility: BTreeMap<String, f64>,
+    /// Are the joints that carry given efforts against gravity besides positions?
+    pub feed_forward: bool,
+}
+
+impl Default for PositionBalance {
+    fn default() -> Self {
+        PositionBalance {
+            proportional: 0.0,
+            damping: 0.1,
+            integral: 0.0,
+            leaning: 2.0,
+            reach: 0.05,
+            posture: 2.0,
+            approach: 0.5,
+            offset: [0.0; 2],
+            mobility: BTreeMap::new(),
+            feed_forward: true,
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Values that go to scripts and come back from them.
+
+use super::Params;
+use crate::robot::{LinkId, Model};
+use mlua::{Lua, Table, Value};
+use nalgebra::{Isometry3, Point3, Vector3};
+use std::collections::HashMap;
+
+/// Something that a force model does to the robot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// A force (N) at a point in the link's internal frame (m) and a moment (N m).
+    Wrench {
+        /// The link.
+        link: LinkId,
+        /// Where the force acts.
+        point: Vector3<f64>,
+        /// In world axes, or in those of `frame`.
+        force: Vector3<f64>,
+        /// In the same axes.
+        moment: Vector3<f64>,
+        /// Orientation of the axes in the link's internal frame; none for world axes.
+        axes: Option<nalgebra::UnitQuaternion<f64>>,
+    },
+    /// An effort (N m or N) on a joint.
+    Joint {
+        /// Index of the joint.
+        joint: usize,
+        /// The effort.
+        effort: f64,
+    },
+}
+
+/// Joints and links of a robot by name.
+#[derive(Clone, Debug)]
+pub struct Named {
+    joints: HashMap<String, usize>,
+    links: HashMap<String, (LinkId, Isometry3<f64>)>,
+}
+
+impl Named {
+    /// Those of a robot.
+    pub fn new(model: &Model) -> Self {
+        Named {
+            joints: model.joints.iter().enumerate().map(|(i, j)| (j.name.clone(), i)).collect(),
+            links: super::links(model).map(|(name, link, frame)| (name.to_owned(), (link, frame))).collect(),
+        }
+    }
+
+    fn joint(&self, value: &Value) -> Option<usize> {
+        match value {
+            Value::String(name) => self.joints.get(&*name.to_str().ok()?).copied(),
+            _ => {
+                let number = number(value)?;
+                let whole = number.fract() == 0.0 && number >= 1.0 && number <= self.joints.len() as f64;
+                whole.then(|| number as usize - 1)
+            }
+        }
+    }
+}
+
+/// The values of a scenario as a table: dates are their text.
+pub(super) fn params(lua: &Lua, params: &Params) -> mlua::Result<Table> {
+    let table = lua.create_table()?;
+    for (key, value) in params {
+        table.set(key.as_str(), plain(lua, value)?)?;
+    }
+    Ok(table)
+}
+
+fn plain(lua: &Lua, value: &toml::Value) -> mlua::Result<Value> {
+    Ok(match value {
+        toml::Value::String(text) => Value::String(lua.create_string(text)?),
+        toml::Value::Integer(n) => Value::Number(*n as f64),
+        toml::Value::Float(x) => Value::Number(*x),
+        toml::Value::Boolean(yes) => Value::Boolean(*yes),
+        toml::Value::Datetime(date) => Value::String(lua.create_string(date.to_string())?),
+        toml::Value::Array(items) => {
+            let table = lua.create_table()?;
+            for item in items {
+                table.push(plain(lua, item)?)?;
+            }
+            Value::Table(table)
+        }
+        toml::Value::Table(entries) => Value::Table(params(lua, entries)?),
+    })
+}
+
+/// A value in the words of an error.
+pub(super) fn shown(value: &Value) -> String {
+    match value {
+        Value::String(text) => format!("{:?}", text.to_string_lossy()),
+        Value::Number(x) => x.to_string(),
+        Value::Integer(n) => n.to_string(),
+        Value::Boolean(yes) => yes.to_string(),
+        Value::Nil => "nil".into(),
+        other => format!("a {}", other.type_name()),
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Number(x) => Some(*x),
+        Value::Integer(n) => Some(*n as f64),
+        _ => None,
+    }
+}
+
+/// What the list that a force model answered does. Errors in words.
+pub(super) fn effects(answer: Value, named: &Named, effects: &mut Vec<Effect>) -> Result<(), String> {
+    let list = match &answer {
+        Value::Nil => return Ok(()),
+        Value::Table(list) => list,
+        other => return Err(format!("`run` must return a list of forces, not {}", shown(other))),
+    };
+    for (i, entry) in list.sequence_values::<Value>().enumerate() {
+        let entry = match entry {
+            Ok(Value::Table(entry)) => entry,
+            Ok(other) => return Err(format!("force {} must be a table, not {}", i + 1, shown(&other))),
+            Err(error) => return Err(error.to_string()),
+        };
+        effects.push(effect(&entry, named).map_err(|m| format!("force {}: {m}", i + 1))?);
+    }
+    // A table with keys alone has no entries: a force that is not in a list.
+    if effects.is_empty() && !list.is_empty() {
+        return Err("`run` must return a list of forces: { { link = .., force = .. } }".into());
+    }
+    Ok(())
+}
+
+const KEYS: [&str; 7] = ["link", "point", "force", "moment", "frame", "joint", "effort"];
+
+fn effect(entry: &Table, named: &Named) -> Result<Effect, String> {
+    for pair in entry.pairs::<Value, Value>() {
+        let (key, _) = pair.map_err(|e| e.to_string())?;
+        let known = key.as_string().is_some_and(|k| KEYS.iter().any(|known| known.as_bytes() == &*k.as_bytes()));
+        if !known {
+            return Err(format!("unknown key {}; known here: {}", shown(&key), KEYS.join(", ")));
+        }
+    }
+    let get = |key: &str| entry.raw_get::<Value>(key).map_err(|e| e.to_string());
+    let joint = get("joint")?;
+    if !joint.is_nil() {
+        let index = named.joint(&joint).ok_or_else(|| format!("the robot has no joint {}", shown(&joint)))?;
+        let effort = get("effort")?;
+        let value = number(&effort).filter(|x| x.is_finite());
+        let effort = value.ok_or_else(|| format!("`effort` must be a finite number, not {}", shown(&effort)))?;
+        return Ok(Effect::Joint { joint: index, effort });
+    }
+    let link = get("link")?;
+    let name = link
+        .as_string()
+        .map(|s| s.to_string_lossy())
+        .ok_or_else(|| format!("needs `link`, the name of a link, or `joint`; `link` is {}", shown(&link)))?;
+    let (id, frame) = named.links.get(&name).ok_or_else(|| format!("the robot has no link {name:?}"))?;
+    let turns = match get("frame")? {
+        Value::Nil => false,
+        Value::String(word) if word.as_bytes() == b"world" => false,
+        Value::String(word) if word.as_bytes() == b"link" => true,
+        other => return Err(format!("`frame` must be \"world\" or \"link\", not {}", shown(&other))),
+    };
+    Ok(Effect::Wrench {
+        link: *id,
+        point: (frame * Point3::from(vector("point", &get("point")?)?)).coords,
+        force: vector("force", &get("force")?)?,
+        moment: vector("moment", &get("moment")?)?,
+        axes: turns.then_some(frame.rotation),
+    })
+}
+
+/// Three finite numbers; nil is zero.
+fn vector(key: &str, value: &Value) -> Result<Vector3<f64>, String> {
+    let shape = || format!("`{key}` must be {{ x, y, z }}, three finite numbers, not {}", shown(value));
+    let list = match value {
+        Value::Nil => return Ok(Vector3::zeros()),
+        Value::Table(list) if list.raw_len() == 3 => list,
+        Value::Table(list) => return Err(format!("{} of {}", shape(), list.raw_len())),
+        _ => return Err(shape()),
+    };
+    let mut v = Vector3::zeros();
+    for i in 0..3 {
+        let entry: Value = list.raw_get(i + 1).map_err(|e| e.to_string())?;
+        let finite = number(&entry).filter(|x| x.is_finite());
+        v[i] = finite.ok_or_else(|| format!("`{key}[{}]` must be a finite number, not {}", i + 1, shown(&entry)))?;
+    }
+    Ok(v)
+}

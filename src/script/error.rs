@@ -1,0 +1,48 @@
+//! What went wrong in a script, with its place.
+
+use std::fmt;
+
+/// File, line if it is known, and words. Shown as `file:line: words`.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub struct ScriptError {
+    /// The script as the scenario names it.
+    pub file: String,
+    /// Line, from 1.
+    pub line: Option<usize>,
+    /// What is wrong.
+    pub message: String,
+}
+
+impl fmt::Display for ScriptError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{}:{line}: {}", self.file, self.message),
+            None => write!(f, "{}: {}", self.file, self.message),
+        }
+    }
+}
+
+impl ScriptError {
+    /// An error in `file`.
+    pub fn new(file: &str, line: Option<usize>, message: impl Into<String>) -> Self {
+        ScriptError { file: file.to_owned(), line, message: message.into() }
+    }
+
+    /// What the interpreter says of a script it knows as `file`: a message that begins with its place, then a traceback.
+    pub(super) fn read(file: &str, error: &mlua::Error) -> Self {
+        let whole = match error {
+            mlua::Error::CallbackError { cause, .. } => return Self::read(file, cause),
+            mlua::Error::RuntimeError(text) | mlua::Error::SyntaxError { message: text, .. } => text.clone(),
+            mlua::Error::MemoryError(_) => return Self::new(file, None, super::sandbox::out_of_memory()),
+            other => other.to_string(),
+        };
+        let text = whole.split("\nstack traceback:").next().unwrap_or_default().trim_end();
+        let placed = text.strip_prefix(file).and_then(|rest| rest.strip_prefix(':'));
+        let split = placed.and_then(|rest| rest.split_once(':'));
+        match split.map(|(line, words)| (line.parse().ok(), words)) {
+            Some((line @ Some(_), words)) => Self::new(file, line, words.trim_start()),
+            _ if text.contains("not enough memory") => Self::new(file, None, super::sandbox::out_of_memory()),
+            _ => Self::new(file, None, text),
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! Scripts in Luau: tasks and force models as files beside a scenario.
+//!
+//! A script has an interpreter of its own in each run ([`sandbox`]). Before each call the numbers that it reads
+//! ([`fields`]) are written into a buffer, which a few lines of our own on its side (`prelude.luau`) unpack into the table
+//! `robot`; what joints are asked comes back through another. Everything that can go wrong is a [`ScriptError`] with file,
+//! line and words.
+
+mod convert;
+mod error;
+pub mod fields;
+mod sandbox;
+
+pub use convert::{Effect, Named};
+pub use error::ScriptError;
+pub use sandbox::{BUDGET, MEMORY};
+
+use crate::random::Stream;
+use crate::robot::{DriveMode, LinkId, Model};
+use crate::task::{Command, Needs};
+use fields::{Field, PARTS, Shape, TaskView, View};
+use mlua::{Buffer, Function, Table, Value};
+use nalgebra::Isometry3;
+use sandbox::Sandbox;
+use std::sync::Mutex;
+
+/// Words for the modes of drives; their places here are their numbers in the buffer.
+const MODES: [(&str, DriveMode); 5] = [
+    ("position", DriveMode::Position),
+    ("velocity", DriveMode::Velocity),
+    ("force", DriveMode::Force),
+    ("kinematic", DriveMode::Kinematic),
+    ("passive", DriveMode::Passive),
+];
+
+/// Values given to a script by the scenario.
+pub type Params = toml::Table;
+
+/// What a script is for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Purpose {
+    /// It commands joints.
+    Task,
+    /// It answers forces.
+    Force,
+}
+
+/// A script that is ready to be called.
+pub struct Script {
+    sandbox: Sandbox,
+    file: String,
+    purpose: Purpose,
+    fields: Vec<Field>,
+    numbers: Vec<f64>,
+    bytes: Vec<u8>,
+    input: Buffer,
+    output: Buffer,
+    robot: Table,
+    refill: Function,
+    allow: Function,
+    init: Option<Function>,
+    run: Function,
+    change: Option<Function>,
+    needs: Needs,
+}
+
+/// How far through its life a script is: what it may do.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    Prepare,
+    Run,
+}
+
+impl Script {
+    /// Loads a script called `file` and runs its text once, up to the end of its definitions.
+    ///
+    /// # Errors
+    /// What the text does wrong; a missing `run`; parts or links it asks for that there are not.
+    pub fn load(file: &str, text: &str, purpose: Purpose, model: &Model, stream: Stream) -> Result<Self, ScriptError> {
+        let sandbox = Sandbox::new(file)?;
+        let wrong = |e: mlua::Error| ScriptError::read(file, &e);
+        let stream = Mutex::new(stream);
+        let draw = move |_: &mlua::Lua, ()| Ok(stream.lock().map_or(f64::NAN, |mut s| s.unit()));
+        let draw = sandbox.lua.create_function(draw).map_err(wrong)?;
+        let joints: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
+        let modes = MODES.map(|(word, _)| word);
+        let inside: Table = sandbox.prepare(include_str!("prelude.luau"), (draw, joints, modes.to_vec()))?;
+        let given = inside.get::<Function>("random").and_then(|f| sandbox.lua.globals().set("random", f));
+        given.map_err(wrong)?;
+        sandbox.close()?;
+        sandbox.load(text)?;
+        let (needs, fields) = asks(&sandbox, file, purpose, model)?;
+        let numbers = fields.iter().map(|f| f.shape.size()).sum();
+        let input = sandbox.lua.create_buffer(vec![0; 8 * numbers]).map_err(wrong)?;
+        let output = sandbox.lua.create_buffer(vec![0; 8 * 6 * model.nj()]).map_err(wrong)?;
+        let layout = layout(&sandbox, &fields, (&input, &output), purpose).map_err(wrong)?;
+        sandbox.call::<()>(&inside.get("lay").map_err(wrong)?, layout)?;
+        let globals = sandbox.lua.globals();
+        let function = |name: &str| match globals.get::<Value>(name).map_err(wrong)? {
+            Value::Function(f) => Ok(Some(f)),
+            Value::Nil => Ok(None),
+            other => {
+                Err(ScriptError::new(file, None, format!("`{name}` must be a function, not {}", other.type_name())))
+            }
+        };
+        let run = function("run")?.ok_or_else(|| ScriptError::new(file, None, "there is no function `run`"))?;
+        // See `freeze`.
+        globals.set_readonly(purpose == Purpose::Force);
+        Ok(Script {
+            init: function("init")?,
+            change: function("change")?,
+            run,
+            robot: inside.get("robot").map_err(wrong)?,
+            refill: inside.get("refill").map_err(wrong)?,
+            allow: inside.get("allow").map_err(wrong)?,
+            file: file.to_owned(),
+            numbers: vec![0.0; numbers],
+            bytes: vec![0; 8 * numbers.max(6 * model.nj())],
+            purpose,
+            sandbox,
+            fields,
+            input,
+            output,
+            needs,
+        })
+    }
+
+    /// The parts of the augmented data it reads.
+    pub fn needs(&self) -> Needs {
+        self.needs
+    }
+
+    /// Does it have a function `change`?
+    pub fn can_change(&self) -> bool {
+        self.change.is_some()
+    }
+
+    /// Calls `init`, if there is one. True: it wants to be run.
+    pub fn init(&mut self, view: &View, params: &Params) -> Result<bool, ScriptError> {
+        let function = self.init.clone();
+        self.prepare(view, function, params)
+    }
+
+    /// Calls `change`, if there is one. True: it wants to be run.
+    pub fn change(&mut self, view: &View, params: &Params) -> Result<bool, ScriptError> {
+        let function = self.change.clone();
+        self.prepare(view, function, params)
+    }
+
+    fn prepare(&mut self, view: &View, function: Option<Function>, params: &Params) -> Result<bool, ScriptError> {
+        let Some(function) = function else { return Ok(true) };
+        self.show(view, Stage::Prepare)?;
+        self.freeze(false);
+        let params = convert::params(&self.sandbox.lua, params).map_err(|e| self.sandbox.error(&e))?;
+        let answer: Value = self.sandbox.call(&function, (self.robot.clone(), params))?;
+        self.freeze(self.purpose == Purpose::Force);
+        self.goes_on(&function, answer)
+    }
+
+    /// Calls `run` of a task, which may change `command`. True: it wants to be run again.
+    pub fn drive(&mut self, view: &View, command: &mut Command) -> Result<bool, ScriptError> {
+        self.show(view, Stage::Run)?;
+        let answer: Value = self.sandbox.call(&self.run, self.robot.clone())?;
+        self.read(command);
+        self.goes_on(&self.run, answer)
+    }
+
+    /// Calls `run` of a force model: what acts, in `effects`.
+    pub fn effects(&mut self, view: &View, named: &Named, effects: &mut Vec<Effect>) -> Result<(), ScriptError> {
+        effects.clear();
+        self.show(view, Stage::Run)?;
+        let answer: Value = self.sandbox.call(&self.run, self.robot.clone())?;
+        convert::effects(answer, named, effects).map_err(|m| self.of(&self.run, m))
+    }
+
+    /// An error in what a function answered: at its first line.
+    fn of(&self, function: &Function, message: String) -> ScriptError {
+        ScriptError::new(&self.file, function.info().line_defined, message)
+    }
+
+    fn goes_on(&self, function: &Function, answer: Value) -> Result<bool, ScriptError> {
+        match &answer {
+            Value::Nil | Value::Boolean(true) => Ok(true),
+            Value::Boolean(false) => Ok(false),
+            Value::String(word) if word.as_bytes() == b"done" => Ok(false),
+            other => {
+                let message = format!(
+                    "it must return nothing or true to go on, \"done\" or false to end, not {}",
+                    convert::shown(other)
+                );
+                Err(self.of(function, message))
+            }
+        }
+    }
+
+    /// Forces are functions of time and state: their globals stand still between corners.
+    fn freeze(&self, still: bool) {
+        self.sandbox.lua.globals().set_readonly(still);
+    }
+
+    /// Brings the table `robot` up to date.
+    fn show(&mut self, view: &View, stage: Stage) -> Result<(), ScriptError> {
+        let mut rest = &mut self.numbers[..];
+        for field in &self.fields {
+            let (mine, others) = rest.split_at_mut(field.shape.size());
+            (field.read)(view, mine);
+            rest = others;
+        }
+        pack(&self.numbers, &mut self.bytes);
+        self.input.write_bytes(0, &self.bytes[..8 * self.numbers.len()]);
+        if let Some(TaskView { command, .. }) = &view.task {
+            self.write(command);
+        }
+        let draws = stage == Stage::Prepare || self.purpose == Purpose::Task;
+        let drives = stage == Stage::Run && self.purpose == Purpose::Task;
+        self.sandbox.call::<()>(&self.allow, (draws, drives))?;
+        self.sandbox.call(&self.refill, ())
+    }
+
+    /// Lays what joints are asked into the buffer, row after row.
+    fn write(&mut self, c: &Command) {
+        let mode = |m: &DriveMode| MODES.iter().position(|(_, mode)| mode == m).unwrap_or(0) as f64;
+        let rows = [&c.position, &c.velocity, &c.effort, &c.kp, &c.kd].into_iter().flatten().copied();
+        let all = rows.chain(c.mode.iter().map(mode));
+        let n = 6 * c.position.len();
+        self.bytes.chunks_exact_mut(8).zip(all).for_each(|(place, x)| place.copy_from_slice(&x.to_le_bytes()));
+        self.output.write_bytes(0, &self.bytes[..8 * n]);
+    }
+
+    fn read(&self, c: &mut Command) {
+        let n = c.position.len();
+        let at = |row: usize, i: usize| f64::from_le_bytes(self.output.read_bytes(8 * (row * n + i)));
+        for i in 0..n {
+            (c.position[i], c.velocity[i], c.effort[i]) = (at(0, i), at(1, i), at(2, i));
+            (c.kp[i], c.kd[i], c.mode[i]) = (at(3, i), at(4, i), MODES[at(5, i) as usize].1);
+        }
+    }
+}
+
+/// The parts of the augmented data and all numbers that a script reads: those that every script has, and what it asks for
+/// in its lists `needs` and `links`.
+fn asks(sandbox: &Sandbox, file: &str, purpose: Purpose, model: &Model) -> Result<(Needs, Vec<Field>), ScriptError> {
+    let wrong = |message: String| ScriptError::new(file, None, message);
+    let task = purpose == Purpose::Task;
+    let parts = || PARTS.iter().filter(|(name, _)| task || *name == "com");
+    let mut needs = Needs::NONE;
+    for word in words(sandbox, file, "needs")? {
+        let Some((_, part)) = parts().find(|(name, _)| *name == word) else {
+            let help = crate::scenario::suggest(&word, parts().map(|(name, _)| *name).collect::<Vec<_>>());
+            return Err(wrong(format!("`needs` has no part \"{word}\"; {help}")));
+        };
+        needs |= *part;
+    }
+    let mut fields = fields::of_all(model);
+    if task {
+        fields.extend(fields::of_sensors(model));
+        fields.extend(fields::of_tasks(model, needs));
+    } else if needs.contains(Needs::COM) {
+        fields.extend(fields::of_mass());
+    }
+    for name in words(sandbox, file, "links")? {
+        let Some((link, frame)) = model.link(&name) else {
+            let help = crate::scenario::suggest(&name, links(model).map(|(name, ..)| name).collect::<Vec<_>>());
+            return Err(wrong(format!("`links`: the robot `{}` has no link \"{name}\"; {help}", model.name)));
+        };
+        fields.extend(fields::of_link(&name, link, frame));
+        needs |= Needs::LINKS;
+    }
+    Ok((needs, fields))
+}
+
+/// A global list of words; none is an empty one.
+fn words(sandbox: &Sandbox, file: &str, list: &str) -> Result<Vec<String>, ScriptError> {
+    let value: Value = sandbox.lua.globals().get(list).map_err(|e| sandbox.error(&e))?;
+    let shape = || ScriptError::new(file, None, format!("`{list}` must be a list of words"));
+    match value {
+        Value::Nil => Ok(Vec::new()),
+        Value::Table(table) => table.sequence_values().collect::<Result<_, _>>().map_err(|_| shape()),
+        _ => Err(shape()),
+    }
+}
+
+fn pack(numbers: &[f64], bytes: &mut [u8]) {
+    bytes.chunks_exact_mut(8).zip(numbers).for_each(|(place, x)| place.copy_from_slice(&x.to_le_bytes()));
+}
+
+/// Tells the script's side where what lies.
+fn layout(
+    sandbox: &Sandbox,
+    fields: &[Field],
+    (input, output): (&Buffer, &Buffer),
+    purpose: Purpose,
+) -> mlua::Result<Table> {
+    let lua = &sandbox.lua;
+    let (list, mut at) = (lua.create_table()?, 0);
+    for field in fields {
+        let (kind, rows, columns) = match field.shape {
+            Shape::Number => ("number", 1, 1),
+            Shape::List(n) => ("list", 1, n),
+            Shape::Matrix(rows, columns) => ("matrix", rows, columns),
+            Shape::Optional(n) => ("optional", 1, n),
+            Shape::Rows(most, columns) => ("rows", most, columns),
+        };
+        let entry = lua.create_table()?;
+        entry.set("path", field.path.clone())?;
+        entry.set("kind", kind)?;
+        entry.set("rows", rows)?;
+        entry.set("columns", columns)?;
+        entry.set("at", 8 * at)?;
+        list.push(entry)?;
+        at += field.shape.size();
+    }
+    let layout = lua.create_table()?;
+    layout.set("fields", list)?;
+    layout.set("input", input)?;
+    layout.set("output", output)?;
+    layout.set("drives", purpose == Purpose::Task)?;
+    Ok(layout)
+}
+
+/// All link names, welded ones included, with where they are.
+pub fn links(model: &Model) -> impl Iterator<Item = (&str, LinkId, Isometry3<f64>)> {
+    model.links.iter().enumerate().flat_map(|(i, l)| {
+        let own = (l.name.as_str(), LinkId(i), l.urdf_frame);
+        std::iter::once(own).chain(l.merged.iter().map(move |m| (m.name.as_str(), LinkId(i), m.pose)))
+    })
+}

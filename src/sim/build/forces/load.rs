@@ -1,0 +1,39 @@
+//! `carried-object` from its entry.
+
+use super::names;
+use crate::robot::Model;
+use crate::robot::adjust;
+use crate::scenario::{CarriedObject, Diagnostic, ForceSpec, Run};
+use crate::sim::Load;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+
+/// The objects that are carried; what does not fit the robot is an error at its place.
+pub(in crate::sim::build) fn loads(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Vec<Load> {
+    let entries = run.scenario.force.iter().enumerate();
+    let object = |(i, spec): (usize, &ForceSpec)| match spec {
+        ForceSpec::CarriedObject(object) => load(run, model, i, object, errors),
+        _ => None,
+    };
+    entries.filter_map(object).collect()
+}
+
+fn load(run: &Run, model: &Model, i: usize, spec: &CarriedObject, errors: &mut Vec<Diagnostic>) -> Option<Load> {
+    names::link(model, run, &format!("force.{i}.link"), &spec.link, errors)?;
+    let [roll, pitch, yaw] = spec.rpy;
+    let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    let pose = Isometry3::from_parts(Translation3::from(spec.position), rotation);
+    match adjust::load_on(model, &spec.link, spec.mass, pose, spec.inertia) {
+        Ok((link, body)) => Some(Load {
+            name: spec.link.clone(),
+            link,
+            body,
+            velocity: spec.velocity.map(Into::into),
+            from: spec.start,
+            to: spec.duration.map_or(f64::INFINITY, |d| spec.start + d),
+        }),
+        Err(error) => {
+            errors.push(run.error_at(&format!("force.{i}"), error.to_string(), None));
+            None
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! `balance` for robots that follow positions: feedback of the centre of mass through its Jacobian.
+//!
+//! ```text
+//! e = r - c,   d = r - p                      r reference, c centre of mass, p zero-moment point, as sensed; horizontal
+//! w' = k_i e + k_z d                          k_i: back to the reference;  k_z: lean until the load is back over it
+//! u = w + k_p e - k_d c'                      |u|, |w| <= reach per axis
+//! dq = z + W J^T (J W J^T + mu 1)^-1 (x - J z),   J = [J_soles; J_com,xy],   x = [0; r + u - c_plan],   z = k_q (q_0 - q) dt
+//! ```
+//!
+//! The joints are asked for a posture q of the plan in which the soles stay where they are and the centre of mass stands at
+//! r + u; joints that this leaves free return to the posture q_0 they started from, and W weighs who moves. r lies above
+//! the point of optimal stability of the soles' common hull, carried along with the soles. At rest d = e, so either integral
+//! brings the sensed centre of mass to r whatever sag the servos have; under a lasting push only d tells how far to lean.
+//!
+//! The zero-moment point first goes the wrong way when the centre of mass is accelerated, p = c - c'' h/g, so k_z has to stay
+//! well below sqrt(g/h).
+//!
+//! Sources: Sugihara, Nakamura and Inoue, Realtime humanoid motion generation through ZMP manipulation based on inverted
+//! pendulum control, ICRA 2002 (the centre of mass resolved by its Jacobian, feet kept); the paper of this program's platform, section
+//! II.B (centre-of-mass feedback of position-actuated robots).
+
+use crate::geometry::{convex_hull, stable_point};
+use crate::robot::{Model, SoleId};
+use crate::task::kinematic::{Figure, Goal, Inverse, Unknowns, feed_forward, figure};
+use crate::task::posture::minimum_jerk;
+use crate::task::{Command, Context, Needs, Status, Task, TaskResult};
+use nalgebra::{Vector2, Vector3};
+
+/// What it is asked to be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Length, s; may be infinite.
+    pub duration: f64,
+    /// k_p, m per m.
+    pub proportional: f64,
+    /// k_d, s.
+    pub damping: f64,
+    /// k_i, 1/s.
+    pub integral: f64,
+    /// k_z, 1/s.
+    pub leaning: f64,
+    /// Greatest displacement u per axis, m.
+    pub reach: f64,
+    /// k_q, 1/s.
+    pub posture: f64,
+    /// Time in which all of it comes into force, s.
+    pub approach: f64,
+    /// Displacement of r from its default, world axes, m.
+    pub offset: Vector2<f64>,
+    /// W of each joint.
+    pub mobility: Vec<f64>,
+    /// Are joints given efforts against gravity besides positions?
+    pub feed_forward: bool,
+}
+
+/// See the module.
+pub struct PositionBalance {
+    settings: Settings,
+    soles: Vec<SoleId>,
+    figure: Figure,
+    goal: Goal,
+    inverse: Inverse,
+    joints: Vec<usize>,
+    carrying: Vec<usize>,
+    efforts: Vec<f64>,
+    hull: Vec<Vector3<f64>>,
+    edges: Vec<stable_point::Edge>,
+    started: f64,
+    before: f64,
+    posture: Vec<f64>,
+    /// Where the centre of mass stood in the plan, and r, both relative to the mean of the soles.
+    from: Vector2<f64>,
+    reference: Vector2<f64>,
+    /// w.
+    memory: Vector2<f64>,
+}
+
+impl PositionBalance {
+    /// For a robot that [`figure::check`] has let through, on these soles, at least one.
+    pub fn new(model: &Model, soles: Vec<SoleId>, settings: Settings) -> Self {
+        let figure = Figure::on(model, &soles);
+        let unknowns = Unknowns { mobility: settings.mobility.clone(), com_axes: 2, root: false };
+        let inverse = Inverse::new(model, &figure, unknowns);
+        let points: usize = soles.iter().map(|s| model.soles[s.0].vertices.len()).sum();
+        PositionBalance {
+            goal: figure.goal(),
+            joints: inverse.joints().collect(),
+            carrying: figure::carrying_joints(model),
+            efforts: vec![0.0; model.nj()],
+            hull: Vec::with_capacity(3 * points + 2),
+            edges: Vec::with_capacity(2 * points),
+            started: 0.0,
+            before: 0.0,
+            posture: model.home.clone(),
+            from: Vector2::zeros(),
+            reference: Vector2::zeros(),
+            memory: Vector2::zeros(),
+            settings,
+            soles,
+            figure,
+            inverse,
+        }
+    }
+
+    /// Point of optimal stability under the plan, horizontal, world.
+    fn find_reference(&mut self, context: &Context) -> Vector2<f64> {
+        self.hull.clear();
+        for sole in self.soles.iter().map(|s| &context.model.soles[s.0]) {
+            self.hull.extend(sole.vertices.iter().map(|v| self.figure.ws.point(sole.link, v)));
+        }
+        convex_hull(&mut self.hull, &context.floor);
+        let corners = self.hull.iter().map(|p| context.floor.flat(p));
+        let found = stable_point(corners, &mut self.edges);
+        found.map_or(self.figure.support().xy(), |f| context.floor.world(&f.point).xy())
+    }
+
+    /// Mean of the soles as sensed.
+    fn sensed_support(&self, context: &Context) -> Vector2<f64> {
+        let sum: Vector2<f64> = self.soles.iter().map(|s| context.data.soles[s.0].position.xy()).sum();
+        sum / self.soles.len() as f64
+    }
+}
+
+impl Task for PositionBalance {
+    fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
+        figure::check_driven(context.model, command, &self.joints).map_err(|e| e.to_string())?;
+        self.figure.stand(context, command);
+        self.goal = self.figure.goal();
+        self.posture.copy_from_slice(&command.position);
+        (self.started, self.before) = (context.time, context.time);
+        let support = self.figure.support().xy();
+        self.from = self.figure.com().xy() - support;
+        self.reference = self.find_reference(context) - support + self.settings.offset;
+        self.memory = Vector2::zeros();
+        Ok(Status::Running)
+    }
+
+    fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
+        let s = &self.settings;
+        let t = context.time - self.started;
+        let period = context.time - self.before;
+        self.before = context.time;
+        let progress = minimum_jerk(t, s.approach).0;
+        let wanted = self.from + (self.reference - self.from) * progress;
+        let here = self.sensed_support(context);
+        let error = wanted - (context.data.com.xy() - here);
+        let load = context.data.zmp.map_or(Vector2::zeros(), |p| wanted - (p.xy() - here));
+        self.memory += (error * s.integral + load * s.leaning) * (period * progress);
+        self.memory = self.memory.map(|x| x.clamp(-s.reach, s.reach));
+        let reply = error * s.proportional - context.data.com_velocity.xy() * s.damping;
+        let displacement = (self.memory + reply * progress).map(|x| x.clamp(-s.reach, s.reach));
+        let planned = self.figure.support().xy() + wanted + displacement;
+        self.goal.com.x = planned.x;
+        self.goal.com.y = planned.y;
+
+        let (model, nb) = (context.model, context.model.nb());
+        for (j, q) in self.figure.state.joints.iter_mut().enumerate() {
+            if s.mobility[j] == 0.0 {
+                *q = command.position[j];
+            }
+        }
+        let back = (s.posture * period).min(1.0);
+        for &j in &self.joints {
+            self.inverse.preferred[nb + j] = back * (self.posture[j] - self.figure.state.joints[j]);
+        }
+        if period > 0.0 {
+            self.inverse.advance(model, &mut self.figure, &self.goal, period);
+        } else {
+            self.figure.update(model);
+        }
+        // No velocity is asked for: that of the plan holds the acceleration of the centre of mass times k_d, which the
+        // servos' damping would close into a loop of its own, unstable at the control rate.
+        for &j in &self.joints {
+            command.position[j] = self.figure.state.joints[j];
+            command.velocity[j] = 0.0;
+        }
+        if s.feed_forward {
+            let (still, com) = (Vector3::zeros(), self.figure.com().xy());
+            let efforts = &mut self.efforts;
+            feed_forward::efforts(model, &mut self.figure, &context.gravity, &still, &com, efforts);
+            for &j in &self.carrying {
+                command.effort[j] = progress * self.efforts[j];
+            }
+        }
+        Ok(if t >= s.duration { Status::Done } else { Status::Running })
+    }
+
+    fn needs(&self) -> Needs {
+        Needs::COM | Needs::SOLES | if self.settings.leaning == 0.0 { Needs::NONE } else { Needs::ZMP }
+    }
+
+    fn name(&self) -> &str {
+        "balance"
+    }
+}

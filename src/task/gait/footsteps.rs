@@ -1,0 +1,126 @@
+//! Where the feet go and when, and the zero-moment point between them.
+//!
+//! ```text
+//! time    wait      step 1                step 2                      end
+//! phase   both      both | swing foot 1   both | swing foot 2   ...   both
+//!         S         d    | S - d          d    | S - d                d, then wait
+//! ```
+//!
+//! with S the step time and d the time of double support. Footfall i (1 to n) of a walk with step length L comes down at
+//! `i L` ahead of where its foot's pair stood at the start, the last one beside the other foot at `(n - 1) L`; L = 0 steps in
+//! place. The swinging foot goes along
+//!
+//! ```text
+//! p(s) = p0 + (p1 - p0) (10 s^3 - 15 s^4 + 6 s^5),     z(s) = z0 + (z1 - z0) (same) + H 64 s^3 (1 - s)^3
+//! ```
+//!
+//! which lifts off and lands without velocity or acceleration and clears the floor by H half way. The zero-moment point
+//! rests under the standing foot's centroid and crosses over in double support along the same quintic.
+
+use crate::task::posture::minimum_jerk;
+use nalgebra::{Vector2, Vector3};
+
+/// What a walk is asked to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stride {
+    /// Number of footfalls n.
+    pub steps: usize,
+    /// L, m; negative walks backwards.
+    pub length: f64,
+    /// S, s.
+    pub time: f64,
+    /// d, s; less than S.
+    pub double_support: f64,
+    /// H, m.
+    pub height: f64,
+    /// Time before the first step and after the last, s.
+    pub wait: f64,
+    /// Foot that swings first.
+    pub first: usize,
+}
+
+/// One footfall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Fall {
+    foot: usize,
+    from: Vector3<f64>,
+    to: Vector3<f64>,
+}
+
+/// The plan of a walk from two soles at given places.
+#[derive(Clone, Debug)]
+pub struct Footsteps {
+    stride: Stride,
+    start: [Vector3<f64>; 2],
+    falls: Vec<Fall>,
+}
+
+impl Footsteps {
+    /// Soles whose centroids are at `start` (m), walking along the unit vector `ahead`.
+    pub fn new(stride: Stride, start: [Vector3<f64>; 2], ahead: Vector3<f64>) -> Self {
+        let mut places = start;
+        let mut falls = Vec::with_capacity(stride.steps);
+        for i in 1..=stride.steps {
+            let foot = (stride.first + i - 1) % 2;
+            let advance = if i == stride.steps { i - 1 } else { i };
+            let to = start[foot] + ahead * (advance as f64 * stride.length);
+            falls.push(Fall { foot, from: places[foot], to });
+            places[foot] = to;
+        }
+        Footsteps { stride, start, falls }
+    }
+
+    /// How long it all takes, s.
+    pub fn duration(&self) -> f64 {
+        2.0 * self.stride.wait + self.falls.len() as f64 * self.stride.time + self.stride.double_support
+    }
+
+    /// Step under way at time `t` and the time since it began; those before the first and after the last are `None`.
+    fn step(&self, t: f64) -> Option<(usize, f64)> {
+        let since = t - self.stride.wait;
+        let i = (since / self.stride.time).floor();
+        (since >= 0.0 && i < self.falls.len() as f64).then(|| (i as usize, since - i * self.stride.time))
+    }
+
+    /// Place (m) and velocity (m/s) of a sole's centroid.
+    pub fn sole(&self, foot: usize, t: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let (current, since) = match self.step(t) {
+            Some((i, since)) => (i, since),
+            None if t < self.stride.wait => return (self.start[foot], Vector3::zeros()),
+            None => (self.falls.len(), 0.0),
+        };
+        if let Some(fall) = self.falls.get(current).filter(|f| f.foot == foot) {
+            let (s, swing) = (since - self.stride.double_support, self.stride.time - self.stride.double_support);
+            let (progress, rate) = minimum_jerk(s, swing);
+            let u = (s / swing).clamp(0.0, 1.0);
+            let lift = Vector3::z() * (self.stride.height * 64.0 * (u * (1.0 - u)).powi(3));
+            let rise = self.stride.height * 192.0 * (u * (1.0 - u)).powi(2) * (1.0 - 2.0 * u) / swing;
+            let way = fall.to - fall.from;
+            return (fall.from + way * progress + lift, way * rate + Vector3::z() * rise);
+        }
+        let landed = self.falls[..current].iter().rev().find(|f| f.foot == foot);
+        (landed.map_or(self.start[foot], |f| f.to), Vector3::zeros())
+    }
+
+    /// Zero-moment point asked for, m.
+    pub fn zmp(&self, t: f64) -> Vector2<f64> {
+        let both = |t: f64| (self.sole(0, t).0.xy() + self.sole(1, t).0.xy()) / 2.0;
+        let start = |i: usize| self.stride.wait + i as f64 * self.stride.time;
+        // Under the foot that stands in step i; between the feet before the first and after the last.
+        let target = |i: Option<usize>| match i.and_then(|i| Some((i, self.falls.get(i)?))) {
+            Some((i, fall)) => self.sole(1 - fall.foot, start(i)).0.xy(),
+            None if i == Some(self.falls.len()) => both(start(self.falls.len())),
+            None => both(0.0),
+        };
+        let end = start(self.falls.len());
+        let (current, since) = match self.step(t) {
+            Some(step) => step,
+            None if t < end => return target(None),
+            None => (self.falls.len(), t - end),
+        };
+        let (from, to) = (target(current.checked_sub(1)), target(Some(current)));
+        let progress =
+            if self.stride.double_support > 0.0 { minimum_jerk(since, self.stride.double_support).0 } else { 1.0 };
+        from + (to - from) * progress
+    }
+}

@@ -1,0 +1,124 @@
+//! The centre of mass that makes the zero-moment point follow a reference: preview control of the cart-table model.
+//!
+//! ```text
+//! x = (c, c', c''),   x(k+1) = A x(k) + b u(k),   p(k) = C x(k),   C = (1, 0, -h/g)
+//! A = [1 T T^2/2; 0 1 T; 0 0 1],   b = (T^3/6, T^2/2, T)                         (u: jerk over the period T)
+//! u(k) = -G_i sum_{i<=k} (p - p_ref)(i) - G_x x(k) - sum_{j=1..N} G_p(j) p_ref(k+j)
+//! ```
+//!
+//! which minimises `sum Q (p - p_ref)^2 + R (u(k) - u(k-1))^2`. With the augmented system
+//! `A~ = [1 CA; 0 A], b~ = (Cb; b), Q~ = diag(Q, 0, 0, 0)` and the solution P of its Riccati equation
+//!
+//! ```text
+//! (G_i, G_x) = (R + b~^T P b~)^-1 b~^T P A~,     A_c = A~ - b~ (G_i, G_x)
+//! G_p(j) = (R + b~^T P b~)^-1 b~^T (A_c^T)^(j-1) P (-1, 0, 0, 0)^T
+//! ```
+//!
+//! Source: Kajita et al., Biped walking pattern generation by using preview control of zero-moment point, ICRA 2003,
+//! equations 11 to 15; the gains after Katayama et al., Design of an optimal controller for a discrete-time system
+//! subject to previewable demand, Int. J. Control 41 (1985).
+//!
+//! Symbols: c centre of mass in one horizontal direction, p zero-moment point, h its height over the floor, g gravity.
+
+use super::riccati;
+use nalgebra::{Matrix3, Matrix4, RowVector3, Vector3, Vector4};
+
+/// Weight of the jerk's change against that of the error, `R / Q`, m^2 over (m/s^3)^2; Kajita's.
+pub const JERK_WEIGHT: f64 = 1e-6;
+
+/// Gains for one height and period.
+#[derive(Clone, Debug)]
+pub struct Preview {
+    /// Period T, s.
+    pub period: f64,
+    /// h / g, s^2.
+    pub lag: f64,
+    /// G_i.
+    pub integral: f64,
+    /// G_x.
+    pub state: RowVector3<f64>,
+    /// G_p(1), G_p(2), ...
+    pub preview: Vec<f64>,
+    /// P and its residual.
+    pub riccati: riccati::Solution,
+}
+
+/// State at the start of a period and the jerk that is kept through it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// c, c', c''.
+    pub x: Vector3<f64>,
+    /// u, m/s^3.
+    pub jerk: f64,
+}
+
+impl Sample {
+    /// State `t` seconds later: exact under constant jerk.
+    pub fn at(&self, t: f64) -> Vector3<f64> {
+        let (x, u) = (&self.x, self.jerk);
+        Vector3::new(x[0] + t * (x[1] + t * (x[2] / 2.0 + t * u / 6.0)), x[1] + t * (x[2] + t * u / 2.0), x[2] + t * u)
+    }
+}
+
+impl Preview {
+    /// Gains for a centre of mass `height` m above the floor under `gravity` m/s^2 (its size), decisions every `period`
+    /// seconds, and a look `horizon` seconds ahead. `None` when no gains exist for such numbers.
+    pub fn new(height: f64, gravity: f64, period: f64, horizon: f64) -> Option<Self> {
+        let (lag, t) = (height / gravity, period);
+        let (a, b, c) = cart_table(lag, t);
+        let (ca, cb) = (c * a, (c * b)[0]);
+        let mut wide = Matrix4::zeros();
+        wide[(0, 0)] = 1.0;
+        wide.fixed_view_mut::<1, 3>(0, 1).copy_from(&ca);
+        wide.fixed_view_mut::<3, 3>(1, 1).copy_from(&a);
+        let input = Vector4::new(cb, b[0], b[1], b[2]);
+        let mut q = Matrix4::zeros();
+        q[(0, 0)] = 1.0;
+        let riccati = riccati::solve(&wide, &input, &q, JERK_WEIGHT)?;
+        let gain = riccati::gain(&wide, &input, JERK_WEIGHT, &riccati.p);
+        let closed = wide - input * gain.transpose();
+        let scale = JERK_WEIGHT + (input.transpose() * riccati.p * input)[0];
+        let mut seen: Vector4<f64> = -riccati.p.column(0);
+        let preview = (0..(horizon / t).round() as usize).map(|_| {
+            let now = input.dot(&seen) / scale;
+            seen = closed.transpose() * seen;
+            now
+        });
+        Some(Preview {
+            period,
+            lag,
+            integral: gain[0],
+            preview: preview.collect(),
+            state: RowVector3::new(gain[1], gain[2], gain[3]),
+            riccati,
+        })
+    }
+
+    /// Zero-moment point of a state, m.
+    pub fn zmp(&self, x: &Vector3<f64>) -> f64 {
+        x[0] - self.lag * x[2]
+    }
+
+    /// Motion from rest at `reference[0]`, one sample per entry; the last entry goes on for ever.
+    pub fn follow(&self, reference: &[f64]) -> Vec<Sample> {
+        let (Some(first), Some(last)) = (reference.first(), reference.last()) else { return Vec::new() };
+        // Relative to the start, so that what the horizon cuts off does not pull from rest.
+        let wanted = |k: usize| reference.get(k).unwrap_or(last) - first;
+        let (mut x, mut sum) = (Vector3::zeros(), 0.0);
+        let mut samples = Vec::with_capacity(reference.len());
+        for k in 0..reference.len() {
+            sum += self.zmp(&x) - wanted(k);
+            let ahead: f64 = self.preview.iter().enumerate().map(|(j, g)| g * wanted(k + 1 + j)).sum();
+            let jerk = -self.integral * sum - (self.state * x)[0] - ahead;
+            samples.push(Sample { x: x + Vector3::new(*first, 0.0, 0.0), jerk });
+            x = Sample { x, jerk }.at(self.period);
+        }
+        samples
+    }
+}
+
+/// A, b and C.
+pub fn cart_table(lag: f64, t: f64) -> (Matrix3<f64>, Vector3<f64>, RowVector3<f64>) {
+    let a = Matrix3::new(1.0, t, t * t / 2.0, 0.0, 1.0, t, 0.0, 0.0, 1.0);
+    (a, Vector3::new(t * t * t / 6.0, t * t / 2.0, t), RowVector3::new(1.0, 0.0, -lag))
+}

@@ -1,0 +1,57 @@
+//! Efforts that a planned motion takes, so that servos need not sag to find them.
+//!
+//! The robot is taken to move as a whole with the acceleration c'' of its centre of mass; then in a frame that moves along
+//! it hangs at rest under `g - c''`, and the floor carries it by
+//!
+//! ```text
+//! f = -m (g - c''),   f_s = a_s f at x_s,   sum a_s = 1,   sum a_s x_s = z
+//! tau = h(q, v; g - c'') - sum J_s^T f_s
+//! ```
+//!
+//! with z the zero-moment point of the plan, h the bias forces, x_s the centroid of sole s shifted by what of z lies beside
+//! the line of centroids, and the shares a_s in proportion to where z lies on that line. A robot with another number of soles
+//! than two is taken to share evenly.
+
+use super::Figure;
+use crate::dynamics::{jacobian, rnea};
+use crate::robot::Model;
+use nalgebra::{Vector2, Vector3};
+
+/// Writes the joints' part of tau (N m or N, one per joint) to `out`. `zmp` in world axes, m; `acceleration` is c'',
+/// `gravity` free fall, m/s^2. The figure's kinematics are those of its state.
+pub fn efforts(
+    model: &Model,
+    figure: &mut Figure,
+    gravity: &Vector3<f64>,
+    acceleration: &Vector3<f64>,
+    zmp: &Vector2<f64>,
+    out: &mut [f64],
+) {
+    let felt = gravity - acceleration;
+    rnea::bias(model, &mut figure.ws, &felt);
+    let nb = model.nb();
+    out.copy_from_slice(&figure.ws.bias[nb..]);
+    let force = felt * -model.mass();
+    let feet = figure.feet.len();
+    let place = |s: usize| figure.sole(s).translation.vector;
+    let along = if feet == 2 {
+        let (a, b) = (place(0).xy(), place(1).xy());
+        ((zmp - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let share = |s: usize| match (feet, s) {
+        (2, 0) => 1.0 - along,
+        (2, _) => along,
+        (n, _) => 1.0 / n as f64,
+    };
+    let middle: Vector2<f64> = (0..feet).map(|s| place(s).xy() * share(s)).sum();
+    let beside = zmp - middle;
+    for s in 0..feet {
+        let point = place(s) + Vector3::new(beside.x, beside.y, 0.0);
+        let carried = force * share(s);
+        for &k in figure.ws.support(figure.feet[s].link).iter().filter(|k| **k >= nb) {
+            out[k - nb] -= jacobian::column(&figure.ws, k, &point).linear.dot(&carried);
+        }
+    }
+}

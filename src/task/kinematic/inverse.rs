@@ -1,0 +1,307 @@
+//! Sole poses, centre of mass and root orientation to joint positions and velocities.
+//!
+//! ```text
+//! e(q) = [ sole places and turns; centre of mass; root turn ]  (goal less figure, turns as rotation vectors)
+//! dv   = z + W J^T (J W J^T + mu 1)^-1 (e - J z),   q := q (+) dv        until |e| is small
+//! ```
+//!
+//! with J = -de/dv over the base's six velocities and the joints used, W the mobilities of these velocities, z a preferred
+//! motion (only its part that leaves the goal alone survives) and mu a damping that vanishes with the error, so that the
+//! iteration is Newton's near the goal and bounded far from it. Sources: Nakamura and Hanafusa, Inverse kinematic solutions
+//! with singularity robustness, J. Dyn. Sys. Meas. Control 108 (1986), equation 21 (damping); Sugihara, Solvability-unconcerned
+//! inverse kinematics by the Levenberg-Marquardt method, IEEE T-RO 27 (2011), equation 19 (damping by the error).
+//!
+//! The base's velocities are unknowns like the joints': what soles and centre of mass ask of the root comes out of the
+//! same equations.
+
+use super::cholesky::Symmetric;
+use super::{Figure, Goal, Rates};
+use crate::dynamics::{Motion, crba, jacobian};
+use crate::robot::Model;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+
+/// Greatest error left, m and rad.
+const CLOSE: f64 = 1e-11;
+/// Steps before it is given up.
+const MOST_STEPS: usize = 40;
+/// Longest step of any unknown, m or rad.
+const LONGEST: f64 = 0.2;
+/// Times that joints are locked anew in one step.
+const MOST_LOCKED: usize = 4;
+/// Damping per squared error, and the least.
+const DAMPING: (f64, f64) = (1e-2, 1e-14);
+
+/// What may move, and which parts of the goal count.
+#[derive(Clone, Debug)]
+pub struct Unknowns {
+    /// Mobility W of each joint, 0 for joints that stay.
+    pub mobility: Vec<f64>,
+    /// Axes of the centre of mass that count: 3, or 2 for the horizontal ones.
+    pub com_axes: usize,
+    /// Does the root's orientation count?
+    pub root: bool,
+}
+
+/// Why a goal was not reached.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unreachable {
+    /// Too far for the legs.
+    #[error("the legs do not reach: {error:.3e} m or rad are left of the posture asked for")]
+    TooFar {
+        /// Greatest error left.
+        error: f64,
+    },
+    /// A joint would leave its range.
+    #[error("`{joint}` would have to go to {position:.4}, its range is {lower:.4} to {upper:.4}")]
+    Limit {
+        /// The joint.
+        joint: String,
+        /// Position it would need, rad or m.
+        position: f64,
+        /// Its range.
+        lower: f64,
+        /// Its range.
+        upper: f64,
+    },
+}
+
+/// The solver: scratch of fixed size.
+#[derive(Clone, Debug)]
+pub struct Inverse {
+    unknowns: Unknowns,
+    /// Index into `v` and mobility of each unknown.
+    columns: Vec<(usize, f64)>,
+    /// W with nothing for those that are locked.
+    weights: Vec<f64>,
+    rows: usize,
+    /// J, row-major, `rows` x unknowns.
+    jacobian: Vec<f64>,
+    com_jacobian: Vec<f64>,
+    system: Symmetric,
+    error: Vec<f64>,
+    /// Motion of all velocities, length nv.
+    motion: Vec<f64>,
+    /// Preferred motion z, length nv; zero unless set. What [`Inverse::advance`] locks is overwritten.
+    pub preferred: Vec<f64>,
+    /// Unknowns that make their preferred motion and no other.
+    locked: Vec<bool>,
+}
+
+impl Inverse {
+    /// For a robot with a floating base and soles; `unknowns.mobility` has one number per joint.
+    pub fn new(model: &Model, figure: &Figure, unknowns: Unknowns) -> Self {
+        let nb = model.nb();
+        let base = (0..nb).map(|k| (k, 1.0));
+        let moved = unknowns.mobility.iter().enumerate().filter(|(_, w)| **w > 0.0);
+        let columns: Vec<_> = base.chain(moved.map(|(j, w)| (nb + j, *w))).collect();
+        let soles: usize = figure.feet.iter().map(|f| if f.flat { 6 } else { 3 }).sum();
+        let rows = soles + unknowns.com_axes + if unknowns.root { 3 } else { 0 };
+        Inverse {
+            jacobian: vec![0.0; rows * columns.len()],
+            com_jacobian: vec![0.0; 3 * model.nv()],
+            system: Symmetric::zeros(rows),
+            error: vec![0.0; rows],
+            motion: vec![0.0; model.nv()],
+            preferred: vec![0.0; model.nv()],
+            locked: vec![false; columns.len()],
+            weights: vec![0.0; columns.len()],
+            unknowns,
+            columns,
+            rows,
+        }
+    }
+
+    /// With the leg joints alone, equally mobile, and all of the goal.
+    pub fn of_legs(model: &Model, figure: &Figure) -> Self {
+        let mut mobility = vec![0.0; model.nj()];
+        super::figure::leg_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
+        Inverse::new(model, figure, Unknowns { mobility, com_axes: 3, root: true })
+    }
+
+    /// The joints that it moves.
+    pub fn joints(&self) -> impl Iterator<Item = usize> + '_ {
+        self.unknowns.mobility.iter().enumerate().filter(|(_, w)| **w > 0.0).map(|(j, _)| j)
+    }
+
+    /// Moves the figure to the goal and gives it the velocity that follows the goal's rates.
+    ///
+    /// # Errors
+    /// [`Unreachable`]; the figure is then somewhere between.
+    pub fn solve(&mut self, model: &Model, figure: &mut Figure, goal: &Goal, rates: &Rates) -> Result<(), Unreachable> {
+        figure.update(model);
+        let mut left = self.residual(figure, goal);
+        for _ in 0..MOST_STEPS {
+            if left < CLOSE {
+                self.check_limits(model, figure)?;
+                self.follow(model, figure, rates);
+                return Ok(());
+            }
+            self.assemble(model, figure);
+            self.step(DAMPING.0 * left * left);
+            let longest = self.motion.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            let part = (LONGEST / longest).min(1.0);
+            self.motion.iter_mut().for_each(|x| *x *= part);
+            figure.state.displace(&self.motion);
+            figure.update(model);
+            left = self.residual(figure, goal);
+        }
+        Err(Unreachable::TooFar { error: left })
+    }
+
+    /// One step towards the goal within `period` seconds, without going on until it is there: the error that is left is of
+    /// the square of the step. Joints stop at their limits and the others take over. The figure's velocity is that of the
+    /// step.
+    pub fn advance(&mut self, model: &Model, figure: &mut Figure, goal: &Goal, period: f64) {
+        figure.update(model);
+        self.assemble(model, figure);
+        self.locked.fill(false);
+        for _ in 0..MOST_LOCKED {
+            let left = self.residual(figure, goal);
+            self.step(DAMPING.0 * left * left);
+            if !self.lock(model, figure) {
+                break;
+            }
+        }
+        self.locked.fill(false);
+        figure.state.displace(&self.motion);
+        for (joint, q) in model.joints.iter().zip(&mut figure.state.joints) {
+            // Beyond its limit by rounding, or because too many others are at theirs.
+            *q = q.max(joint.lower).min(joint.upper);
+        }
+        figure.state.v.iter_mut().zip(&self.motion).for_each(|(v, d)| *v = d / period);
+        figure.update(model);
+    }
+
+    /// Lets joints that the motion takes beyond a limit go just there; was there any?
+    fn lock(&mut self, model: &Model, figure: &Figure) -> bool {
+        let nb = model.nb();
+        let mut any = false;
+        for (c, &(k, _)) in self.columns.iter().enumerate().filter(|(_, (k, _))| *k >= nb) {
+            let (joint, q) = (&model.joints[k - nb], figure.state.joints[k - nb]);
+            let there = (q + self.motion[k]).max(joint.lower).min(joint.upper);
+            if !self.locked[c] && there != q + self.motion[k] {
+                self.locked[c] = true;
+                self.preferred[k] = there - q;
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// One velocity step: sets the figure's velocity so that its goal moves with `rates`.
+    pub fn follow(&mut self, model: &Model, figure: &mut Figure, rates: &Rates) {
+        self.assemble(model, figure);
+        self.fill(figure, |s| rates.soles[s], rates.com, rates.root);
+        self.step(0.0);
+        figure.state.v.copy_from_slice(&self.motion);
+    }
+
+    /// Are all joints used within their ranges?
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check_limits(&self, model: &Model, figure: &Figure) -> Result<(), Unreachable> {
+        let outside = |&j: &usize| {
+            let (joint, q) = (&model.joints[j], figure.state.joints[j]);
+            q < joint.lower - CLOSE || q > joint.upper + CLOSE
+        };
+        match self.joints().find(outside) {
+            Some(j) => {
+                let joint = &model.joints[j];
+                Err(Unreachable::Limit {
+                    joint: joint.name.clone(),
+                    position: figure.state.joints[j],
+                    lower: joint.lower,
+                    upper: joint.upper,
+                })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Fills the error and returns its greatest component.
+    fn residual(&mut self, figure: &Figure, goal: &Goal) -> f64 {
+        let turn = |to: &UnitQuaternion<f64>, from: &UnitQuaternion<f64>| (to * from.inverse()).scaled_axis();
+        let apart = |to: &Isometry3<f64>, from: &Isometry3<f64>| {
+            Motion::new(to.translation.vector - from.translation.vector, turn(&to.rotation, &from.rotation))
+        };
+        let (com, root) = (goal.com - figure.com(), turn(&goal.root, &figure.state.rotation));
+        self.fill(figure, |s| apart(&goal.soles[s], &figure.sole(s)), com, root);
+        self.error.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
+    }
+
+    /// Puts the parts of the right-hand side in order.
+    fn fill(&mut self, figure: &Figure, sole: impl Fn(usize) -> Motion, com: Vector3<f64>, root: Vector3<f64>) {
+        let mut at = 0;
+        let mut put = |x: &[f64]| {
+            self.error[at..at + x.len()].copy_from_slice(x);
+            at += x.len();
+        };
+        for (s, foot) in figure.feet.iter().enumerate() {
+            let m = sole(s);
+            put(m.linear.as_slice());
+            if foot.flat {
+                put(m.angular.as_slice());
+            }
+        }
+        put(&com.as_slice()[..self.unknowns.com_axes]);
+        if self.unknowns.root {
+            put(root.as_slice());
+        }
+    }
+
+    /// J at the figure.
+    fn assemble(&mut self, model: &Model, figure: &mut Figure) {
+        crba::mass_matrix(model, &mut figure.ws);
+        jacobian::center_of_mass(&figure.ws, &mut self.com_jacobian);
+        let n = self.columns.len();
+        self.jacobian.fill(0.0);
+        let mut row = 0;
+        for foot in &figure.feet {
+            let point = figure.ws.point(foot.link, &foot.center);
+            let support = figure.ws.support(foot.link);
+            for (c, &(k, _)) in self.columns.iter().enumerate().filter(|(_, (k, _))| support.contains(k)) {
+                let m = jacobian::column(&figure.ws, k, &point);
+                let parts = m.linear.iter().chain(m.angular.iter()).take(if foot.flat { 6 } else { 3 });
+                parts.enumerate().for_each(|(r, x)| self.jacobian[(row + r) * n + c] = *x);
+            }
+            row += if foot.flat { 6 } else { 3 };
+        }
+        for (c, &(k, _)) in self.columns.iter().enumerate() {
+            for a in 0..self.unknowns.com_axes {
+                self.jacobian[(row + a) * n + c] = self.com_jacobian[3 * k + a];
+            }
+        }
+        row += self.unknowns.com_axes;
+        if self.unknowns.root {
+            (0..3).for_each(|a| self.jacobian[(row + a) * n + 3 + a] = 1.0);
+        }
+    }
+
+    /// `motion = z + W J^T (J W J^T + mu 1)^-1 (error - J z)`.
+    fn step(&mut self, mu: f64) {
+        let n = self.columns.len();
+        for ((weight, locked), (_, w)) in self.weights.iter_mut().zip(&self.locked).zip(&self.columns) {
+            *weight = if *locked { 0.0 } else { *w };
+        }
+        let row = |i: usize| &self.jacobian[i * n..(i + 1) * n];
+        for i in 0..self.rows {
+            for j in 0..=i {
+                let products = row(i).iter().zip(row(j)).zip(&self.weights).map(|((x, y), w)| w * x * y);
+                self.system.entries[i * self.rows + j] = products.sum();
+            }
+            self.system.entries[i * self.rows + i] += mu.max(DAMPING.1);
+            let along = row(i).iter().zip(&self.columns).map(|(x, (k, _))| x * self.preferred[*k]);
+            self.error[i] -= along.sum::<f64>();
+        }
+        self.motion.copy_from_slice(&self.preferred);
+        if !self.system.factorize() {
+            return;
+        }
+        self.system.solve(&mut self.error);
+        for (c, (&(k, _), w)) in self.columns.iter().zip(&self.weights).enumerate() {
+            let sum: f64 = (0..self.rows).map(|i| self.jacobian[i * n + c] * self.error[i]).sum();
+            self.motion[k] += w * sum;
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! From a goal to the joints of a command: what tasks share that plan with positions.
+
+use super::{Figure, Goal, Inverse, NotPlannable, Rates, feed_forward, figure};
+use crate::robot::Model;
+use crate::task::posture::minimum_jerk;
+use crate::task::{Command, Context};
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
+
+/// A figure on two legs or more, its goal, and the solver between them.
+#[derive(Clone, Debug)]
+pub struct Poser {
+    /// The robot as planned.
+    pub figure: Figure,
+    /// Where it is to be.
+    pub goal: Goal,
+    /// How fast that moves.
+    pub rates: Rates,
+    inverse: Inverse,
+    joints: Vec<usize>,
+    /// Joints that are given efforts: all that carry.
+    carrying: Vec<usize>,
+    efforts: Vec<f64>,
+    /// Centre of mass and root at the start.
+    from: (Vector3<f64>, UnitQuaternion<f64>),
+}
+
+impl Poser {
+    /// For a robot that [`figure::check`] has let through; moves its leg joints.
+    pub fn new(model: &Model) -> Self {
+        let figure = Figure::new(model);
+        let inverse = Inverse::of_legs(model, &figure);
+        let joints = inverse.joints().collect();
+        let goal = figure.goal();
+        let from = (goal.com, goal.root);
+        let (carrying, efforts) = (figure::carrying_joints(model), vec![0.0; model.nj()]);
+        Poser { rates: Rates::zero(figure.feet.len()), figure, goal, inverse, joints, carrying, efforts, from }
+    }
+
+    /// Takes over from a command: the goal is where the figure stands.
+    ///
+    /// # Errors
+    /// A leg joint does not follow positions.
+    pub fn begin(&mut self, context: &Context, command: &Command) -> Result<(), NotPlannable> {
+        figure::check_driven(context.model, command, &self.joints)?;
+        self.figure.stand(context, command);
+        self.goal = self.figure.goal();
+        self.rates = Rates::zero(self.figure.feet.len());
+        self.from = (self.goal.com, self.goal.root);
+        Ok(())
+    }
+
+    /// Moves the goal's centre of mass and root from where they began to `com` and `root`, `t` seconds into a minimum-jerk
+    /// move of `duration` seconds.
+    pub fn settle(&mut self, t: f64, duration: f64, com: Vector3<f64>, root: UnitQuaternion<f64>) {
+        let (progress, rate) = minimum_jerk(t, duration);
+        let way = com - self.from.0;
+        self.goal.com = self.from.0 + way * progress;
+        self.rates.com = way * rate;
+        let turn = (root * self.from.1.inverse()).scaled_axis();
+        self.goal.root = UnitQuaternion::from_scaled_axis(turn * progress) * self.from.1;
+        self.rates.root = turn * rate;
+    }
+
+    /// Writes the joints that meet the goal now; those that it does not move are taken as they are asked for.
+    ///
+    /// # Errors
+    /// The words of [`super::Unreachable`]; nothing is written then.
+    pub fn pose(&mut self, context: &Context, command: &mut Command) -> Result<(), String> {
+        let model = context.model;
+        for (j, q) in self.figure.state.joints.iter_mut().enumerate() {
+            if !self.joints.contains(&j) {
+                *q = command.position[j];
+            }
+        }
+        self.inverse.solve(model, &mut self.figure, &self.goal, &self.rates).map_err(|e| e.to_string())?;
+        for &j in &self.joints {
+            command.position[j] = self.figure.state.joints[j];
+            command.velocity[j] = self.figure.state.v[model.nb() + j];
+        }
+        Ok(())
+    }
+
+    /// Gives the joints that carry the efforts of the motion, times `part`: see [`feed_forward`]. After [`Poser::pose`].
+    pub fn support(
+        &mut self,
+        context: &Context,
+        command: &mut Command,
+        acceleration: &Vector3<f64>,
+        zmp: &Vector2<f64>,
+        part: f64,
+    ) {
+        self.figure.update(context.model);
+        let (figure, efforts) = (&mut self.figure, &mut self.efforts);
+        feed_forward::efforts(context.model, figure, &context.gravity, acceleration, zmp, efforts);
+        for &j in &self.carrying {
+            command.effort[j] = part * self.efforts[j];
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! `script`: a task written in Luau; see [`crate::script`].
+
+use super::{Command, Context, Needs, Status, Task, TaskResult};
+use crate::script::fields::{TaskView, View};
+use crate::script::{Params, Script, ScriptError};
+
+/// See the module.
+pub struct ScriptTask {
+    name: String,
+    script: Script,
+    params: Params,
+    changes: Vec<f64>,
+    changed: Vec<Params>,
+    /// What the joints were asked when a call without a command of its own was made.
+    command: Option<Command>,
+    end: f64,
+}
+
+impl ScriptTask {
+    /// A task called `name`, with parameters and their changes at instants (s, ascending), that ends at `end` at the
+    /// latest.
+    pub fn new(name: String, script: Script, params: Params, changes: Vec<(f64, Params)>, end: f64) -> Self {
+        let (changes, changed) = changes.into_iter().unzip();
+        ScriptTask { name, script, params, changes, changed, command: None, end }
+    }
+}
+
+fn view<'a>(context: &'a Context, command: &'a Command) -> View<'a> {
+    View {
+        time: context.time,
+        model: context.model,
+        gravity: context.gravity,
+        state: context.state,
+        kinematics: &context.data.workspace,
+        task: Some(TaskView { sensed: context.sensed, data: context.data, command }),
+    }
+}
+
+fn status(goes_on: Result<bool, ScriptError>) -> TaskResult {
+    match goes_on {
+        Ok(true) => Ok(Status::Running),
+        Ok(false) => Ok(Status::Done),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+impl Task for ScriptTask {
+    fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
+        self.command = Some(command.clone());
+        status(self.script.init(&view(context, command), &self.params))
+    }
+
+    fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
+        if context.time >= self.end {
+            return Ok(Status::Done);
+        }
+        let kept = self.command.get_or_insert_with(|| command.clone());
+        kept.copy_from(command);
+        status(self.script.drive(&view(context, kept), command))
+    }
+
+    fn change(&mut self, context: &Context, number: usize) -> TaskResult {
+        let Some(command) = &self.command else { return Ok(Status::Running) };
+        status(self.script.change(&view(context, command), &self.changed[number]))
+    }
+
+    fn changes(&self) -> &[f64] {
+        &self.changes
+    }
+
+    fn needs(&self) -> Needs {
+        self.script.needs()
+    }
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+}

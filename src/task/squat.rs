@@ -1,0 +1,126 @@
+//! `squat`: the centre of mass goes down and up over the middle of the soles, which stay where they are.
+//!
+//! ```text
+//! h(t) = h0 - D f(2 u)           0 <= u < 1/2       f(s) = 10 s^3 - 15 s^4 + 6 s^5
+//! h(t) = h0 - D (1 - f(2 u - 1)) 1/2 <= u < 1       u = t / T modulo 1
+//! ```
+//!
+//! with D the depth and T the period. Before that the centre of mass is brought over the middle of the soles and the root
+//! upright. Joints follow from the goal by [`super::kinematic`].
+
+use super::kinematic::{Figure, Poser};
+use super::posture::minimum_jerk;
+use super::{Command, Context, Status, Task, TaskResult};
+use crate::robot::Model;
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// What a squat is asked to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// D, m; below zero it rises first.
+    pub depth: f64,
+    /// T, s.
+    pub period: f64,
+    /// How often.
+    pub repetitions: u32,
+    /// Time to come over the soles first, s.
+    pub settle: f64,
+}
+
+impl Shape {
+    /// How far below its start the centre of mass is (m), how fast it goes up (m/s) and that rate's rate (m/s^2), `t`
+    /// seconds after settling.
+    pub fn drop(&self, t: f64) -> (f64, f64, f64) {
+        let half = 0.5 * self.period;
+        let end = f64::from(self.repetitions) * self.period;
+        if t <= 0.0 || t >= end {
+            return (0.0, 0.0, 0.0);
+        }
+        let since = t % self.period;
+        let (progress, rate) = minimum_jerk(since % half, half);
+        let s = since % half / half;
+        let bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (half * half);
+        if since < half {
+            (self.depth * progress, -self.depth * rate, -self.depth * bend)
+        } else {
+            (self.depth * (1.0 - progress), self.depth * rate, self.depth * bend)
+        }
+    }
+
+    /// How long it takes with settling, s.
+    pub fn duration(&self) -> f64 {
+        self.settle + f64::from(self.repetitions) * self.period
+    }
+}
+
+/// See the module.
+pub struct Squat {
+    shape: Shape,
+    poser: Poser,
+    feed_forward: bool,
+    start: f64,
+    over: Vector3<f64>,
+    upright: UnitQuaternion<f64>,
+}
+
+impl Squat {
+    /// For a robot that [`super::kinematic::figure::check`] has let through.
+    pub fn new(model: &Model, shape: Shape, feed_forward: bool) -> Self {
+        let poser = Poser::new(model);
+        Squat { shape, poser, feed_forward, start: 0.0, over: Vector3::zeros(), upright: UnitQuaternion::identity() }
+    }
+}
+
+impl Task for Squat {
+    fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
+        self.poser.begin(context, command).map_err(|e| e.to_string())?;
+        self.start = context.time;
+        let figure = &self.poser.figure;
+        let support = figure.support();
+        self.over = Vector3::new(support.x, support.y, figure.com().z);
+        self.upright = Figure::upright(&figure.state.rotation);
+        Ok(Status::Running)
+    }
+
+    fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
+        let t = context.time - self.start;
+        self.poser.settle(t, self.shape.settle, self.over, self.upright);
+        let (drop, rate, bend) = self.shape.drop(t - self.shape.settle);
+        self.poser.goal.com.z -= drop;
+        self.poser.rates.com.z += rate;
+        self.poser.pose(context, command)?;
+        if self.feed_forward {
+            let part = minimum_jerk(t, self.shape.settle).0;
+            self.poser.support(context, command, &Vector3::new(0.0, 0.0, bend), &self.over.xy(), part);
+        }
+        Ok(if t >= self.shape.duration() { Status::Done } else { Status::Running })
+    }
+
+    fn name(&self) -> &str {
+        "squat"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_drop_has_its_closed_form() {
+        let shape = Shape { depth: 0.03, period: 2.0, repetitions: 2, settle: 0.5 };
+        // Half a depth at a quarter of the period, all of it half way, with the peak rate 15/8 of the mean between.
+        for (t, truth) in [(0.0, 0.0), (0.5, 0.015), (1.0, 0.03), (1.5, 0.015), (2.0, 0.0), (3.0, 0.03), (4.0, 0.0)] {
+            assert!((shape.drop(t).0 - truth).abs() < 1e-15, "{t}");
+        }
+        assert!((shape.drop(0.5).1 + 0.03 * 15.0 / 8.0).abs() < 1e-15);
+        assert!((shape.drop(3.5).1 - 0.03 * 15.0 / 8.0).abs() < 1e-15);
+        assert_eq!(shape.drop(4.1), (0.0, 0.0, 0.0));
+        // Rates are derivatives: central differences of step 1e-5, whose error is h^2 times the third derivative, about 1e-10.
+        for t in [0.2, 0.7, 1.3, 1.9] {
+            let (a, b) = (shape.drop(t - 1e-5), shape.drop(t + 1e-5));
+            assert!((shape.drop(t).1 + (b.0 - a.0) / 2e-5).abs() < 1e-8);
+            assert!((shape.drop(t).2 - (b.1 - a.1) / 2e-5).abs() < 1e-8);
+        }
+        assert_eq!(shape.duration(), 4.5);
+    }
+}

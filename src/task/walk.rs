@@ -1,0 +1,132 @@
+//! `walk`: steps along a footstep plan, the centre of mass by preview control of the zero-moment point.
+//!
+//! Feet and reference of the zero-moment point come from [`super::gait::footsteps`], the horizontal motion of the centre of
+//! mass from [`super::gait::preview`], planned whole when the task begins; its height is constant and the root stays
+//! upright. Joints follow from all that by [`super::kinematic`] at every tick.
+
+use super::gait::{Footsteps, Preview, Sample, Stride};
+use super::kinematic::{Figure, Poser};
+use super::posture::minimum_jerk;
+use super::{Command, Context, Status, Task, TaskResult};
+use crate::dynamics::Motion;
+use crate::robot::Model;
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
+
+/// Period of the pattern, s; between its samples the motion is exact.
+const PERIOD: f64 = 0.005;
+/// How far the zero-moment point is seen ahead, s; Kajita's.
+const HORIZON: f64 = 1.6;
+/// Soles tilted more than this at the start are not walked on, rad.
+const LEVEL: f64 = 0.02;
+
+/// See the module.
+pub struct Walk {
+    stride: Stride,
+    /// Height of the centre of mass above the soles, m; none: as at the start.
+    height: Option<f64>,
+    /// Time to come to the starting posture, s.
+    settle: f64,
+    feed_forward: bool,
+    poser: Poser,
+    start: f64,
+    over: Vector3<f64>,
+    upright: UnitQuaternion<f64>,
+    plan: Option<Plan>,
+}
+
+/// What is known once the task has begun.
+struct Plan {
+    footsteps: Footsteps,
+    /// x and y of the centre of mass.
+    samples: [Vec<Sample>; 2],
+    /// Height of the centre of mass over gravity, s^2.
+    lag: f64,
+}
+
+impl Plan {
+    /// Horizontal place, velocity and acceleration of the centre of mass.
+    fn com(&self, t: f64) -> [Vector3<f64>; 2] {
+        self.samples.each_ref().map(|axis| {
+            let k = ((t / PERIOD).floor().max(0.0) as usize).min(axis.len() - 1);
+            axis[k].at((t - k as f64 * PERIOD).clamp(0.0, PERIOD))
+        })
+    }
+}
+
+impl Walk {
+    /// For a robot that [`super::kinematic::figure::check_biped`] has let through.
+    pub fn new(model: &Model, stride: Stride, height: Option<f64>, settle: f64, feed_forward: bool) -> Self {
+        Walk {
+            stride,
+            height,
+            settle,
+            feed_forward,
+            poser: Poser::new(model),
+            start: 0.0,
+            over: Vector3::zeros(),
+            upright: UnitQuaternion::identity(),
+            plan: None,
+        }
+    }
+}
+
+impl Task for Walk {
+    fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
+        self.poser.begin(context, command).map_err(|e| e.to_string())?;
+        self.start = context.time;
+        let figure = &self.poser.figure;
+        self.upright = Figure::upright(&figure.state.rotation);
+        let lean = |s: usize| figure.normal(context.model, s).map_or(0.0, |n| n.angle(&Vector3::z()));
+        if let Some(s) = (0..2).find(|&s| lean(s) > LEVEL) {
+            let name = &context.model.soles[s].name;
+            return Err(format!("the sole `{name}` is tilted by {:.3} rad; it walks on level soles only", lean(s)));
+        }
+        let soles = [0, 1].map(|s| figure.sole(s).translation.vector);
+        let support = figure.support();
+        let height = self.height.unwrap_or(figure.com().z - support.z);
+        self.over = Vector3::new(support.x, support.y, support.z + height);
+        let gravity = context.gravity.norm();
+        let preview = Preview::new(height, gravity, PERIOD, HORIZON)
+            .filter(|_| gravity > 0.0 && height > 0.0)
+            .ok_or(format!("there is no gait for a centre of mass {height} m high under {gravity} m/s^2"))?;
+        let footsteps = Footsteps::new(self.stride, soles, self.upright * Vector3::x());
+        let count = (footsteps.duration() / PERIOD).ceil() as usize + 1;
+        let reference =
+            |axis: usize| -> Vec<f64> { (0..count).map(|k| footsteps.zmp(k as f64 * PERIOD)[axis]).collect() };
+        let samples = [0, 1].map(|axis| preview.follow(&reference(axis)));
+        self.plan = Some(Plan { footsteps, samples, lag: preview.lag });
+        Ok(Status::Running)
+    }
+
+    fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
+        let Some(plan) = &self.plan else { return Ok(Status::Done) };
+        let t = context.time - self.start;
+        self.poser.settle(t, self.settle, self.over, self.upright);
+        let since = t - self.settle;
+        let done = since >= plan.footsteps.duration();
+        let (mut acceleration, mut zmp) = (Vector3::zeros(), self.over.xy());
+        if since > 0.0 {
+            let [x, y] = plan.com(since);
+            self.poser.goal.com = Vector3::new(x[0], y[0], self.over.z);
+            let moving = if done { 0.0 } else { 1.0 };
+            self.poser.rates.com = Vector3::new(x[1], y[1], 0.0) * moving;
+            acceleration = Vector3::new(x[2], y[2], 0.0) * moving;
+            zmp = Vector2::new(x[0], y[0]) - acceleration.xy() * plan.lag;
+            for s in 0..2 {
+                let (place, velocity) = plan.footsteps.sole(s, since);
+                self.poser.goal.soles[s].translation.vector = place;
+                self.poser.rates.soles[s] = Motion::new(velocity, Vector3::zeros());
+            }
+        }
+        self.poser.pose(context, command)?;
+        if self.feed_forward {
+            let part = minimum_jerk(t, self.settle).0;
+            self.poser.support(context, command, &acceleration, &zmp, part);
+        }
+        Ok(if done { Status::Done } else { Status::Running })
+    }
+
+    fn name(&self) -> &str {
+        "walk"
+    }
+}

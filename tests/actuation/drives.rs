@@ -1,0 +1,158 @@
+//! Velocity drives, limits of effort and speed, end stops, on a wheel.
+
+use super::{SILENT, link, robot, simulation, wheel};
+use crate::analytic::support::{Told, finish};
+
+const INERTIA: f64 = 0.2;
+
+/// Error control at 1e-10, and kinks (clipping, the border of the band) within a step of that error.
+const EXPLICIT: [(&str, f64); 2] = [
+    ("integrator = { relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }", 1e-8),
+    ("integrator = { method = \"bs23\", relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }", 1e-7),
+];
+
+fn driven(settings: &str, joint: &str, start: f64) -> String {
+    format!(
+        "duration = 0.5
+        gravity = [0, 0, 0]
+        log = {{ rate = 200.0 }}
+        {settings}
+        [robot]
+        model = \"given\"
+        soles = []
+        joint = {{ axle = {{ {joint} }} }}
+        velocity = {{ axle = {start} }}\n"
+    )
+}
+
+/// Runs the wheel under constant commands and compares its speed with a closed form.
+fn compare(joint: &str, start: f64, told: [f64; 3], truth: impl Fn(f64) -> f64) {
+    for (settings, tolerance) in EXPLICIT {
+        let text = driven(settings, joint, start);
+        let mut sim = simulation(Some(&wheel(INERTIA)), &text, Some(move |_, _| told));
+        let mut seen = Told::default();
+        let metrics = finish(&mut sim, &mut seen);
+        for s in &seen.snapshots {
+            assert!((s.qd[0] - truth(s.time)).abs() < tolerance, "{joint} {}: {} {}", s.time, s.qd[0], truth(s.time));
+        }
+        assert!(metrics.max_energy_error_j < tolerance, "{metrics:?}");
+        // What was asked stays as it was.
+        let last = seen.snapshots.last().expect("one");
+        assert_eq!((last.q_desired[0], last.qd_desired[0]), (told[0], told[1]));
+    }
+}
+
+#[test]
+fn a_velocity_drive_comes_to_its_speed_exponentially() {
+    let (v, kd, ff) = (2.0, 1.5, 0.3);
+    let end = v + ff / kd;
+    compare(&format!("mode = \"velocity\", kd = {kd}"), 0.0, [9.0, v, ff], |t| end * (1.0 - (-kd * t / INERTIA).exp()));
+    // Implicit Euler: each step divides what is missing by 1 + kd dt / I.
+    let text = driven(
+        "integrator = { method = \"semi-implicit\", step = 5e-3 }",
+        &format!("mode = \"velocity\", kd = {kd}"),
+        0.0,
+    );
+    let mut sim =
+        simulation(Some(&wheel(INERTIA)), &(text + "[control]\nrate = 200.0\n"), Some(move |_, _| [9.0, v, ff]));
+    let mut told = Told::default();
+    let metrics = finish(&mut sim, &mut told);
+    let expected = end * (1.0 - (1.0 + kd * 5e-3 / INERTIA).powi(-100));
+    assert!((sim.plant().state.v[0] - expected).abs() < 1e-12, "{} {expected}", sim.plant().state.v[0]);
+    assert!(metrics.max_energy_error_j < 1e-13, "{metrics:?}");
+}
+
+#[test]
+fn an_effort_limit_accelerates_evenly_until_the_servo_asks_less() {
+    // kd (v - qd) = 2 - qd falls below 1 at 0.2 s.
+    let truth = |t: f64| if t < 0.2 { t / INERTIA } else { 2.0 - (-(t - 0.2) / INERTIA).exp() };
+    compare("mode = \"velocity\", kd = 1.0, effort = 1.0", 0.0, [0.0, 2.0, 0.0], truth);
+}
+
+/// Greatest speed of these drives.
+const MOST: f64 = 3.0;
+
+#[test]
+fn a_drive_does_not_push_beyond_its_speed() {
+    // Full effort up to 0.9 of the speed, then a first-order approach with I b v / F.
+    let force = 2.0;
+    let (border, rate) = (0.9 * MOST * INERTIA / force, force / (INERTIA * 0.1 * MOST));
+    let truth = |t: f64| {
+        if t < border { force * t / INERTIA } else { MOST - 0.1 * MOST * (-rate * (t - border)).exp() }
+    };
+    compare(&format!("mode = \"force\", velocity = {MOST}"), 0.0, [0.0, 0.0, force], truth);
+    compare(&format!("mode = \"force\", velocity = {MOST}"), -0.0, [0.0, 0.0, -force], |t| -truth(t));
+}
+
+#[test]
+fn beyond_its_speed_a_drive_only_brakes() {
+    let joint = format!("mode = \"force\", velocity = {MOST}");
+    compare(&joint, 4.0, [0.0, 0.0, 2.0], |_| 4.0);
+    compare(&joint, 4.0, [0.0, 0.0, -2.0], |t| 4.0 - 2.0 * t / INERTIA);
+    compare("mode = \"force\", velocity = 0.0", 1.0, [0.0, 0.0, -2.0], |_| 1.0);
+}
+
+#[test]
+fn velocity_level_steps_do_not_leap_over_the_speed_limit() {
+    // 50 N m on 0.01 kg m^2 would make 5 rad/s in a step.
+    for drive in ["mode = \"force\"", "mode = \"position\", kp = 500.0, kd = 1.0, effort = 50.0"] {
+        let text = driven(
+            "integrator = { method = \"semi-implicit\", step = 1e-3 }",
+            &format!("{drive}, velocity = {MOST}"),
+            0.0,
+        );
+        let mut sim = simulation(Some(&wheel(0.01)), &text, Some(|_, _| [50.0, 0.0, 50.0]));
+        let mut told = Told::default();
+        let metrics = finish(&mut sim, &mut told);
+        let fastest = told.snapshots.iter().map(|s| s.qd[0]).fold(0.0, f64::max);
+        // The approach divides what is missing by 1 + F dt / (I b v) = 17.7 per step: there but for rounding.
+        assert!(fastest <= MOST + 1e-12 && sim.plant().state.v[0] > MOST - 1e-9, "{drive}: {fastest}");
+        // What the drive worked is in the wheel.
+        let energy = 0.5 * 0.01 * sim.plant().state.v[0].powi(2);
+        assert!((metrics.actuator_work_j - energy).abs() < 1e-12, "{metrics:?}");
+    }
+}
+
+/// The wheel with limits at +-0.5 rad.
+fn stopped(inertia: f64) -> String {
+    robot(&[
+        "<link name=\"world\"/>".into(),
+        "<joint name=\"axle\" type=\"revolute\"><parent link=\"world\"/><child link=\"wheel\"/><axis xyz=\"0 0 1\"/>
+        <limit lower=\"-0.5\" upper=\"0.5\" effort=\"9\" velocity=\"99\"/></joint>"
+            .into(),
+        link("wheel", 1.0, 0.0, inertia),
+    ])
+}
+
+#[test]
+fn a_stop_without_damping_throws_back_and_the_usual_one_takes_most() {
+    let tight = "integrator = { relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }";
+    let (v, k) = (2.0, 80.0);
+    // The way out to the spring, half a swing of it, and back past the middle.
+    let text = driven(tight, &format!("mode = \"passive\", stop = {{ stiffness = {k} }}"), v);
+    let mut sim = simulation(Some(&stopped(INERTIA)), &text, SILENT);
+    let mut told = Told::default();
+    let metrics = finish(&mut sim, &mut told);
+    let half_swing = std::f64::consts::PI * (INERTIA / k).sqrt();
+    let state = &sim.plant().state;
+    // The spring begins within a step; error control at 1e-10 sees it.
+    assert!((state.v[0] + v).abs() < 1e-8, "{}", state.v[0]);
+    assert!((state.joints[0] - (0.5 - v * (0.25 - half_swing))).abs() < 1e-8, "{}", state.joints[0]);
+    assert!(metrics.joint_loss_j.abs() < 1e-8, "{metrics:?}");
+
+    // Critically damped, and letting go when the damper would pull: p = v t e^(-wt) until w t = 2, at -v e^-2.
+    let mut sim = simulation(Some(&stopped(INERTIA)), &driven(tight, "mode = \"passive\"", -v), SILENT);
+    let mut told = Told::default();
+    finish(&mut sim, &mut told);
+    let back = v * (-2f64).exp();
+    let state = &sim.plant().state;
+    assert!((state.v[0] - back).abs() < 1e-7, "{} {back}", state.v[0]);
+
+    // Steps of 2e-2 s, four times what an explicit damper of 600/s stands.
+    let text = driven("integrator = { method = \"semi-implicit\", step = 2e-2 }", "mode = \"passive\"", v);
+    let mut sim = simulation(Some(&stopped(INERTIA)), &text, SILENT);
+    let mut told = Told::default();
+    let metrics = finish(&mut sim, &mut told);
+    assert!(told.snapshots.iter().all(|s| s.q[0] < 0.5 + v * 2e-2 && s.qd[0].abs() <= v), "{metrics:?}");
+    assert!(metrics.joint_loss_j > 0.5 * 0.5 * INERTIA * v * v, "{metrics:?}");
+}

@@ -1,0 +1,42 @@
+//! Entries that do not fit the robot are refused at their places.
+
+use crate::analytic::support::root;
+use stiction::{robot, scenario, sim::build};
+
+/// What is wrong with a scenario.
+fn wrong(text: &str) -> String {
+    let found = scenario::parse(&root().join("test.toml"), text).and_then(|file| {
+        let runs = file.expand(&[])?;
+        let robot = robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"));
+        build::setup(&runs[0], &robot)
+    });
+    found.err().map_or_else(|| panic!("accepted:\n{text}"), |e| e.to_string())
+}
+
+#[test]
+fn entries_that_cannot_be() {
+    let block = "robot = { model = \"robots/block/block.toml\" }\n";
+    let task = "[[task]]\ntype = \"balance\"\ncontrol = \"force\"\n";
+    let cases = [
+        (format!("{block}{task}soles = [\"bottom\", \"hand\"]\n"), "test.toml:5:20", "has no sole `hand`"),
+        (format!("{block}{task}soles = [\"bottom\", \"bottom\"]\n"), "test.toml:5:20", "named twice"),
+        (format!("{block}{task}soles = []\n"), "test.toml:5:9", "must name at least one sole"),
+        (block.replace(" }", ", soles = [] }") + task, "test.toml:3:8", "has no soles to stand on"),
+        (format!("{block}[[task]]\ntype = \"balance\"\n"), "test.toml:2:1", "lacks the key `control`"),
+        (format!("{block}{task}force = {{ friction = 0 }}\n"), "test.toml:5:22", "must be greater than 0"),
+        (format!("{block}{task}force = {{ margin = 1.5 }}\n"), "test.toml:5:20", "must be between 0 and 1"),
+        (format!("{block}{task}force = {{ com = {{ kp = -1, kd = 0 }} }}\n"), "test.toml:5:24", "must be 0 or greater"),
+        (format!("{block}{task}force = {{ com = {{ kp = 1 }} }}\n"), "test.toml:5:17", "lacks the key `kd`"),
+        (format!("{block}{task}force = {{ contacts = \"felt\" }}\n"), "test.toml:5:22", "cannot be \"felt\""),
+        (format!("{block}{task}duration = 0\n"), "test.toml:5:12", "must be greater than 0"),
+        (
+            format!("{block}[[task]]\ntype = \"gravity-compensation\"\ndampin = 1\n"),
+            "test.toml:4:1",
+            "unknown key `dampin`",
+        ),
+    ];
+    for (text, place, words) in cases {
+        let found = wrong(&text);
+        assert!(found.contains(place) && found.contains(words), "wanted {place} {words}\n{found}");
+    }
+}

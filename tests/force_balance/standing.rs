@@ -1,0 +1,94 @@
+//! Robots that stand, and are pushed, under force control.
+
+use crate::analytic::support::{run, watch};
+use nalgebra::Vector3;
+
+/// HOAP-2 on its soles.
+pub const HOAP: &str = "duration = 3.0\nrobot = { model = \"robots/hoap2/hoap2.toml\" }\n";
+/// Its root at home, m.
+const HEIGHT: f64 = 0.28343852;
+
+const BALANCE: &str = "[[task]]\ntype = \"balance\"\ncontrol = \"force\"\n";
+const COMPENSATION: &str = "[[task]]\ntype = \"gravity-compensation\"\n";
+
+fn push(impulse: f64) -> String {
+    // A half-sine of 0.1 s.
+    let peak = impulse * std::f64::consts::PI / 0.2;
+    format!(
+        "[[force]]\ntype = \"push\"\nlink = \"torso\"\npoint = [0, 0, 0.05]\nforce = [{peak}, 0, 0]\nstart = 0.2\n\
+         duration = 0.1\nprofile = \"half-sine\"\n"
+    )
+}
+
+#[test]
+fn gravity_compensation_is_quiet() {
+    let m = run(&format!("{HOAP}{COMPENSATION}"));
+    let [x, y, z] = m.final_base_position;
+    // An exact equilibrium: only rounding moves it.
+    assert!(x.abs() < 1e-11 && y.abs() < 1e-11 && (z - HEIGHT).abs() < 1e-8, "{x:e} {y:e} {z}");
+    assert!(m.final_base_velocity.iter().all(|v| v.abs() < 1e-11), "{:?}", m.final_base_velocity);
+    assert_eq!((m.state_changes, m.inconsistent), (0, 0));
+}
+
+#[test]
+fn gravity_compensation_gives_way_and_does_not_come_back() {
+    let m = run(&format!("{HOAP}{COMPENSATION}{}", push(0.1)));
+    let x = m.final_base_position[0];
+    assert!((1e-3..0.05).contains(&x), "{x}");
+}
+
+#[test]
+fn the_centre_of_mass_goes_above_the_middle_of_the_soles() {
+    let (m, told) = watch(&format!("{}{BALANCE}force = {{ approach = 0.5 }}\n", HOAP.replace("3.0", "8.0")));
+    let end = told.snapshots.last().expect("the last state is always told");
+    let vertices: Vec<Vector3<f64>> = end.soles.iter().flat_map(|s| &s.positions).copied().collect();
+    let middle = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
+    // The slowest mode, the joints' slack, decays within a second or two; the reference is reached exactly.
+    assert!((end.com - middle).xy().norm() < 1e-6, "{} {middle}", end.com);
+    let pressure = end.centre_of_pressure.expect("it stands");
+    assert!((pressure - middle).norm() < 1e-5, "{pressure} {middle}");
+    // Ticks change the efforts a thousand times a second and no contact ever changes.
+    assert_eq!((m.state_changes, m.events, m.inconsistent), (0, 0, 0));
+    assert!(m.max_static_creep_m < 1e-12, "{:e}", m.max_static_creep_m);
+}
+
+#[test]
+fn a_pushed_robot_comes_back_with_balance_only() {
+    // Well below what scenarios/studies/push-recovery.toml finds to be the limit.
+    let back = |text: &str| run(&format!("{HOAP}{text}{}", push(1.0))).final_base_position;
+    let quiet = run(&format!("{HOAP}{BALANCE}")).final_base_position;
+    let kept = back(BALANCE);
+    assert!((0..3).all(|i| (kept[i] - quiet[i]).abs() < 1e-3), "{kept:?} {quiet:?}");
+    let lost = back(COMPENSATION);
+    assert!((lost[0] - quiet[0]).abs() > 0.02, "{lost:?}");
+}
+
+#[test]
+fn fixed_steps_stand_too() {
+    let m = run(&format!("{HOAP}{BALANCE}[integrator]\nmethod = \"semi-implicit\"\n"));
+    let quiet = run(&format!("{HOAP}{BALANCE}")).final_base_position;
+    // A step of 1 ms leaves the path to the reference by its first order; both end there.
+    assert!((0..3).all(|i| (m.final_base_position[i] - quiet[i]).abs() < 1e-5), "{m:?} {quiet:?}");
+    assert_eq!((m.state_changes, m.inconsistent), (0, 0));
+}
+
+#[test]
+fn joints_follow_other_tasks_while_the_robot_balances() {
+    let wave = "[[task]]\ntype = \"posture\"\nduration = 1.0\njoints = { left_elbow = -1.0, head_pan = 0.5 }\n";
+    let (_, told) = watch(&format!("{HOAP}{wave}{BALANCE}"));
+    let end = told.snapshots.last().expect("the last state is always told");
+    let model = crate::analytic::support::simulation(HOAP).plant().model.clone();
+    let position = |name: &str| end.q[model.joint(name).expect("it has one").0];
+    // Critically damped at 5 1/s, two seconds after the move: (1 + 10) e^-10 of a radian, 5e-4.
+    assert!((position("left_elbow") + 1.0).abs() < 2e-3);
+    assert!((position("head_pan") - 0.5).abs() < 2e-3);
+}
+
+#[test]
+fn it_ends_when_it_should_and_gives_the_drives_back() {
+    let (m, told) = watch(&format!("{HOAP}{BALANCE}duration = 0.5\n"));
+    let end = told.events.iter().find(|e| e.message == "task balance ends").expect("it ends");
+    assert!((end.time - 0.5).abs() < 1e-12, "{}", end.time);
+    // The position servos hold the robot where it was, but for their sag.
+    assert!((m.final_base_position[2] - HEIGHT).abs() < 1e-3, "{m:?}");
+}

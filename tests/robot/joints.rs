@@ -1,0 +1,119 @@
+//! Joints that are not one motion each, and numbers that are not quite URDF.
+
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use stiction::robot::{Base, DriveMode, JointKind, Model};
+
+use super::{BODY, load_toml, load_urdf};
+
+fn two(kind: &str, inside: &str) -> String {
+    format!(
+        "<robot name=\"r\"><link name=\"a\">{BODY}</link><link name=\"b\">{BODY}</link><joint name=\"j\" type=\"{kind}\">\
+         <origin xyz=\"1 2 3\" rpy=\"0.1 0.2 0.3\"/><parent link=\"a\"/><child link=\"b\"/>{inside}</joint></robot>"
+    )
+}
+
+/// Pose of the last link's URDF frame in the root's, by joint positions.
+fn pose(model: &Model, q: &[f64]) -> Isometry3<f64> {
+    let mut pose = Isometry3::identity();
+    for (i, link) in model.links.iter().enumerate().skip(1) {
+        let turn = nalgebra::Rotation3::from_matrix_unchecked(link.rotation);
+        pose *= Isometry3::from_parts(Translation3::from(link.offset), UnitQuaternion::from_rotation_matrix(&turn));
+        pose *= match model.joints[i - 1].kind {
+            JointKind::Prismatic => Isometry3::translation(0.0, 0.0, q[i - 1]),
+            _ => Isometry3::rotation(Vector3::z() * q[i - 1]),
+        };
+    }
+    pose * model.links[model.links.len() - 1].urdf_frame
+}
+
+fn origin() -> Isometry3<f64> {
+    Isometry3::from_parts(Translation3::new(1.0, 2.0, 3.0), UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3))
+}
+
+#[test]
+fn a_planar_joint_is_two_slides_and_a_turn() {
+    let robot = load_urdf(&two("planar", "<axis xyz=\"0 0 1\"/>")).unwrap();
+    let names: Vec<&str> = robot.model.joints.iter().map(|j| j.name.as_str()).collect();
+    assert_eq!(names, ["j/x", "j/y", "j/turn"]);
+    assert!(robot.model.joints.iter().all(|j| j.drive_configured && j.drive.mode == DriveMode::Passive));
+    let wanted = origin() * Isometry3::translation(0.4, 0.5, 0.0) * Isometry3::rotation(Vector3::z() * 0.6);
+    // Rounding of a chain of rotations over some metres.
+    assert!((pose(&robot.model, &[0.4, 0.5, 0.6]).to_homogeneous() - wanted.to_homogeneous()).amax() < 1e-14);
+    assert!(robot.notices.iter().any(|n| n.message.contains("`j/x`, `j/y`, `j/turn`")), "{:?}", robot.notices);
+}
+
+#[test]
+fn a_floating_joint_inside_the_tree_is_six_motions() {
+    let robot = load_urdf(&two("floating", "")).unwrap();
+    assert_eq!(robot.model.nj(), 6);
+    let q = [0.4, -0.5, 0.6, 0.7, -0.8, 0.9];
+    let turn = UnitQuaternion::from_euler_angles(q[5], q[4], q[3]);
+    let wanted = origin() * Isometry3::from_parts(Translation3::new(q[0], q[1], q[2]), turn);
+    // Rounding of a chain of rotations over some metres.
+    assert!((pose(&robot.model, &q).to_homogeneous() - wanted.to_homogeneous()).amax() < 1e-14);
+    assert!(robot.notices.iter().any(|n| n.message.contains("must not pitch by 90 degrees")), "{:?}", robot.notices);
+}
+
+/// Below a root without mass it is the floating base.
+#[test]
+fn a_floating_joint_under_a_massless_root_is_the_base() {
+    let text = two("floating", "").replacen(&format!("<link name=\"a\">{BODY}</link>"), "<link name=\"a\"/>", 1);
+    let model = load_urdf(&text).unwrap().model;
+    assert_eq!((model.base, model.nj(), model.links[0].name.as_str()), (Base::Floating, 0, "b"));
+}
+
+#[test]
+fn a_mimic_joint_is_independent_and_its_home_follows() {
+    let joint = |name: &str, parent: &str, child: &str, inside: &str| {
+        format!(
+            "<link name=\"{child}\">{BODY}</link><joint name=\"{name}\" type=\"revolute\"><parent link=\"{parent}\"/>\
+             <child link=\"{child}\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>{inside}</joint>"
+        )
+    };
+    let urdf = format!(
+        "<robot name=\"r\"><link name=\"a\">{BODY}</link>{}{}{}</robot>",
+        // The second follows one that comes after it.
+        joint("last", "a", "b", "<mimic joint=\"next\" multiplier=\"-1\"/>"),
+        joint("next", "b", "c", "<mimic joint=\"leader\" multiplier=\"0.5\" offset=\"0.1\"/>"),
+        joint("leader", "c", "d", ""),
+    );
+    let robot = load_toml("urdf = \"robot.urdf\"\n[home]\nleader = 0.4", &urdf).unwrap();
+    let home = |name: &str| robot.model.home[robot.model.joint(name).unwrap().0];
+    assert_eq!(robot.model.nj(), 3);
+    assert_eq!([home("leader"), home("next"), home("last")], [0.4, 0.5 * 0.4 + 0.1, -(0.5 * 0.4 + 0.1)]);
+    let told = robot.notices.iter().filter(|n| n.message.contains("it is taken as independent")).count();
+    assert_eq!(told, 2, "{:?}", robot.notices);
+    // A home that the robot file gives stays, and limits hold.
+    let robot =
+        load_toml("urdf = \"robot.urdf\"\n[home]\nleader = 1.0\nlast = 0.25", &urdf.replace("0.5", "5")).unwrap();
+    assert_eq!(robot.model.home, [0.25, 1.0, 1.0]);
+}
+
+#[test]
+fn joints_without_position_limits_turn_freely() {
+    let robot = load_urdf(&two("revolute", "<axis xyz=\"0 0 1\"/><limit effort=\"1\" velocity=\"2\"/>")).unwrap();
+    let joint = &robot.model.joints[0];
+    assert_eq!((joint.kind, joint.lower, joint.upper), (JointKind::Continuous, f64::NEG_INFINITY, f64::INFINITY));
+    assert!(
+        robot.notices.iter().any(|n| n.message.contains("joint `j` has no position limits")),
+        "{:?}",
+        robot.notices
+    );
+    let slide = load_urdf(&two("prismatic", "<axis xyz=\"0 0 1\"/>")).unwrap();
+    assert_eq!((slide.model.joints[0].kind, slide.model.joints[0].upper), (JointKind::Prismatic, f64::INFINITY));
+}
+
+#[test]
+fn vectors_with_commas_are_read_as_meant_and_told() {
+    let good = two("continuous", "<axis xyz=\"0 0 1\"/>");
+    let commas = good.replace("1 2 3", "1, 2,3").replace("0 0 1\"/></joint>", "0,0,1\"/></joint>");
+    let (plain, read) = (load_urdf(&good).unwrap(), load_urdf(&commas).unwrap());
+    assert_eq!(plain.model, read.model);
+    let link = &read.model.links[1];
+    assert_eq!(
+        (link.urdf_frame.inverse() * Point3::origin(), link.offset),
+        (Point3::origin(), Vector3::new(1.0, 2.0, 3.0))
+    );
+    let told = |needle: &str| read.notices.iter().any(|n| n.message.contains(needle));
+    assert!(told("commas in `xyz=\"1, 2,3\"` are read as spaces") && told("`xyz=\"0,0,1\"`"), "{:?}", read.notices);
+}

@@ -1,0 +1,158 @@
+//! What scripts try and must not get away with: each ends its run with file, line and words, or is found before it.
+
+use super::{Beside, TASK, pendulum};
+use stiction::sim::{Blind, Outcome};
+
+fn beside(script: &str) -> Beside {
+    Beside::new(&pendulum(0.05, "mode = \"position\"", TASK), script)
+}
+
+#[track_caller]
+fn ends(script: &str, words: &str) {
+    let (outcome, message) = beside(script).end(&mut Blind);
+    assert_eq!(outcome, Outcome::Error, "{script}\n{message}");
+    assert!(message.contains(words), "{script}\n{message}\nwanted: {words}");
+}
+
+#[track_caller]
+fn refused(script: &str, words: &str) {
+    let Err(found) = beside(script).build() else { panic!("accepted:\n{script}") };
+    let text = found.to_string();
+    assert!(text.contains(words) && text.contains("s.toml:6:"), "{script}\n{text}\nwanted: {words}");
+}
+
+#[test]
+fn endless_loops_end() {
+    ends("function run()\nlocal i = 0\nwhile true do\ni += 1\nend\nend", "s.luau:");
+    ends("function run()\nwhile true do end\nend", "s.luau:2: more than 1000000 calls and turns of loops in one call");
+    ends("function init()\nrepeat until false\nend\nfunction run() end", "s.luau:2: more than 1000000");
+    // Caught, it is still over.
+    ends("function run()\npcall(function() while true do end end)\nend", "s.luau:1: more than 1000000");
+    ends("function run()\nwhile true do pcall(function() while true do end end) end\nend", "s.luau:2: more than");
+    // A pattern that tries everything.
+    ends(
+        "local s = string.rep(\"a\", 40)\nfunction run()\nstring.find(s, string.rep(\"a-\", 30) .. \"b\")\nend",
+        "s.luau:3:",
+    );
+    refused("while true do end\nfunction run() end", "s.luau:1: more than 1000000");
+}
+
+#[test]
+fn the_budget_is_of_one_call() {
+    // Three ticks of half the budget each.
+    let script = "local n = 0\nfunction run() for i = 1, 500000 do end n += 1 return n < 3 end";
+    assert_eq!(beside(script).end(&mut Blind).0, Outcome::Passed);
+}
+
+#[test]
+fn memory_is_limited() {
+    ends(
+        "local all = {}\nfunction run()\nfor i = 1, 1e5 do all[#all + 1] = table.create(1000, 0) end\nend",
+        "not enough memory: a script may use 64 MiB",
+    );
+    ends("function run()\nlocal s = string.rep(\"x\", 2^30)\nend", "s.luau");
+    ends("function run()\nlocal s = \"x\"\nfor i = 1, 40 do s = s .. s end\nend", "not enough memory");
+    ends("function run()\nlocal b = buffer.create(2^29)\nend", "not enough memory");
+    refused("local s = \"x\"\nfor i = 1, 40 do s = s .. s end\nfunction run() end", "not enough memory");
+}
+
+#[test]
+fn recursion_is_limited() {
+    ends("local function f(n) return 1 + f(n + 1) end\nfunction run()\nf(1)\nend", "s.luau:1: stack overflow");
+    ends("local function f() pcall(f) pcall(f) end\nfunction run()\nf()\nend", "s.luau:");
+}
+
+#[test]
+fn errors_have_their_lines() {
+    ends("function init()\n\nerror(\"no\")\nend\nfunction run() end", "s.luau:3: no");
+    ends("function run(robot)\nlocal x = robot.nothing.there\nend", "s.luau:2: attempt to index nil with 'there'");
+    ends("function run(robot)\nerror({ 1 })\nend", "s.luau");
+    let change = format!("{TASK}change = [{{ at = 0.01, params = {{}} }}]");
+    let text = pendulum(0.05, "mode = \"position\"", &change);
+    let (outcome, message) =
+        Beside::new(&text, "function run() end\nfunction change()\nerror(\"no\") end").end(&mut Blind);
+    assert_eq!((outcome, message.contains("s.luau:3: no")), (Outcome::Error, true), "{message}");
+}
+
+#[test]
+fn commands_are_checked_where_they_are_given() {
+    for (call, words) in [
+        ("set_position(\"knee\", 1)", "the robot has no joint \"knee\""),
+        ("set_position(3, 1)", "the robot has no joint 3"),
+        ("set_position(1.5, 1)", "the robot has no joint 1.5"),
+        ("set_position(nil, 1)", "the robot has no joint nil"),
+        ("set_position(1, 0/0)", "a position must be a finite number, not nan"),
+        ("set_velocity(1, \"fast\")", "a velocity must be a number, not string"),
+        ("set_effort(1, math.huge)", "an effort must be a finite number, not inf"),
+        ("set_gains(1, -1, 0)", "gains must not be negative"),
+        ("set_gains(1, 1)", "kd must be a number, not nil"),
+        ("set_mode(1, \"servo\")", "a mode is one of position, velocity, force, kinematic, passive, not servo"),
+    ] {
+        ends(&format!("function run(robot)\n\nrobot.{call}\nend"), &format!("s.luau:3: {words}"));
+    }
+    ends(
+        "function init(robot)\nrobot.set_position(1, 0)\nend\nfunction run() end",
+        "s.luau:2: joints are commanded in `run`",
+    );
+    ends("-- 5 is no answer.\nfunction run()\nreturn 5\nend", "s.luau:2: it must return nothing or true");
+    ends("function init() return {} end\nfunction run() end", "s.luau:1: it must return nothing or true");
+}
+
+#[test]
+fn nothing_of_the_machine_can_be_reached() {
+    for name in [
+        "io",
+        "os",
+        "require",
+        "loadstring",
+        "load",
+        "dofile",
+        "loadfile",
+        "getfenv",
+        "setfenv",
+        "collectgarbage",
+        "newproxy",
+        "print",
+        "package",
+        "debug",
+        "jit",
+        "ffi",
+        "coroutine",
+        "gcinfo",
+    ] {
+        refused(&format!("assert({name} ~= nil, \"closed\")\nfunction run() end"), "closed");
+    }
+    refused("assert(math.random ~= nil, \"closed\")\nfunction run() end", "closed");
+    refused("math.pi = 3\nfunction run() end", "s.luau:1: attempt to modify a readonly table");
+    refused("string.rep = nil\nfunction run() end", "s.luau:1: attempt to modify a readonly table");
+    refused("getmetatable(\"\").__index = {}\nfunction run() end", "s.luau:1:");
+}
+
+#[test]
+fn what_is_no_script_is_found_before_the_run() {
+    refused("function run(\nend", "s.luau:2: Expected");
+    refused("function go() end", "s.luau: there is no function `run`");
+    refused("run = 3", "s.luau: `run` must be a function, not number");
+    refused("run = 3\ninit = \"x\"\nfunction run() end", "s.luau: `init` must be a function, not string");
+    refused("needs = { \"con\" }\nfunction run() end", "`needs` has no part \"con\"; did you mean `com`?");
+    refused("needs = \"com\"\nfunction run() end", "`needs` must be a list of words");
+    refused("links = { \"lnik\" }\nfunction run() end", "the robot `pendulum` has no link \"lnik\"");
+    refused("\u{1b}LuaS", "s.luau");
+}
+
+#[test]
+fn a_script_cannot_spoil_what_the_next_call_sees() {
+    let script = "
+        function run(robot)
+            if robot.time > 0 then
+                assert(#robot.q == 2 and math.abs(robot.q[1]) < 1, \"filled anew\")
+                assert(robot.joint.elbow == 2)
+            end
+            robot.q[1] = 1e9
+            robot.desired.position[1] = 1e9
+        end";
+    let mut sim = beside(script).simulation();
+    let (outcome, message) = sim.run(&mut Blind, &std::sync::atomic::AtomicBool::new(false));
+    assert_eq!(outcome, Outcome::Passed, "{message}");
+    assert_eq!(sim.plant().command.position[0], 0.4, "only the functions command");
+}

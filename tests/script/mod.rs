@@ -1,0 +1,68 @@
+//! Scripts: what they see, what they do, and what they cannot do.
+
+mod abuse;
+mod files;
+mod forces;
+mod tasks;
+
+use std::fs;
+use std::sync::atomic::AtomicBool;
+use stiction::scenario::Diagnostics;
+use stiction::sim::{Blind, Observer, Outcome, Simulation, build};
+use stiction::{robot, scenario};
+use tempfile::TempDir;
+
+/// A folder with a scenario `s.toml` and a script `s.luau` beside it.
+struct Beside(TempDir);
+
+impl Beside {
+    fn new(scenario: &str, script: &str) -> Self {
+        let folder = TempDir::new().expect("a folder");
+        fs::write(folder.path().join("s.toml"), scenario).expect("it is writable");
+        fs::write(folder.path().join("s.luau"), script).expect("it is writable");
+        Beside(folder)
+    }
+
+    /// The first run, built.
+    fn build(&self) -> Result<Simulation, Diagnostics> {
+        let runs = scenario::load(&self.0.path().join("s.toml"))?.expand(&[])?;
+        let robot = robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).expect("the robot is sound");
+        Ok(Simulation::new(build::setup(&runs[0], &robot)?).expect("it can be simulated"))
+    }
+
+    fn simulation(&self) -> Simulation {
+        self.build().unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// How the run ends.
+    fn end(&self, observer: &mut dyn Observer) -> (Outcome, String) {
+        self.simulation().run(observer, &AtomicBool::new(false))
+    }
+}
+
+/// Path of a robot of the tree.
+fn robot(path: &str) -> String {
+    format!("{}/robots/{path}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The double pendulum of the tree, hanging from its fixed base, driven as `drive` says.
+fn pendulum(duration: f64, drive: &str, rest: &str) -> String {
+    format!(
+        "duration = {duration:?}
+        robot = {{ model = {:?}, soles = [], joint_default = {{ {drive} }}, posture = {{ shoulder = 0.4, elbow = 0.3 }} }}
+        integrator = {{ relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }}
+        {rest}\n",
+        robot("pendulum/pendulum.urdf")
+    )
+}
+
+const TASK: &str = "[[task]]\ntype = \"script\"\nfile = \"s.luau\"\n";
+const FORCE: &str = "[[force]]\ntype = \"script\"\nfile = \"s.luau\"\n";
+
+/// Runs to the end, which it must reach.
+fn passes(scenario: &str, script: &str) -> Simulation {
+    let mut sim = Beside::new(scenario, script).simulation();
+    let (outcome, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    assert_eq!(outcome, Outcome::Passed, "{message}");
+    sim
+}

@@ -1,0 +1,35 @@
+//! `balance` with `control = "position"` in short simulations.
+
+use crate::analytic::support::simulation;
+use std::sync::atomic::AtomicBool;
+use stiction::dynamics::body;
+use stiction::sim::Blind;
+
+/// Where HOAP-2's centre of mass ends, world, m.
+fn end(task: &str) -> nalgebra::Vector3<f64> {
+    let text = format!(
+        "duration = 3\nrobot = {{ model = \"robots/hoap2/hoap2.toml\" }}\n[integrator]\nmethod = \"semi-implicit\"\n\
+         [log]\nrate = 0\n{task}"
+    );
+    let mut sim = simulation(&text);
+    let (_, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    assert_eq!(sim.metrics().state_changes, 0, "{message}");
+    body::center_of_mass(&sim.plant().ws)
+}
+
+#[test]
+fn the_centre_of_mass_comes_over_the_point_of_optimal_stability() {
+    // Soles start with their ankles at x = -0.034, so their common rectangle has its middle at -0.034 + 0.0112 (README of hoap2).
+    let middle = -0.0228;
+    let without = end("");
+    assert!((without.x - middle).abs() > 3e-3, "{without}");
+    let task = "[[task]]\ntype = \"balance\"\ncontrol = \"position\"\nposition = { leaning = 4, approach = 0.3 }\n";
+    let com = end(task);
+    // The rest decays with 4 1/s for 2.7 s: 4 mm exp(-10.8) = 0.1 um, and some sway.
+    assert!((com.x - middle).abs() < 1e-5 && com.y.abs() < 1e-5, "{com}");
+    // An offset moves it, whatever the servos' sag: here without any effort fed forward.
+    let task = format!("{task}")
+        .replace("leaning = 4", "leaning = 0, integral = 4, feed_forward = false, offset = [0.01, -0.02]");
+    let com = end(&task);
+    assert!((com.x - middle - 0.01).abs() < 1e-4 && (com.y + 0.02).abs() < 1e-4, "{com}");
+}

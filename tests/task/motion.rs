@@ -1,0 +1,42 @@
+//! `squat` and `walk` in short simulations.
+
+use crate::analytic::support::{simulation, watch};
+use std::sync::atomic::AtomicBool;
+use stiction::dynamics::body;
+use stiction::sim::Blind;
+
+const HOAP2: &str = "robot = { model = \"robots/hoap2/hoap2.toml\" }\n";
+/// Height of the centre of mass of the home posture above the soles, m.
+const HOME: f64 = 0.260362;
+
+#[test]
+fn a_squat_goes_as_deep_as_asked_with_feet_kept() {
+    // Ends at the bottom: 0.2 s to settle, half of 0.8 s down.
+    let text = format!(
+        "duration = 0.6\n{HOAP2}[log]\nrate = 0\n[[task]]\ntype = \"squat\"\ndepth = 0.02\nperiod = 0.8\nsettle = 0.2\n"
+    );
+    let mut sim = simulation(&text);
+    let (_, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    let metrics = sim.metrics();
+    assert_eq!((metrics.state_changes, metrics.inconsistent), (0, 0), "{message}");
+    let com = body::center_of_mass(&sim.plant().ws);
+    // Servos with gravity fed forward follow a motion of 0.8 s to a part of its 20 mm.
+    assert!((com.z - (HOME - 0.02)).abs() < 5e-4, "{com}");
+}
+
+#[test]
+fn a_step_lifts_one_foot_after_the_other_and_puts_it_down() {
+    let text = format!(
+        "duration = 3.4\n{HOAP2}[log]\nrate = 50\n[stop]\nfallen = {{ below = 0.2 }}\n[[task]]\ntype = \"walk\"\n\
+         steps = 1\nstep_time = 0.8\nwait = 0.8\nsettle = 0.3\nfirst = \"right\"\n"
+    );
+    let (metrics, told) = watch(&text);
+    // 0.3 s to settle, 0.8 s of swaying, 0.2 s on both feet, then the right one goes up; it is down again at 1.9 s.
+    let up = metrics.first_liftoff_s.expect("it lifts a foot");
+    assert!(up > 1.1 && up < 1.6, "{up}");
+    let lifted: Vec<bool> =
+        (0..2).map(|s| told.snapshots.iter().any(|t| t.soles[s].positions.iter().all(|p| p.z > 5e-3))).collect();
+    assert_eq!(lifted, [false, true]);
+    let last = told.snapshots.last().unwrap();
+    assert!(last.soles.iter().all(|s| s.positions.iter().all(|p| p.z < 1e-4)));
+}
