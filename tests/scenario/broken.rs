@@ -687,7 +687,7 @@ fn a_scenario_needs_a_robot() {
 
 #[test]
 fn mistakes_in_several_places_are_told_at_once() {
-    let text = "duraton = 1\n[robot]\nmodel = \"b\"\n[floor]\nheigt = 1\n[[task]]\ntype = \"balance\"\n[[task]]\ntype = \"posture\"\njoints = 1\n[log]\nrate = -1\n";
+    let text = "duraton = 1\n[robot]\nmodel = \"b\"\n[floor]\nheigt = 1\n[[task]]\ntype = \"balence\"\n[[task]]\ntype = \"posture\"\njoints = 1\n[log]\nrate = -1\n";
     let lines: Vec<_> = wrong(text, &[]).iter().map(|d| d.place.unwrap().line).collect();
     assert_eq!(lines, [1, 5, 7, 10, 12]);
 }
