@@ -9,6 +9,7 @@ pub mod dynamics;
 pub mod force;
 pub mod geometry;
 pub mod integrate;
+pub mod motion;
 pub mod random;
 pub mod record;
 pub mod robot;

@@ -8,6 +8,7 @@ mod determinism;
 mod force;
 mod force_balance;
 mod identities;
+mod motion;
 mod oracles;
 mod record;
 mod robot;

@@ -97,13 +97,14 @@ fn recorded(setup: Setup, mut recorder: Recorder, cancel: &AtomicBool) -> End {
     }
 }
 
-fn advance(setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> End {
+fn advance(mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> End {
+    let notes = std::mem::take(&mut setup.notes);
     let mut simulation = match Simulation::new(setup) {
         Ok(simulation) => simulation,
         Err(stop) => return End { outcome: stop.outcome, ..End::error(stop.message) },
     };
     let (outcome, message) = simulation.run(observer, cancel);
-    End { message, metrics: Some(simulation.metrics().clone()), ..End::of(outcome) }
+    End { message, metrics: Some(simulation.metrics().clone()), notes, ..End::of(outcome) }
 }
 
 fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordError> {

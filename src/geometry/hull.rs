@@ -27,13 +27,13 @@ pub fn convex_hull(points: &mut Vec<Vector3<f64>>, plane: &Plane) {
         return;
     }
     let n = points.len();
-    // The chain is built behind the points and moved to the front.
+    // The chain is built behind the points and moved to the front. Its turns are judged as they are: a point at the end of a
+    // side, met before others of that side, looks no less flat than those.
     for pass in 0..2 {
         let begin = points.len();
         for k in 0..n {
             let next = points[if pass == 0 { k } else { n - 1 - k }];
-            while points.len() >= begin + 2
-                && turn(&points[points.len() - 2], &points[points.len() - 1], &next) <= FLAT * size * size
+            while points.len() >= begin + 2 && turn(&points[points.len() - 2], &points[points.len() - 1], &next) <= 0.0
             {
                 points.pop();
             }
@@ -42,6 +42,16 @@ pub fn convex_hull(points: &mut Vec<Vector3<f64>>, plane: &Plane) {
         points.pop();
     }
     points.drain(..n);
+    // Between its neighbours, and on the line through them but for rounding: no corner.
+    let flat_corner = |points: &[Vector3<f64>], i: usize| {
+        let n = points.len();
+        let (a, b, c) = (&points[(i + n - 1) % n], &points[i], &points[(i + 1) % n]);
+        turn(a, b, c) <= FLAT * size * size && (flat(b) - flat(a)).dot(&(flat(c) - flat(b))) > 0.0
+    };
+    while points.len() > 2 {
+        let Some(i) = (0..points.len()).find(|i| flat_corner(points, *i)) else { break };
+        points.remove(i);
+    }
 }
 
 #[cfg(test)]
@@ -63,10 +73,50 @@ mod tests {
     }
 
     #[test]
+    fn rounding_moves_no_corner() {
+        // Every order in x of the four points on each of two sides, by differences of one rounding.
+        for mask in 0u32..1 << 8 {
+            let mut points = Vec::new();
+            for (i, x) in [0.3f64, 0.7].into_iter().enumerate() {
+                for (j, y) in [0.1, 0.2, 0.3, 0.4].into_iter().enumerate() {
+                    points.push((if mask >> (4 * i + j) & 1 == 1 { x.next_up() } else { x }, y));
+                }
+            }
+            assert_eq!(hull(&points), [(30, 10), (70, 10), (70, 40), (30, 40)], "{mask:b}");
+        }
+    }
+
+    #[test]
     fn lines_and_points_have_hulls_too() {
         assert_eq!(hull(&[]), []);
         assert_eq!(hull(&[(0.1, 0.2); 3]), [(10, 20)]);
         assert_eq!(hull(&[(0.0, 0.0), (0.2, 0.4), (0.1, 0.2), (0.05, 0.1)]), [(0, 0), (20, 40)]);
         assert_eq!(hull(&[(0.0, 0.3), (0.0, -0.1), (0.0, 0.1), (0.0, 0.3)]), [(0, -10), (0, 30)]);
+    }
+
+    #[test]
+    fn rounding_of_points_in_line_loses_no_corner() {
+        // Two feet side by side, their points off by all patterns of two rounding errors.
+        let feet = [-0.07, -0.008, 0.008, 0.07].map(|y| [(-0.07, y), (0.024, y)]);
+        for pattern in 0..1u32 << 16 {
+            let off = |i: usize| if pattern >> i & 1 == 1 { 3e-17 } else { -4e-17 };
+            let points = feet.as_flattened().iter().enumerate().map(|(i, p)| (p.0 + off(i), p.1 + off(i + 8)));
+            let mut points: Vec<_> = points.map(|p| Vector3::new(p.0, p.1, 0.0)).collect();
+            convex_hull(&mut points, &Plane::LEVEL);
+            let corners: Vec<_> =
+                points.iter().map(|p| ((p.x * 1e3).round() as i32, (p.y * 1e3).round() as i32)).collect();
+            let first = corners.iter().position(|c| *c == (-70, -70)).expect("a corner");
+            let turned: Vec<_> = (0..corners.len()).map(|i| corners[(first + i) % corners.len()]).collect();
+            assert_eq!(turned, [(-70, -70), (24, -70), (24, 70), (-70, 70)], "{pattern}");
+        }
+    }
+
+    #[test]
+    fn a_sliver_keeps_its_ends() {
+        let mut points: Vec<_> =
+            [(0.0, 0.0), (2.0, 0.0), (2.0, 1e-13), (0.0, 1e-13)].map(|p| Vector3::new(p.0, p.1, 0.0)).into();
+        convex_hull(&mut points, &Plane::LEVEL);
+        let reach = |end: f64| points.iter().any(|p| (p.x - end).abs() < 1e-12);
+        assert!(reach(0.0) && reach(2.0), "{points:?}");
     }
 }

@@ -165,16 +165,13 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
         Some(v) => Ok(Some(*v.get_ref())),
         None => Ok(None),
     };
-    let mode = match &entry.mode {
-        None => None,
-        Some(word) => Some(match word.get_ref() {
-            ModeWord::Position => DriveMode::Position,
-            ModeWord::Force => DriveMode::Force,
-            ModeWord::Passive => DriveMode::Passive,
-            ModeWord::Velocity => DriveMode::Velocity,
-            ModeWord::Kinematic => DriveMode::Kinematic,
-        }),
-    };
+    let mode = entry.mode.as_ref().map(|word| match word.get_ref() {
+        ModeWord::Position => DriveMode::Position,
+        ModeWord::Force => DriveMode::Force,
+        ModeWord::Passive => DriveMode::Passive,
+        ModeWord::Velocity => DriveMode::Velocity,
+        ModeWord::Kinematic => DriveMode::Kinematic,
+    });
     let friction = entry.friction.clone().unwrap_or_default();
     Ok(DriveSettings {
         mode,

@@ -9,12 +9,7 @@ use super::{
 
 /// A place (a dotted path, `*` for every entry of an array or table) and the word there that is not available; no word
 /// means that the place itself may not be given.
-const PLANNED: &[(&str, Option<&str>)] = &[
-    ("task.*.type", Some("playback")),
-    ("task.*.type", Some("sine")),
-    ("task.*.type", Some("mocap")),
-    ("self_collision", None),
-];
+const PLANNED: &[(&str, Option<&str>)] = &[("self_collision", None)];
 
 /// Is this type of entry (`kind` is `task` or `force`) known but not available.
 pub fn is_planned(kind: &str, type_name: &str) -> bool {

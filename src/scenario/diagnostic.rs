@@ -68,6 +68,19 @@ impl Diagnostic {
         Self::new(Severity::Error, sources, span, message, help)
     }
 
+    /// An error about a piece (bytes) of a text that is no scenario's; `file` is what it is called.
+    pub fn in_text(
+        file: &str,
+        text: &str,
+        piece: Range<usize>,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) -> Self {
+        let mut sources = Sources::default();
+        let start = sources.add(file, text);
+        Self::error(&sources, &(start + piece.start..start + piece.end), message, help)
+    }
+
     /// An error about a file as a whole.
     pub fn unreadable(file: impl Into<String>, message: impl Into<String>) -> Self {
         Diagnostic {

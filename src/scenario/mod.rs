@@ -41,6 +41,7 @@ pub use file::{ScenarioFile, load, parse};
 pub use inputs::Input;
 pub use key::key;
 pub use overrides::parse_override;
+pub use quantity::Angle;
 pub use scenario::{FORMAT, Scenario};
 pub use schema::schema;
 pub use spec::{
@@ -68,8 +69,9 @@ pub use spec::{
     sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
     task::{
-        BalanceControl, BalanceTask, Contacts, ForceBalance, Gains, GravityCompensationTask, PositionBalance,
-        PostureTask, ScriptTask, SquatTask, TaskSpec, WalkTask,
+        BalanceControl, BalanceTask, Contacts, Ends, ForceBalance, Gains, GravityCompensationTask, MocapTarget,
+        MocapTask, PlaybackChange, PlaybackTask, PositionBalance, PostureTask, Recorded, ScriptTask, SineChange,
+        SineJoint, SineJointChange, SineTask, SquatTask, TaskSpec, WalkTask,
     },
 };
 pub use suggest::help as suggest;

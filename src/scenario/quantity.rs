@@ -54,7 +54,7 @@ pub fn some_count<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Err
 }
 
 /// Radians, or a string such as `"30 deg"`. For prismatic joints the number is metres.
-struct Angle(f64);
+pub struct Angle(pub f64);
 /// Radians per second, or a string such as `"30 deg/s"`. For prismatic joints the number is metres per second.
 struct AngularRate(f64);
 
@@ -114,9 +114,14 @@ impl<'de> Deserialize<'de> for AngularRate {
     }
 }
 
-/// One angle.
+/// An angle.
 pub fn angle<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
-    Ok(Angle::deserialize(d)?.0)
+    Angle::deserialize(d).map(|a| a.0)
+}
+
+/// An angle, where leaving it out means something else.
+pub fn some_angle<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> {
+    angle(d).map(Some)
 }
 
 /// Three angles.

@@ -98,9 +98,11 @@ impl Script {
         let function = |name: &str| match globals.get::<Value>(name).map_err(wrong)? {
             Value::Function(f) => Ok(Some(f)),
             Value::Nil => Ok(None),
-            other => {
-                Err(ScriptError::new(file, None, format!("`{name}` must be a function, not {}", other.type_name())))
-            }
+            other => Err(ScriptError::new(
+                file,
+                None,
+                format!("`{name}` must be a function, not {}", convert::shown(&other)),
+            )),
         };
         let run = function("run")?.ok_or_else(|| ScriptError::new(file, None, "there is no function `run`"))?;
         // See `freeze`.

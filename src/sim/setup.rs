@@ -157,4 +157,6 @@ pub struct Setup {
     pub log_rate: f64,
     /// End the run when the base is lower than this above the floor, m.
     pub fallen_below: Option<f64>,
+    /// What else there is to tell a person.
+    pub notes: Vec<String>,
 }

@@ -10,13 +10,18 @@
 pub mod augmented;
 pub mod balance;
 pub mod command;
+pub mod fade;
 pub mod gait;
+pub mod glide;
 pub mod kinematic;
+pub mod mocap;
 pub mod needs;
+pub mod playback;
 pub mod posture;
 pub mod script;
 pub mod sensed;
 pub mod server;
+pub mod sine;
 pub mod squat;
 pub mod walk;
 

@@ -21,7 +21,7 @@ pub struct TaskServer {
     /// What the joints are asked now.
     pub command: Command,
     augmented: Augmented,
-    period: f64,
+    rate: f64,
     tick: u64,
     /// Does it tick with no task to run?
     always: bool,
@@ -44,14 +44,7 @@ pub struct Situation<'a> {
 impl TaskServer {
     /// A server that ticks `rate` times a second and starts from `command`.
     pub fn new(rate: f64, model: &Model, command: Command) -> Self {
-        TaskServer {
-            slots: Vec::new(),
-            command,
-            augmented: Augmented::new(model),
-            period: 1.0 / rate,
-            tick: 0,
-            always: false,
-        }
+        TaskServer { slots: Vec::new(), command, augmented: Augmented::new(model), rate, tick: 0, always: false }
     }
 
     /// Makes it tick whether or not a task is active: for sensors that are to be read.
@@ -61,7 +54,7 @@ impl TaskServer {
 
     /// Time between ticks, s.
     pub fn period(&self) -> f64 {
-        self.period
+        1.0 / self.rate
     }
 
     /// Adds a task that begins at the first tick at or after `start` seconds. Later ones win where they overlap.
@@ -69,21 +62,22 @@ impl TaskServer {
         self.slots.push(Slot { start, task, begun: false, ended: false, changed: 0 });
     }
 
-    /// Time of the next tick that can change anything; none when all tasks have ended.
+    /// Time of the next tick that can change anything; none when all tasks have ended. Tick k is at `k / rate`, to the last bit
+    /// where the log's instants and other clocks that divide whole numbers by their rates have it.
     pub fn next_tick(&self) -> Option<f64> {
         if self.always {
-            return Some(self.tick as f64 * self.period);
+            return Some(self.tick as f64 / self.rate);
         }
         let due = |s: &Slot| {
-            let earliest = if s.begun { 0 } else { (s.start / self.period - 1e-9).ceil().max(0.0) as u64 };
-            earliest.max(self.tick) as f64 * self.period
+            let earliest = if s.begun { 0 } else { (s.start * self.rate - 1e-9).ceil().max(0.0) as u64 };
+            earliest.max(self.tick) as f64 / self.rate
         };
         self.slots.iter().filter(|s| !s.ended).map(due).min_by(f64::total_cmp)
     }
 
     /// What the tasks that a tick at `time` would call read.
     pub fn needs(&self, time: f64) -> Needs {
-        let soon = time + 1e-9 * self.period;
+        let soon = time + 1e-9 / self.rate;
         let active = self.slots.iter().filter(|s| !s.ended && s.start <= soon);
         active.fold(Needs::NONE, |needs, s| needs | s.task.needs())
     }
@@ -94,8 +88,8 @@ impl TaskServer {
     /// The words of the first task that failed, with its name.
     pub fn run(&mut self, now: &Situation, mut report: impl FnMut(&str, &str)) -> Result<(), String> {
         let time = now.state.time;
-        self.tick = (time / self.period).round() as u64 + 1;
-        let soon = time + 1e-9 * self.period;
+        self.tick = (time * self.rate).round() as u64 + 1;
+        let soon = time + 1e-9 / self.rate;
         let active = |s: &Slot| !s.ended && s.start <= soon;
         let needs = self.needs(time);
         self.augmented.update(now.model, now.state, now.sensed, &now.gravity, &now.floor, needs);

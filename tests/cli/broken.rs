@@ -67,7 +67,6 @@ fn table() -> Vec<Broken> {
         scenario("not finite", "[floor]\nheight = inf #@@"),
         scenario("bad angle", "[floor]\nrpy = [0, \"30 dge\", 0] #@@"),
         scenario("unknown task", "[[task]]\ntype = \"posutre\" #@@"),
-        scenario("task not available yet", "[[task]]\ntype = \"sine\" #@@"),
         scenario("unknown metric", "[[expect]]\nmetric = \"final_bas_x\" #@@\nmin = 0"),
         // Scenario: sweeps.
         scenario("swept key unknown", "[sweep]\ngrid = { \"floor.frction\" = [0.1, 0.2] } #@@"),
@@ -106,7 +105,7 @@ fn table() -> Vec<Broken> {
             "[-0.1, 0.1, -0.05], [0.1, 0.1, -0.05]] #@@",
         ),
         robot("robot: no such joint", "[[sole]]", "[joint.knee] #@@\nkp = 1.0\n[[sole]]"),
-        robot("robot: not available yet", "[[sole]]", "kinematic = [\"eye*\"] #@@\n[[sole]]"),
+        robot("robot: no such kinematic joint", "[[sole]]", "kinematic = [\"eye*\"] #@@\n[[sole]]"),
         // URDF.
         urdf("URDF: XML syntax", "</inertial>", "</inertal><!--@@-->"),
         urdf("URDF: negative mass", "<mass value=\"1\"/>", "<mass value=\"-1\"/><!--@@-->"),

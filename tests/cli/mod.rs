@@ -6,6 +6,7 @@ mod commands;
 mod comparison;
 mod exit_codes;
 mod export;
+mod inertia;
 mod interrupt;
 mod isolation;
 mod report;

@@ -21,7 +21,7 @@ fn settings(gains: Gains) -> Settings {
         orientation: gains,
         joints: gains,
         offset: Vector3::zeros(),
-        approach: 0.0,
+        approach: 1.0,
         friction: 0.5,
         margin: 0.1,
         sensed: false,

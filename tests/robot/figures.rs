@@ -57,8 +57,11 @@ pub fn margins(model: &Model, q: &[f64]) -> [f64; 4] {
     [com.x - side(f64::min, 0), side(f64::max, 0) - com.x, com.y - side(f64::min, 1), side(f64::max, 1) - com.y]
 }
 
+/// Joint, link, point in its frame, direction, and that in words.
+pub type Sense<'a> = (&'a str, &'a str, Vector3<f64>, Vector3<f64>, &'a str);
+
 /// Each joint turned from zero by +0.2 rad moves a point of a link (in its frame) mostly in the direction given.
-pub fn senses(model: &Model, cases: &[(&str, &str, Vector3<f64>, Vector3<f64>, &str)]) {
+pub fn senses(model: &Model, cases: &[Sense]) {
     for (joint, link, point, direction, words) in cases {
         let mut q = vec![0.0; model.nj()];
         let at = |q: &[f64]| by_model(model, q)[*link].transform_point(&Point3::from(*point)).coords;

@@ -93,9 +93,15 @@ fn collada_faces_of_all_kinds_keep_their_sense() {
 #[test]
 fn a_collada_file_that_is_not_understood_is_left_out_and_named() {
     let loops = "<node id=\"n\"><instance_node url=\"#n\"/></node>";
+    // Each of 40 nodes instances the next one twice.
+    let doubling: String = (0..40)
+        .map(|i| format!("<node id=\"n{i}\">{}</node>", format!("<instance_node url=\"#n{}\"/>", i + 1).repeat(2)))
+        .collect();
+    let doubling = format!("{doubling}<node id=\"n40\"/>");
     let outside = ONE_FACE.replace("0 1 2", "0 1 3");
     for (dae, why) in [
         (collada("", ONE_FACE, loops), "nest more than"),
+        (collada("", ONE_FACE, &doubling), "places more than"),
         (collada("", &outside, PLAIN), "a vertex that is not there"),
         (collada("", ONE_FACE, "<node><instance_geometry url=\"#h\"/></node>"), "`#h`, which is not in the file"),
         (collada("<unit meter=\"-1\"/>", ONE_FACE, PLAIN), "its unit is `-1` m"),

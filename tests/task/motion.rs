@@ -34,10 +34,9 @@ fn a_step_lifts_one_foot_after_the_other_and_puts_it_down() {
     // 0.3 s to settle, 0.8 s of swaying, 0.2 s on both feet, then the right one goes up; it is down again at 1.9 s.
     let up = metrics.first_liftoff_s.expect("it lifts a foot");
     assert!(up > 1.1 && up < 1.6, "{up}");
-    let lifted: Vec<bool> = (0..2)
-        .map(|s| told.snapshots.iter().any(|t| t.soles[s].vertices.iter().all(|v| v.position.z > 5e-3)))
-        .collect();
+    let lifted: Vec<bool> =
+        (0..2).map(|s| told.snapshots.iter().any(|t| t.soles[s].positions.iter().all(|p| p.z > 5e-3))).collect();
     assert_eq!(lifted, [false, true]);
     let last = told.snapshots.last().unwrap();
-    assert!(last.soles.iter().all(|s| s.vertices.iter().all(|v| v.position.z < 1e-4)));
+    assert!(last.soles.iter().all(|s| s.positions.iter().all(|p| p.z < 1e-4)));
 }

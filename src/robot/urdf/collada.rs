@@ -14,6 +14,10 @@ use super::mesh::Soup;
 
 /// Deeper than this, instances of nodes surely contain themselves.
 const DEEPEST: usize = 64;
+/// More nodes than this are instances of instances without end.
+const MOST_INSTANCES: usize = 100_000;
+/// Some hundred times what a large mesh has.
+const MOST_VERTICES: usize = 20_000_000;
 
 /// Triangles of the file's scene in m, and the up-axis it claims (`Z_UP` by default here, since nothing is turned).
 pub(super) fn decode(bytes: &[u8]) -> Result<(Soup, String), String> {
@@ -29,7 +33,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Soup, String), String> {
     let unit = unit.map_or(Ok(1.0), |u| positive(u).ok_or(format!("its unit is `{u}` m")))?;
     let up = asset.and_then(|a| first(a, "up_axis")).and_then(|u| u.text()).unwrap_or("Z_UP").trim().to_owned();
     let ids = root.descendants().filter_map(|n| n.attribute("id").map(|id| (id, n))).collect();
-    let mut reader = Reader { ids, soup: Soup::default() };
+    let mut reader = Reader { ids, soup: Soup::default(), placed: 0 };
     let place = Matrix4::new_scaling(unit);
     let named =
         first(root, "scene").and_then(|s| first(s, "instance_visual_scene")).and_then(|s| reader.target(s, "url"));
@@ -44,6 +48,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Soup, String), String> {
 struct Reader<'a> {
     ids: HashMap<&'a str, Node<'a, 'a>>,
     soup: Soup,
+    /// Nodes placed so far.
+    placed: usize,
 }
 
 impl<'a> Reader<'a> {
@@ -63,6 +69,10 @@ impl<'a> Reader<'a> {
     fn nodes(&mut self, parent: Node<'a, 'a>, place: Matrix4<f64>, depth: usize) -> Result<(), String> {
         if depth > DEEPEST {
             return Err(format!("its nodes nest more than {DEEPEST} deep"));
+        }
+        self.placed += 1;
+        if self.placed > MOST_INSTANCES {
+            return Err(format!("it places more than {MOST_INSTANCES} nodes"));
         }
         for child in parent.children() {
             match child.tag_name().name() {
@@ -132,6 +142,9 @@ impl<'a> Reader<'a> {
         let (stride, offset): (usize, usize) = (read("stride", 3), read("offset", 0));
         let values: Vec<f64> = numbers(array)?;
         let base = self.soup.vertices.len();
+        if base > MOST_VERTICES {
+            return Err(format!("it places more than {MOST_VERTICES} vertices"));
+        }
         for p in values.get(offset..).unwrap_or(&[]).chunks(stride.max(1)).filter(|c| c.len() >= 3) {
             self.soup.vertices.push(place.transform_point(&Point3::new(p[0], p[1], p[2])));
         }

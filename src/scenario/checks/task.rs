@@ -2,7 +2,8 @@
 
 use super::Check;
 use crate::scenario::spec::change::ChangeSpec;
-use crate::scenario::spec::task::TaskSpec;
+use crate::scenario::spec::task::{MocapTask, SineTask, TaskSpec};
+use crate::scenario::suggest;
 
 impl Check<'_> {
     /// `path` is the entry's, `end` the run's, s.
@@ -13,6 +14,24 @@ impl Check<'_> {
                     self.error(&format!("{path}.joints"), "must name at least one joint");
                 }
                 posture.start
+            }
+            TaskSpec::Sine(sine) => {
+                self.sine(path, sine, end);
+                sine.start
+            }
+            TaskSpec::Playback(playback) => {
+                self.file(path, &playback.file, &["toml", "csv", "mcap"]);
+                let times: Vec<f64> = playback.change.iter().map(|c| c.at).collect();
+                self.spaced_changes(path, &times, playback.start, playback.blend, "blend", end);
+                if playback.repeat && playback.ends.is_some() {
+                    self.error(&format!("{path}.ends"), "has no meaning with `loop`: there is no end");
+                }
+                playback.start
+            }
+            TaskSpec::Mocap(mocap) => {
+                self.file(path, &mocap.file, &["bvh", "csv"]);
+                self.mocap(path, mocap);
+                mocap.start
             }
             TaskSpec::Balance(balance) => {
                 self.stands(path, balance.soles.as_deref());
@@ -57,6 +76,71 @@ impl Check<'_> {
     fn stands(&mut self, path: &str, soles: Option<&[String]>) {
         if soles.is_some_and(<[String]>::is_empty) {
             self.error(&format!("{path}.soles"), "must name at least one sole, or be left out: all");
+        }
+    }
+
+    fn sine(&mut self, path: &str, sine: &SineTask, end: f64) {
+        if sine.joints.is_empty() {
+            self.error(&format!("{path}.joints"), "must name at least one joint");
+        }
+        if let Some(duration) = sine.duration.filter(|d| *d < 2.0 * sine.ramp) {
+            let must = format!("must be at least twice `ramp` = {}, not {duration}", sine.ramp);
+            self.error(&format!("{path}.duration"), must);
+        }
+        let times: Vec<f64> = sine.change.iter().map(|c| c.at).collect();
+        self.spaced_changes(path, &times, sine.start, sine.ramp, "ramp", end);
+        for (i, change) in sine.change.iter().enumerate() {
+            for name in change.joints.keys().filter(|name| !sine.joints.contains_key(*name)) {
+                let help = suggest::help(name, sine.joints.keys().map(String::as_str).collect::<Vec<_>>());
+                let key = format!("{path}.change.{i}.joints.\"{name}\"");
+                let span = self.place(&key).0;
+                self.findings.error(span, format!("`{path}` does not swing `{name}`"), Some(help));
+            }
+        }
+    }
+
+    fn mocap(&mut self, path: &str, mocap: &MocapTask) {
+        if mocap.map.is_empty() {
+            self.error(&format!("{path}.map"), "must map at least one channel");
+        }
+        for (i, (name, target)) in mocap.map.iter().enumerate() {
+            if let Some((other, _)) = mocap.map.iter().take(i).find(|(_, other)| other.joint == target.joint) {
+                let must = format!("{:?} is moved already by {other:?}", target.joint);
+                self.error(&format!("{path}.map.\"{name}\".joint"), must);
+            }
+        }
+    }
+
+    /// Times of changes lie after the start, each far enough behind the one before for that to be over.
+    fn spaced_changes(&mut self, path: &str, times: &[f64], start: f64, apart: f64, what: &str, end: f64) {
+        for (i, at) in times.iter().enumerate() {
+            let key = format!("{path}.change.{i}.at");
+            match i.checked_sub(1).map(|before| times[before]) {
+                None if *at < start => self.error(&key, format!("must not be before `start` = {start}, not {at}")),
+                Some(before) if *at <= before => {
+                    self.error(&key, format!("must be after the change before it, at {before}, not {at}"));
+                }
+                Some(before) if *at < before + apart => {
+                    let must = format!("must be at least `{what}` = {apart} after the change at {before}, not {at}");
+                    self.error(&key, must);
+                }
+                _ if *at >= end => {
+                    let span = self.place(&key).1;
+                    self.findings.warning(span, format!("`{key}` = {at} s, but the run ends at {end} s"), None);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn file(&mut self, path: &str, file: &str, endings: &[&str]) {
+        let known = |e: &std::ffi::OsStr| endings.iter().any(|known| e.eq_ignore_ascii_case(known));
+        if !std::path::Path::new(file).extension().is_some_and(known) {
+            let endings: Vec<String> = endings.iter().map(|e| format!("`.{e}`")).collect();
+            self.error(
+                &format!("{path}.file"),
+                format!("must name a file that ends in {}, not {file:?}", endings.join(" or ")),
+            );
         }
     }
 }

@@ -3,9 +3,11 @@
 mod balance;
 mod events;
 mod forces;
+mod mocap;
 mod model;
 mod names;
 mod planned;
+mod playback;
 mod script;
 mod sensors;
 mod start;
@@ -34,14 +36,14 @@ use std::sync::Arc;
 /// # Errors
 /// Every joint, link, sole or value of the scenario that does not fit the robot, each at its place in the file.
 pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
-    let mut errors = Vec::new();
+    let (mut notes, mut errors) = (Vec::new(), Vec::new());
     let model = model::adjusted(run, robot, &mut errors);
     let s = &run.scenario;
     let floor = floor(run, &mut errors);
     let start = start::start(run, &model, &floor, &mut errors);
     let forces = forces::forces(run, &model, &mut errors);
     let loads = forces::loads(run, &model, &mut errors);
-    let tasks = tasks::tasks(run, &model, &start, &mut errors);
+    let tasks = tasks::tasks(run, &model, &start, &mut notes, &mut errors);
     let contact = ContactSetup {
         method: s.contact.method.name().to_owned(),
         parameters: parameters(&s.contact),
@@ -85,6 +87,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         duration: s.duration,
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
+        notes,
     })
 }
 

@@ -1,43 +1,70 @@
 //! The task server with its tasks from their entries.
 
-use super::{balance, names, planned, script};
+use super::{balance, mocap, names, planned, playback, script};
 use crate::robot::Model;
-use crate::scenario::{Diagnostic, Run, TaskSpec};
+use crate::scenario::{Diagnostic, Run, SineTask, TaskSpec};
 use crate::sim::setup::Start;
 use crate::task::posture::Posture;
+use crate::task::sine::{Sine, Swing, SwingChange};
 use crate::task::{Command, Task, TaskServer};
 
 /// Tasks in file order; those that do not fit the robot are errors at their places.
-pub(super) fn tasks(run: &Run, model: &Model, start: &Start, errors: &mut Vec<Diagnostic>) -> TaskServer {
+pub(super) fn tasks(
+    run: &Run,
+    model: &Model,
+    start: &Start,
+    notes: &mut Vec<String>,
+    errors: &mut Vec<Diagnostic>,
+) -> TaskServer {
     let mut server = TaskServer::new(run.scenario.control.rate, model, Command::hold(model, &start.joints));
     for (i, spec) in run.scenario.task.iter().enumerate() {
         let path = format!("task.{i}");
-        let (start, task): (f64, Box<dyn Task>) = match spec {
+        let (start, task): (f64, Option<Box<dyn Task>>) = match spec {
             TaskSpec::Posture(posture) => {
                 let targets = names::joints(model, run, &format!("{path}.joints"), posture.joints.iter(), errors);
-                (posture.start, Box::new(Posture::new(targets, posture.duration)))
+                (posture.start, Some(Box::new(Posture::new(targets, posture.duration))))
             }
-            TaskSpec::Balance(spec) => match balance::balance(run, model, &path, spec, errors) {
-                Some(task) => (spec.start, task),
-                None => continue,
-            },
+            TaskSpec::Sine(spec) => (spec.start, Some(Box::new(sine(run, model, &path, spec, errors)))),
+            TaskSpec::Playback(spec) => {
+                let task = playback::playback(run, model, &path, spec, errors);
+                (spec.start, task.map(|task| Box::new(task) as _))
+            }
+            TaskSpec::Mocap(spec) => {
+                let task = mocap::mocap(run, model, &path, spec, notes, errors);
+                (spec.start, task.map(|task| Box::new(task) as _))
+            }
+            TaskSpec::Balance(spec) => (spec.start, balance::balance(run, model, &path, spec, errors)),
             TaskSpec::GravityCompensation(spec) => {
-                (spec.start, balance::gravity_compensation(run, model, &path, spec, errors))
+                (spec.start, Some(balance::gravity_compensation(run, model, &path, spec, errors)))
             }
-            TaskSpec::Script(spec) => match script::task(run, model, i, spec, errors) {
-                Some(task) => (spec.start, task),
-                None => continue,
-            },
-            TaskSpec::Squat(spec) => match planned::squat(run, model, &path, spec, errors) {
-                Some(task) => (spec.start, task),
-                None => continue,
-            },
-            TaskSpec::Walk(spec) => match planned::walk(run, model, &path, spec, errors) {
-                Some(task) => (spec.start, task),
-                None => continue,
-            },
+            TaskSpec::Script(spec) => (spec.start, script::task(run, model, i, spec, errors)),
+            TaskSpec::Squat(spec) => (spec.start, planned::squat(run, model, &path, spec, errors)),
+            TaskSpec::Walk(spec) => (spec.start, planned::walk(run, model, &path, spec, errors)),
         };
-        server.add(start, task);
+        // One that could not be made has left an error.
+        if let Some(task) = task {
+            server.add(start, task);
+        }
     }
     server
+}
+
+fn sine(run: &Run, model: &Model, path: &str, spec: &SineTask, errors: &mut Vec<Diagnostic>) -> Sine {
+    let named = spec.joints.iter().map(|(name, joint)| (name, &joint.amplitude));
+    names::joints(model, run, &format!("{path}.joints"), named, errors);
+    let known = || spec.joints.iter().filter_map(|(name, joint)| Some((name, model.joint(name)?, joint)));
+    let joints = known().map(|(_, id, joint)| {
+        let swing =
+            Swing { amplitude: joint.amplitude, frequency: joint.frequency, phase: joint.phase, offset: joint.offset };
+        (id, swing)
+    });
+    let change = |(number, name): (usize, &String), change: &crate::scenario::SineChange| {
+        let new = change.joints.get(name)?;
+        Some(SwingChange { joint: number, amplitude: new.amplitude, frequency: new.frequency, offset: new.offset })
+    };
+    let changes = spec.change.iter().map(|at| {
+        let joints = known().map(|(name, ..)| name).enumerate();
+        (at.at, joints.filter_map(|joint| change(joint, at)).collect())
+    });
+    Sine::new(joints.collect(), spec.duration.unwrap_or(f64::INFINITY), spec.ramp, changes.collect())
 }

@@ -23,7 +23,15 @@ impl Trajectory {
     /// No such file; a file that is no MCAP or not one of ours; one that was cut short or changed since it was written.
     pub fn read(path: &Path) -> Result<Self, LogError> {
         let bytes = std::fs::read(path).map_err(|source| LogError::Io { path: path.to_owned(), source })?;
-        let file = LogFile::open(path, &bytes)?;
+        Self::from_bytes(path, &bytes)
+    }
+
+    /// The same for a log that is already at hand; `path` is what errors call it.
+    ///
+    /// # Errors
+    /// See [`Trajectory::read`].
+    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, LogError> {
+        let file = LogFile::open(path, bytes)?;
         let (info, complete, attachments) = (file.info()?, file.is_complete()?, file.attachments()?);
         let ticks = Ticks::read(&file)?;
         Ok(ticks.into_trajectory(info, complete, attachments))

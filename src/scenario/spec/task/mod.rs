@@ -4,8 +4,11 @@ mod balance;
 mod balance_force;
 mod balance_position;
 mod gravity_compensation;
+mod mocap;
+mod playback;
 mod posture;
 mod script;
+mod sine;
 mod squat;
 mod walk;
 
@@ -13,8 +16,11 @@ pub use balance::{BalanceControl, BalanceTask};
 pub use balance_force::{Contacts, ForceBalance, Gains};
 pub use balance_position::PositionBalance;
 pub use gravity_compensation::GravityCompensationTask;
+pub use mocap::{MocapTarget, MocapTask};
+pub use playback::{Ends, PlaybackChange, PlaybackTask, Recorded};
 pub use posture::PostureTask;
 pub use script::ScriptTask;
+pub use sine::{SineChange, SineJoint, SineJointChange, SineTask};
 pub use squat::SquatTask;
 pub use walk::WalkTask;
 
@@ -31,6 +37,12 @@ tagged! {
         "gravity-compensation" => GravityCompensation(GravityCompensationTask),
         /// What a script says.
         "script" => Script(ScriptTask),
+        /// Swing joints sinusoidally.
+        "sine" => Sine(SineTask),
+        /// Play a motion file.
+        "playback" => Playback(PlaybackTask),
+        /// Follow captured motion.
+        "mocap" => Mocap(MocapTask),
         /// Bend the legs and rise again.
         "squat" => Squat(SquatTask),
         /// Walk, or step in place.
@@ -42,6 +54,8 @@ impl TaskSpec {
     /// The file that the key `file` names, if the type has that key.
     pub fn file(&self) -> Option<&str> {
         match self {
+            TaskSpec::Playback(playback) => Some(&playback.file),
+            TaskSpec::Mocap(mocap) => Some(&mocap.file),
             TaskSpec::Script(script) => Some(&script.file),
             _ => None,
         }

@@ -1,0 +1,112 @@
+//! Motions as postures in TOML:
+//!
+//! ```toml
+//! [[posture]]
+//! at = 0.5
+//! joints = { left_knee = "40 deg", right_knee = "40 deg" }
+//! ```
+//!
+//! A joint moves through the postures that name it; others leave it alone.
+
+use super::{Fault, Knot, Motion};
+use crate::scenario::Angle;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    /// For people.
+    #[serde(default, rename = "description")]
+    _description: String,
+    posture: Vec<Posture>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Posture {
+    at: Spanned<f64>,
+    joints: BTreeMap<Spanned<String>, Spanned<Angle>>,
+}
+
+/// Reads a motion from the text of a file.
+///
+/// # Errors
+/// What is not TOML or has other keys than these; numbers that are not finite; a time that is negative or not after the
+/// one before; no posture, or one without joints.
+pub fn read(text: &str) -> Result<Motion, Fault> {
+    let file: File = toml::from_str(text).map_err(|error| {
+        let place = error.span().unwrap_or(0..0);
+        Fault::new(place, error.message()).help("a motion is a list of `[[posture]]` with `at` (s) and `joints`")
+    })?;
+    let mut motion = Motion::default();
+    let mut before: Option<f64> = None;
+    for posture in file.posture {
+        let (at, place) = (*posture.at.get_ref(), posture.at.span());
+        if !(at >= 0.0 && at.is_finite()) {
+            return Err(Fault::new(place, format!("`at` must be 0 or greater, not {at}")));
+        }
+        if let Some(before) = before.filter(|before| at <= *before) {
+            let message = format!("`at` must be after the posture before it, at {before} s, not {at}");
+            return Err(Fault::new(place, message));
+        }
+        before = Some(at);
+        if posture.joints.is_empty() {
+            return Err(Fault::new(place, "this posture names no joint"));
+        }
+        for (name, angle) in posture.joints {
+            let value = angle.get_ref().0;
+            if !value.is_finite() {
+                return Err(Fault::new(angle.span(), format!("`{}` must be finite, not {value}", name.get_ref())));
+            }
+            motion.add(name.get_ref(), name.span(), Knot { time: at, value, place: angle.span() });
+        }
+    }
+    if motion.tracks.is_empty() {
+        return Err(Fault::new(0..0, "there is no posture"));
+    }
+    Ok(motion)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_has_the_postures_that_name_it() {
+        let text =
+            "[[posture]]\nat = 0\njoints = { a = 1, b = \"90 deg\" }\n[[posture]]\nat = 0.5\njoints = { b = 0.25 }\n";
+        let motion = read(text).unwrap();
+        let knots =
+            |name: &str| motion.track(name).unwrap().knots.iter().map(|k| (k.time, k.value)).collect::<Vec<_>>();
+        assert_eq!(knots("a"), [(0.0, 1.0)]);
+        assert_eq!(knots("b"), [(0.0, std::f64::consts::FRAC_PI_2), (0.5, 0.25)]);
+        assert_eq!(&text[motion.track("b").unwrap().knots[1].place.clone()], "0.25");
+        assert_eq!(motion.span(), Some((0.0, 0.5)));
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_at_its_place() {
+        let cases = [
+            ("posture = []", "", "there is no posture"),
+            ("[[posture]]\nat = -1\njoints = { a = 1 }", "-1", "0 or greater, not -1"),
+            ("[[posture]]\nat = nan\njoints = { a = 1 }", "nan", "0 or greater, not NaN"),
+            (
+                "[[posture]]\nat = 1\njoints = { a = 1 }\n[[posture]]\nat = 1.0\njoints = { a = 1 }",
+                "1.0",
+                "after the posture before it, at 1 s, not 1",
+            ),
+            ("[[posture]]\nat = 1\njoints = {}", "1", "names no joint"),
+            ("[[posture]]\nat = 1\njoints = { a = inf }", "inf", "`a` must be finite, not inf"),
+            ("[[posture]]\nat = 1\njoints = { a = \"x\" }", "\"x\"", "radians"),
+            ("[[posture]]\nat = 1\njoint = { a = 1 }", "joint", "unknown field `joint`"),
+            ("[[posture]]\nat = \n", "", ""),
+        ];
+        for (text, place, words) in cases {
+            let fault = read(text).unwrap_err();
+            assert!(fault.message.contains(words), "{text}: {fault}");
+            assert_eq!(text.get(fault.place.clone()).unwrap_or("?").trim(), place, "{text}: {fault}");
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! `playback`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::quantity::{json, non_negative, positive};
+
+/// Play a motion file: postures at times, joined by curves of least jerk.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlaybackTask {
+    /// The motion: postures (`.toml`), a table of joint positions over time (`.csv`) or the log of a run (`.mcap`),
+    /// relative to this file.
+    #[schemars(length(min = 1))]
+    pub file: String,
+    /// When time 0 of the motion is, s.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub start: f64,
+    /// Seconds of the motion per simulated second.
+    #[serde(default = "one", deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub speed: f64,
+    /// What holds at the first and last posture; left out: clamped.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ends: Option<Ends>,
+    /// Go round without end; the motion must end in the posture it begins with.
+    #[serde(default, rename = "loop")]
+    pub repeat: bool,
+    /// Time in which what joints are asked at `start` fades into the motion, and one speed into the next, s; 0: at once.
+    #[serde(default = "half", deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub blend: f64,
+    /// The joints that play, by name; empty: all that the motion names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<String>,
+    /// What of a log is played.
+    #[serde(default)]
+    pub recorded: Recorded,
+    /// New speeds at given times, ascending.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub change: Vec<PlaybackChange>,
+}
+
+/// A new speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlaybackChange {
+    /// When, s of simulated time.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub at: f64,
+    /// Seconds of the motion per simulated second; 0 holds it.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub speed: f64,
+}
+
+/// What holds at the ends of a motion that does not repeat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ends {
+    /// At rest, without acceleration.
+    #[default]
+    Clamped,
+    /// Whatever velocity and acceleration take the least jerk.
+    Natural,
+}
+
+/// Which positions of a log are played.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Recorded {
+    /// What the joints were asked for.
+    #[default]
+    Desired,
+    /// Where they were.
+    Actual,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn half() -> f64 {
+    0.5
+}

@@ -1,0 +1,92 @@
+//! `sine`.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::quantity::{angle, json, non_negative, positive, some_angle, some_positive};
+
+/// Swing joints sinusoidally: `q = offset + amplitude sin(2 pi frequency t + phase)`, t from `start`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SineTask {
+    /// When it starts, s.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub start: f64,
+    /// How long it lasts, s, both ramps included; left out: to the end of the run.
+    #[serde(default, deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub duration: Option<f64>,
+    /// Time in which joints go over from where they are asked to be to the swing, back at the end of `duration`, and from
+    /// one set of parameters to the next, s; 0: at once.
+    #[serde(default = "half", deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub ramp: f64,
+    /// The joints by name.
+    pub joints: BTreeMap<String, SineJoint>,
+    /// New parameters at given times, ascending.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub change: Vec<SineChange>,
+}
+
+/// The swing of one joint.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SineJoint {
+    /// Amplitude, rad or m.
+    #[serde(deserialize_with = "angle")]
+    #[schemars(with = "json::Angle")]
+    pub amplitude: f64,
+    /// Frequency, Hz.
+    #[serde(default = "one", deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub frequency: f64,
+    /// Phase at `start`, rad.
+    #[serde(default, deserialize_with = "angle")]
+    #[schemars(with = "json::Angle")]
+    pub phase: f64,
+    /// Middle of the swing, rad or m; left out: where the joint is asked to be at `start`.
+    #[serde(default, deserialize_with = "some_angle", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::Angle>")]
+    pub offset: Option<f64>,
+}
+
+/// New parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SineChange {
+    /// When, s of simulated time.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub at: f64,
+    /// By joint name.
+    pub joints: BTreeMap<String, SineJointChange>,
+}
+
+/// What changes at one joint. The phase goes on from where it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SineJointChange {
+    /// Amplitude, rad or m.
+    #[serde(deserialize_with = "some_angle", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::Angle>")]
+    pub amplitude: Option<f64>,
+    /// Frequency, Hz.
+    #[serde(deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub frequency: Option<f64>,
+    /// Middle of the swing, rad or m.
+    #[serde(deserialize_with = "some_angle", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::Angle>")]
+    pub offset: Option<f64>,
+}
+
+fn half() -> f64 {
+    0.5
+}
+
+fn one() -> f64 {
+    1.0
+}

@@ -1,0 +1,65 @@
+//! `mocap`: joints follow captured motion that was resampled to the control ticks and kept within ranges and speeds
+//! beforehand, see [`crate::motion::limit`].
+//!
+//! Velocities are central differences of the samples, so none is greater than the greatest step between two samples over
+//! the time between them.
+
+use super::fade::Fade;
+use super::{Command, Context, Status, Task, TaskResult};
+use crate::motion::spline::Point;
+use crate::robot::JointId;
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Mocap {
+    /// Joints with their positions, rad or m, all equally many and at least one.
+    joints: Vec<(JointId, Vec<f64>)>,
+    /// Samples per second.
+    rate: f64,
+    start: f64,
+    fade: Fade,
+}
+
+impl Mocap {
+    /// Follows samples taken `rate` times a second; `blend`: s that the command before takes to fade.
+    pub fn new(joints: Vec<(JointId, Vec<f64>)>, rate: f64, blend: f64) -> Self {
+        Mocap { fade: Fade::new(blend, joints.len()), joints, rate, start: 0.0 }
+    }
+
+    fn point(&self, i: usize, at: usize) -> Point {
+        let samples = &self.joints[i].1;
+        let sample = |k: usize| samples[k.min(samples.len() - 1)];
+        let (before, after) = (sample(at.saturating_sub(1)), sample(at + 1));
+        Point { q: sample(at), v: 0.5 * (after - before) * self.rate, a: 0.0 }
+    }
+}
+
+impl Task for Mocap {
+    fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
+        self.start = context.time;
+        for i in 0..self.joints.len() {
+            let point = self.point(i, 0);
+            self.fade.begin(i, self.joints[i].0, command, &point);
+        }
+        Ok(Status::Running)
+    }
+
+    fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
+        let t = context.time - self.start;
+        let at = (t * self.rate).round() as usize;
+        let last = self.joints.first().map_or(0, |(_, samples)| samples.len() - 1);
+        let over = at >= last && self.fade.is_over(t);
+        for i in 0..self.joints.len() {
+            let joint = self.joints[i].0;
+            self.fade.apply(i, joint, t, &self.point(i, at), command);
+            if over {
+                command.velocity[joint.0] = 0.0;
+            }
+        }
+        Ok(if over { Status::Done } else { Status::Running })
+    }
+
+    fn name(&self) -> &str {
+        "mocap"
+    }
+}

@@ -1,0 +1,111 @@
+//! `playback`: joints follow curves through the postures of a motion.
+//!
+//! ```text
+//! q(t) = m(s) + e(t),   q'(t) = s' m'(s) + e'(t),   s' = speed
+//! ```
+//!
+//! m: curves of least jerk, see [`crate::motion::spline`]; s: the motion's own time, the integral of a speed that goes over
+//! to new values without a jump; e: what is left of the command before, see [`super::fade`].
+
+use super::fade::Fade;
+use super::glide::Glide;
+use super::{Command, Context, Status, Task, TaskResult};
+use crate::motion::spline::{Point, Spline};
+use crate::robot::JointId;
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Playback {
+    joints: Vec<(JointId, Spline)>,
+    cursors: Vec<usize>,
+    /// First and last time of the motion, s.
+    span: (f64, f64),
+    repeat: bool,
+    blend: f64,
+    times: Vec<f64>,
+    speeds: Vec<f64>,
+    start: f64,
+    speed: Glide,
+    /// The motion's time when its speed last changed, s.
+    passed: f64,
+    fade: Fade,
+}
+
+impl Playback {
+    /// Plays at `speed` (seconds of the motion per second), `changes` of it by ascending time; goes round if `repeat`.
+    /// `blend`: s that the command before takes to fade, and one speed to go over to the next.
+    pub fn new(joints: Vec<(JointId, Spline)>, speed: f64, repeat: bool, blend: f64, changes: Vec<(f64, f64)>) -> Self {
+        let ends = || joints.iter().map(|(_, spline)| spline.span());
+        let first = ends().map(|s| s.0).fold(f64::INFINITY, f64::min);
+        let last = ends().map(|s| s.1).fold(0.0, f64::max);
+        let (times, speeds) = changes.into_iter().unzip();
+        Playback {
+            cursors: vec![0; joints.len()],
+            span: (first, last),
+            repeat: repeat && last > first,
+            fade: Fade::new(blend, joints.len()),
+            joints,
+            blend,
+            times,
+            speeds,
+            start: 0.0,
+            speed: Glide::constant(speed, 0.0),
+            passed: 0.0,
+        }
+    }
+
+    /// The motion's time; where it goes round, that of the first round.
+    fn motion_time(&self, time: f64) -> f64 {
+        let s = self.passed + self.speed.integral(time);
+        let (first, last) = self.span;
+        if self.repeat && s > last { first + (s - first).rem_euclid(last - first) } else { s }
+    }
+
+    /// Joint number `i` at the motion's time `s`, by simulated time.
+    fn point(&mut self, i: usize, s: f64, time: f64) -> Point {
+        let m = self.joints[i].1.at(s, &mut self.cursors[i]);
+        Point { v: self.speed.value(time) * m.v, ..m }
+    }
+}
+
+impl Task for Playback {
+    fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
+        self.start = context.time;
+        self.speed = Glide::constant(self.speed.value(0.0), self.start);
+        for i in 0..self.joints.len() {
+            let point = self.point(i, 0.0, self.start);
+            self.fade.begin(i, self.joints[i].0, command, &point);
+        }
+        Ok(Status::Running)
+    }
+
+    fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
+        let t = context.time - self.start;
+        let s = self.motion_time(context.time);
+        // A tick whose time is the end's but for rounding is the end.
+        let over = !self.repeat && s >= self.span.1 - 1e-9 && self.fade.is_over(t);
+        for i in 0..self.joints.len() {
+            let joint = self.joints[i].0;
+            let point = self.point(i, if over { self.span.1 } else { s }, context.time);
+            self.fade.apply(i, joint, t, &point, command);
+            if over {
+                command.velocity[joint.0] = 0.0;
+            }
+        }
+        Ok(if over { Status::Done } else { Status::Running })
+    }
+
+    fn change(&mut self, context: &Context, number: usize) -> TaskResult {
+        self.passed += self.speed.integral(context.time);
+        self.speed.turn(self.speeds[number], context.time, self.blend);
+        Ok(Status::Running)
+    }
+
+    fn changes(&self) -> &[f64] {
+        &self.times
+    }
+
+    fn name(&self) -> &str {
+        "playback"
+    }
+}

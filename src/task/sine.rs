@@ -1,0 +1,149 @@
+//! `sine`: joints swing sinusoidally.
+//!
+//! ```text
+//! q(t)  = q0 + r (c + A sin theta - q0),        theta' = 2 pi f,  theta(t0) = phase
+//! q'(t) = r' (c + A sin theta - q0) + r (c' + A' sin theta + A theta' cos theta)
+//! ```
+//!
+//! q0: what the joint is asked at the start t0; r rises from 0 to 1 within the ramp along a minimum-jerk path, and falls
+//! again at the end. Amplitude A, middle c and frequency f go over to new values within the ramp likewise; the phase is the
+//! integral of the frequency, in closed form, and so goes on through every change.
+
+use super::glide::Glide;
+use super::posture::minimum_jerk;
+use super::{Command, Context, Status, Task, TaskResult};
+use crate::robot::JointId;
+use std::f64::consts::TAU;
+
+/// How one joint swings. Middle: rad or m; none: where the joint is asked to be at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swing {
+    /// Amplitude, rad or m.
+    pub amplitude: f64,
+    /// Frequency, Hz.
+    pub frequency: f64,
+    /// Phase at the start, rad.
+    pub phase: f64,
+    /// Middle of the swing, rad or m.
+    pub offset: Option<f64>,
+}
+
+/// What changes at one joint of the task (by its number there).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SwingChange {
+    /// Number of the joint in the task.
+    pub joint: usize,
+    /// Amplitude, rad or m.
+    pub amplitude: Option<f64>,
+    /// Frequency, Hz.
+    pub frequency: Option<f64>,
+    /// Middle of the swing, rad or m.
+    pub offset: Option<f64>,
+}
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Sine {
+    joints: Vec<(JointId, Swing)>,
+    duration: f64,
+    ramp: f64,
+    times: Vec<f64>,
+    changes: Vec<Vec<SwingChange>>,
+    start: f64,
+    now: Vec<Now>,
+}
+
+/// One joint while it swings.
+#[derive(Clone, Copy, Debug)]
+struct Now {
+    from: f64,
+    amplitude: Glide,
+    frequency: Glide,
+    offset: Glide,
+    /// Phase at the last turn of the frequency, rad.
+    phase: f64,
+}
+
+impl Sine {
+    /// Swings for `duration` seconds (infinite: without end) with ramps of `ramp` seconds; `changes` by ascending time.
+    pub fn new(joints: Vec<(JointId, Swing)>, duration: f64, ramp: f64, changes: Vec<(f64, Vec<SwingChange>)>) -> Self {
+        let still = Glide::constant(0.0, 0.0);
+        let blank = Now { from: 0.0, amplitude: still, frequency: still, offset: still, phase: 0.0 };
+        let now = vec![blank; joints.len()];
+        let (times, changes) = changes.into_iter().unzip();
+        Sine { joints, duration, ramp, times, changes, start: 0.0, now }
+    }
+}
+
+impl Now {
+    /// Position and velocity at a time, `rise` being r and r'.
+    fn at(&self, time: f64, (r, r_rate): (f64, f64)) -> (f64, f64) {
+        let theta = self.phase + TAU * self.frequency.integral(time);
+        let (sin, cos) = theta.sin_cos();
+        let (amplitude, offset) = (self.amplitude.value(time), self.offset.value(time));
+        let away = offset + amplitude * sin - self.from;
+        let turning = TAU * self.frequency.value(time) * amplitude * cos;
+        let swing = self.offset.rate(time) + self.amplitude.rate(time) * sin + turning;
+        (self.from + r * away, r_rate * away + r * swing)
+    }
+}
+
+impl Task for Sine {
+    fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
+        self.start = context.time;
+        for ((joint, swing), now) in self.joints.iter().zip(&mut self.now) {
+            let from = command.position[joint.0];
+            let constant = |value| Glide::constant(value, self.start);
+            *now = Now {
+                from,
+                amplitude: constant(swing.amplitude),
+                frequency: constant(swing.frequency),
+                offset: constant(swing.offset.unwrap_or(from)),
+                phase: swing.phase,
+            };
+        }
+        Ok(Status::Running)
+    }
+
+    fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
+        let t = context.time - self.start;
+        let left = self.duration - t;
+        // A tick whose time is the end's but for rounding is the end.
+        let over = left <= 1e-9;
+        let (up, up_rate) = minimum_jerk(t, self.ramp);
+        let (down, down_rate) = if left < self.ramp { minimum_jerk(left.max(0.0), self.ramp) } else { (1.0, 0.0) };
+        let rise = if left < self.ramp { (down, -down_rate) } else { (up, up_rate) };
+        for ((joint, _), now) in self.joints.iter().zip(&self.now) {
+            let (q, qd) = now.at(context.time, rise);
+            command.position[joint.0] = q;
+            command.velocity[joint.0] = if over { 0.0 } else { qd };
+        }
+        Ok(if over { Status::Done } else { Status::Running })
+    }
+
+    fn change(&mut self, context: &Context, number: usize) -> TaskResult {
+        let time = context.time;
+        for change in &self.changes[number] {
+            let now = &mut self.now[change.joint];
+            if let Some(amplitude) = change.amplitude {
+                now.amplitude.turn(amplitude, time, self.ramp);
+            }
+            if let Some(frequency) = change.frequency {
+                now.phase += TAU * now.frequency.integral(time);
+                now.frequency.turn(frequency, time, self.ramp);
+            }
+            if let Some(offset) = change.offset {
+                now.offset.turn(offset, time, self.ramp);
+            }
+        }
+        Ok(Status::Running)
+    }
+
+    fn changes(&self) -> &[f64] {
+        &self.times
+    }
+
+    fn name(&self) -> &str {
+        "sine"
+    }
+}

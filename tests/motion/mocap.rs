@@ -1,0 +1,117 @@
+//! `mocap`: retargeting, limits and resampling.
+
+use super::{Asked, Folder, PENDULUM, asked, unsteadiness};
+use std::fs;
+use std::path::Path;
+
+const BVH: &str = "HIERARCHY
+ROOT Body
+{
+  OFFSET 0 0 0
+  CHANNELS 3 Xposition Xrotation Yrotation
+  End Site
+  {
+    OFFSET 0 1 0
+  }
+}
+MOTION
+Frames: 3
+Frame Time: 0.5
+0 0 0
+100 90 10
+0 0 20
+";
+
+fn follow(file: (&str, &str), task: &str) -> Vec<Asked> {
+    let text = format!("{PENDULUM}[[task]]\ntype = \"mocap\"\nfile = \"{}\"\n{task}\n", file.0);
+    asked(&Folder::with(&[file]), &text)
+}
+
+const PLAIN: &str = "blend = 0\nsmoothing = 0\n";
+
+#[test]
+fn channels_become_joints_by_name_sign_and_offset() {
+    let map = "map = { \"Body.Xrotation\" = { joint = \"elbow\", scale = -1, offset = \"10 deg\" }, \"Body.Yrotation\" = { joint \
+               = \"shoulder\", scale = 0.5 } }";
+    let told = follow(("m.bvh", BVH), &format!("start = 0.25\n{PLAIN}{map}"));
+    for a in &told {
+        let t = (a.time - 0.25).clamp(0.0, 1.0);
+        let (x, y) = (180.0 * if t < 0.5 { t } else { 1.0 - t }, 20.0 * t);
+        let wanted = if a.time < 0.25 - 1e-9 { [0.3, -0.2] } else { [(0.5 * y).to_radians(), (10.0 - x).to_radians()] };
+        for (got, wanted) in a.position.iter().zip(wanted) {
+            // Roundings of a sum of angles of some 1.5 rad.
+            assert!((got - wanted).abs() < 1e-14, "{a:?} {wanted}");
+        }
+    }
+    assert_eq!(told[4000].velocity, [0.0, 0.0]);
+    // 10 deg/s at half scale; central differences of a straight line.
+    assert!((told[600].velocity[0] - 10f64.to_radians()).abs() < 1e-12);
+}
+
+#[test]
+fn tables_need_no_skeleton() {
+    let told = follow(
+        ("m.csv", "time,a b\n0,0\n1,2\n"),
+        &format!("speed = 0.5\n{PLAIN}map = {{ \"a b\" = {{ joint = \"elbow\" }} }}"),
+    );
+    for a in &told {
+        assert!((a.position[1] - a.time.min(2.0)).abs() < 1e-14, "{a:?}");
+    }
+}
+
+#[test]
+fn speeds_are_limited_and_told() {
+    let folder = Folder::with(&[("m.csv", "time,a\n0,0\n1,0\n1.2,1\n2.2,1\n")]);
+    let text = |smoothing: f64| {
+        format!(
+            "{}[[task]]\ntype = \"mocap\"\nfile = \"m.csv\"\nspeed_limit = 2\nblend = 0\nsmoothing = {smoothing}\nmap = {{ a = {{ joint = \"elbow\" \
+             }} }}\n",
+            PENDULUM.replace(
+                "posture = { shoulder = 0.3, elbow = -0.2 }",
+                "soles = [], joint_default = { mode = \"passive\" }"
+            )
+        )
+    };
+    for smoothing in [0.0, 0.12] {
+        let told = asked(&folder, &text(smoothing));
+        let fastest = told.iter().map(|a| a.velocity[1].abs()).fold(0.0, f64::max);
+        assert!(fastest <= 2.0 + 1e-10, "{fastest}");
+        assert!(told.iter().all(|a| (-1e-12..=1.0 + 1e-12).contains(&a.position[1])));
+        assert!((told[1100].position[1] - 0.5).abs() < 1e-12, "the middle of the move stays in its place");
+        let (apart, step) = unsteadiness(&told, 1, &[]);
+        // Smoothed over 0.12 s, a step of the speed of 2 rad/s takes three averages over 41 ms each: at most 3/4 of it, 1.5
+        // rad/s, within 41 ticks.
+        assert!(apart < 1e-9 && (smoothing == 0.0 || step < 1.1 * 1.5 / 41.0), "{apart} {step}");
+    }
+    // 5 rad/s for 0.2 s against 2 rad/s: half of what is too much, (1 - 0.4) / 2, whatever the smoothing.
+    let (_, _, notes) = folder.watch(&text(0.0).replace("duration = 4.0", "duration = 2.3"));
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(notes[0].contains("speed limit of 2 rad/s of `elbow` took up to 0.3000 rad off"), "{notes:?}");
+}
+
+#[test]
+fn ranges_are_limited_and_told() {
+    let table = "time,k\n0,0.7\n1,3.0\n2,0.7\n";
+    let folder = Folder::with(&[("m.csv", table)]);
+    let text = "duration = 0.1\nrobot = { model = \"ROBOTS/hoap2/hoap2.toml\" }\n[[task]]\ntype = \"mocap\"\nfile = \
+                \"m.csv\"\nblend = 0\nmap = { k = { joint = \"left_knee\" } }\n";
+    let (_, _, notes) = folder.watch(text);
+    assert!(notes.is_empty(), "it ends before: {notes:?}");
+    let run = folder.run(&text.replace("duration = 0.1", "duration = 3")).unwrap();
+    let setup = stiction::sim::build::setup(&run, &super::robot_of(&run)).unwrap();
+    let knee = setup.model.joint("left_knee").unwrap();
+    let upper = setup.model.joints[knee.0].upper;
+    // The last frames at 2.3 rad/s are slower than the joint's 5 rad/s.
+    assert_eq!(setup.notes.len(), 1, "{:?}", setup.notes);
+    assert!(setup.notes[0].contains(&format!("the range of `left_knee` took up to {:.4} rad off", 3.0 - upper)));
+    let told = asked(&folder, &text.replace("duration = 0.1", "duration = 3"));
+    let most = told.iter().map(|a| a.position[knee.0]).fold(0.0, f64::max);
+    assert!(most <= upper && most > upper - 1e-12, "{most} {upper}");
+}
+
+#[test]
+fn the_wave_of_the_tree_is_sound() {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/motions/wave.bvh")).unwrap();
+    let motion = stiction::motion::bvh::read(&text).unwrap();
+    assert!(motion.tracks.len() > 5 && motion.span().unwrap().1 > 2.0);
+}
