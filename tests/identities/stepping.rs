@@ -5,10 +5,10 @@ use crate::analytic::support::simulation;
 use stiction::sim::Blind;
 
 /// HOAP-2 standing, swaying under a push; no event falls into the steps counted.
-fn pushed(method: &str, integrator: &str) -> String {
+fn pushed(method: &str, integrator: &str, drives: &str) -> String {
     format!(
         "duration = 100.0
-        robot = {{ model = \"robots/hoap2/hoap2.toml\" }}
+        robot.model = \"robots/hoap2/hoap2.toml\"
         contact = {{ method = \"{method}\" }}
         integrator = {{ {integrator} }}
         log = {{ rate = 0.0 }}
@@ -19,12 +19,32 @@ fn pushed(method: &str, integrator: &str) -> String {
         force = [2.0, 1.0, 0.0]
         start = 0.0
         duration = 50.0
-        profile = \"half-sine\"\n"
+        profile = \"half-sine\"
+        {drives}\n"
     )
 }
 
+/// A kinematic head on its way, a lagging, a slow and a rough joint.
+const DRIVES: &str = "
+    [robot.joint]
+    head_pan = { mode = \"kinematic\" }
+    left_knee = { lag = 0.01 }
+    right_knee = { velocity = 1e-3 }
+    waist_pitch = { friction = { coulomb = 0.01, static = 0.02 } }
+    [[task]]
+    type = \"posture\"
+    duration = 50.0
+    joints = { head_pan = 0.5 }
+";
+
 #[test]
 fn stepping_allocates_nothing() {
+    for drives in ["", DRIVES] {
+        without_allocations(drives);
+    }
+}
+
+fn without_allocations(drives: &str) {
     for (method, integrator) in [
         ("exact", "method = \"dopri5\""),
         ("exact", "method = \"bs23\""),
@@ -37,7 +57,7 @@ fn stepping_allocates_nothing() {
         ("penalty", "method = \"dopri5\""),
         ("penalty", "method = \"semi-implicit\", step = 1e-3"),
     ] {
-        let mut sim = simulation(&pushed(method, integrator));
+        let mut sim = simulation(&pushed(method, integrator, drives));
         sim.begin(&mut Blind).expect("it begins");
         // The first step may make its lists.
         sim.step(&mut Blind).expect("it steps");
@@ -45,7 +65,7 @@ fn stepping_allocates_nothing() {
         let allocations = count(|| (0..200).for_each(|_| sim.step(&mut Blind).expect("it steps")));
         assert_eq!(sim.metrics().state_changes, before, "no event in the window");
         assert!(sim.plant().state.v.iter().any(|v| v.abs() > 1e-6), "it moves");
-        assert_eq!(allocations, 0, "{method} {integrator}");
+        assert_eq!(allocations, 0, "{method} {integrator} {drives}");
     }
 }
 
