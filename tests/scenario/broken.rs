@@ -262,7 +262,7 @@ const BELOW_ROBOT: &[Broken] = &[
     ),
     Broken(
         "[[event]]\nat = 1\nset = { \"floor.friction\" = 0.5, \"floor.friction.kinetic\" = 0.2 }",
-        (5, 34),
+        (5, 33),
         "`floor.friction.kinetic` sets what another key of the event sets",
         "",
     ),
