@@ -236,11 +236,14 @@ pub fn of_tasks(model: &Model, needs: Needs) -> Vec<Field> {
     fields
 }
 
+/// Fills a field from what a task is given.
+type ReadTask = dyn Fn(&TaskView, &mut [f64]) + Send;
+
 /// What there is to know of sole `s`, by part.
 fn of_sole(model: &Model, s: usize) -> Vec<(Needs, Field)> {
     let (nv, sole) = (model.nv(), &model.soles[s]);
     let (name, k) = (sole.name.as_str(), sole.vertices.len());
-    let field = |key: &str, shape, read: Box<dyn Fn(&TaskView, &mut [f64]) + Send>| {
+    let field = |key: &str, shape, read: Box<ReadTask>| {
         field(["sole", name, key], shape, move |view, out| {
             if let Some(task) = &view.task {
                 read(task, out);

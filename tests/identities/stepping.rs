@@ -91,7 +91,7 @@ fn forces_allocate_nothing() {
         type = \"carried-object\"
         link = \"torso\"
         mass = 0.1\n";
-    let mut sim = simulation(&format!("{}{more}", pushed("exact", "method = \"dopri5\"")));
+    let mut sim = simulation(&format!("{}{more}", pushed("exact", "method = \"dopri5\"", "")));
     sim.begin(&mut Blind).expect("it begins");
     sim.step(&mut Blind).expect("it steps");
     // Telling of a push makes words: count the steps in which none begins.

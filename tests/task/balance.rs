@@ -28,8 +28,7 @@ fn the_centre_of_mass_comes_over_the_point_of_optimal_stability() {
     // The rest decays with 3 1/s for 2.7 s: 4 mm exp(-8.1) = 1.2 um, and some sway.
     assert!((com.x - middle).abs() < 1e-5 && com.y.abs() < 1e-5, "{com}");
     // An offset moves it, whatever the servos' sag: here without any effort fed forward.
-    let task = format!("{task}")
-        .replace("leaning = 3", "leaning = 0, integral = 4, feed_forward = false, offset = [0.01, -0.02]");
+    let task = task.replace("leaning = 3", "leaning = 0, integral = 4, feed_forward = false, offset = [0.01, -0.02]");
     let com = end(&task);
     assert!((com.x - middle - 0.01).abs() < 1e-4 && (com.y + 0.02).abs() < 1e-4, "{com}");
 }

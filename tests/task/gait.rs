@@ -22,9 +22,12 @@ fn the_riccati_solution_has_its_closed_form() {
     assert_eq!(riccati::solve(&lost, &Vector4::x(), &Matrix4::identity(), 1.0), None);
 }
 
+/// Height, period, state gains, preview gains, P_11.
+type Row = (f64, f64, [f64; 4], [f64; 4], f64);
+
 /// Height, period, (G_i, G_x), G_p(1), G_p(2), G_p(10), G_p(100), P_11 by `scipy.linalg.solve_discrete_are` of SciPy 1.17.1, g = 9.81, R = 1e-6; see
 /// make_preview.py.
-const SCIPY: [(f64, f64, [f64; 4], [f64; 4], f64); 3] = [
+const SCIPY: [Row; 3] = [
     (
         0.26,
         0.005,

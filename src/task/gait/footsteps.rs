@@ -79,7 +79,7 @@ impl Footsteps {
     fn step(&self, t: f64) -> Option<(usize, f64)> {
         let since = t - self.stride.wait;
         let i = (since / self.stride.time).floor();
-        (since >= 0.0 && i < self.falls.len() as f64).then(|| (i as usize, since - i * self.stride.time))
+        (since >= 0.0 && i < self.falls.len() as f64).then_some((i as usize, since - i * self.stride.time))
     }
 
     /// Place (m) and velocity (m/s) of a sole's centroid.
