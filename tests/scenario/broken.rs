@@ -273,7 +273,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[[event]]\nat = 1\nset = { \"force.0.type\" = \"ramp\" }", (5, 9), "cannot change", ""),
     Broken(
         "[[event]]\nat = 1\nset = { \"robot.payload\" = [{ link = \"a\", mass = 0 }] }",
-        (5, 50),
+        (5, 49),
         "must be greater than 0, not 0",
         "",
     ),
