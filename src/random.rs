@@ -26,6 +26,13 @@ impl Stream {
         ((self.0.next_u64() >> 12) as f64 + 0.5) * 0.5f64.powi(52)
     }
 
+    /// A standard normal number, by Box and Muller: `sqrt(-2 ln u) cos(2 pi w)`. Source: G. E. P. Box, M. E. Muller, Annals
+    /// of Mathematical Statistics 29 (1958) 610.
+    pub fn normal(&mut self) -> f64 {
+        let (u, w) = (self.unit(), self.unit());
+        (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * w).cos()
+    }
+
     /// A whole number below `n` (at least 1), each equally likely: numbers beyond the last full round are drawn again.
     pub fn below(&mut self, n: u64) -> u64 {
         let rounds = u64::MAX - u64::MAX % n;
@@ -35,5 +42,30 @@ impl Stream {
                 return x % n;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_of_the_normal_distribution() {
+        let mut s = Stream::new(1, &["test"]);
+        let n = 200_000;
+        let x: Vec<f64> = (0..n).map(|_| s.normal()).collect();
+        let moment = |k: i32| x.iter().map(|x| x.powi(k)).sum::<f64>() / f64::from(n);
+        // Five standard deviations of each sample moment: sqrt(Var(x^k) / n) with variances 1, 2, 15, 96.
+        for (k, want, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0)] {
+            let bar = 5.0 * f64::sqrt(variance / f64::from(n));
+            assert!((moment(k) - want).abs() < bar, "moment {k}: {}", moment(k));
+        }
+    }
+
+    #[test]
+    fn streams_differ_by_seed_and_by_purpose() {
+        let first = |seed, purpose| Stream::new(seed, &[purpose]).unit();
+        assert_eq!(first(1, "a"), first(1, "a"));
+        assert!(first(1, "a") != first(2, "a") && first(1, "a") != first(1, "b"));
     }
 }

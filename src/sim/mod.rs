@@ -20,7 +20,6 @@ mod ledger;
 mod loads;
 mod marks;
 mod measure;
-pub mod noise;
 pub mod observe;
 mod pairing;
 pub mod patch;

@@ -196,6 +196,27 @@ fn a_flight_restored_is_flown_again_to_the_last_bit() {
 }
 
 #[test]
+fn a_new_payload_leaves_the_carried_object_where_it_is() {
+    // 1 kg of block, 0.5 kg of payload that becomes 1 kg while 0.25 kg are carried, and a force that follows them in the file.
+    let text = |duration: f64| {
+        format!(
+            "duration = {duration}\n[robot]\n{BLOCK}\npayload = [{{ link = \"block\", mass = 0.5 }}]
+            [[force]]\ntype = \"carried-object\"\nlink = \"block\"\nmass = 0.25\nstart = 0.1\nduration = 0.5
+            [[force]]\ntype = \"constant\"\nlink = \"block\"\nforce = [0, 0, -1]
+            [[event]]\nat = 0.3\nset = {{ \"robot.payload.0.mass\" = 1.0 }}
+            [[event]]\nat = 0.4\nset = {{ \"force.1.force\" = [0, 0, -2] }}"
+        )
+    };
+    for (duration, mass, force) in
+        [(0.05, 1.5, 1.0), (0.2, 1.75, 1.0), (0.35, 2.25, 1.0), (0.5, 2.25, 2.0), (0.7, 2.0, 2.0)]
+    {
+        let normal = run(&text(duration)).final_normal_force_n.expect("it stands");
+        // Rounding of a block at rest.
+        assert!((normal - 9.81 * mass - force).abs() < 1e-11, "{duration}: {normal}");
+    }
+}
+
+#[test]
 fn a_slide_restored_slides_again() {
     let text = format!(
         "duration = 2.0\nfloor = {{ friction = 0.5 }}\n{TIGHT}

@@ -1,8 +1,7 @@
 //! Bias, noise and resolution of readings.
 
-use crate::sim::noise::normal;
+use crate::random::Stream;
 use nalgebra::{UnitQuaternion, Vector3};
-use rand_chacha::ChaCha8Rng;
 
 /// Errors of a sensor, the same for each of its channels, in the unit of what it reads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,11 +55,11 @@ impl ChannelError {
     }
 
     /// Adds bias and noise to delayed values and rounds them. Draws from the stream only if there is noise.
-    pub(super) fn spoil(&self, values: &mut [f64], stream: &mut ChaCha8Rng) {
+    pub(super) fn spoil(&self, values: &mut [f64], stream: &mut Stream) {
         for x in values {
             *x += self.bias;
             if self.noise > 0.0 {
-                *x += self.noise * normal(stream);
+                *x += self.noise * stream.normal();
             }
             if self.resolution > 0.0 {
                 *x = (*x / self.resolution).round() * self.resolution;
@@ -71,10 +70,10 @@ impl ChannelError {
 
 impl TurnError {
     /// Turns a delayed orientation.
-    pub(super) fn spoil(&self, rotation: &mut UnitQuaternion<f64>, stream: &mut ChaCha8Rng) {
+    pub(super) fn spoil(&self, rotation: &mut UnitQuaternion<f64>, stream: &mut Stream) {
         let mut turn = self.bias;
         if self.noise > 0.0 {
-            turn += Vector3::from_fn(|_, _| self.noise * normal(stream));
+            turn += Vector3::from_fn(|_, _| self.noise * stream.normal());
         }
         if turn != Vector3::zeros() {
             *rotation *= UnitQuaternion::from_scaled_axis(turn);
@@ -85,13 +84,12 @@ impl TurnError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::noise::stream;
 
     #[test]
     fn bias_then_rounding() {
         let error = ChannelError { bias: 0.02, resolution: 0.25, ..ChannelError::default() };
         let mut values = [0.10, 0.11, -0.3, 1.0];
-        error.spoil(&mut values, &mut stream(1, "x"));
+        error.spoil(&mut values, &mut Stream::new(1, &["x"]));
         assert_eq!(values, [0.0, 0.25, -0.25, 1.0]);
     }
 
@@ -99,7 +97,7 @@ mod tests {
     fn noise_has_its_deviation_and_is_white() {
         let error = ChannelError { noise: 0.3, ..ChannelError::default() };
         let mut values = vec![2.0; 100_000];
-        error.spoil(&mut values, &mut stream(7, "x"));
+        error.spoil(&mut values, &mut Stream::new(7, &["x"]));
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;

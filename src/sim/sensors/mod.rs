@@ -22,13 +22,12 @@ mod error;
 mod truth;
 mod wrench;
 
-use super::noise;
 use super::plant::Plant;
+use crate::random::Stream;
 use crate::task::Sensed;
 use delay::Delay;
 pub use error::{ChannelError, SensorErrors, TurnError};
 use nalgebra::{UnitQuaternion, Vector3};
-use rand_chacha::ChaCha8Rng;
 
 /// The sensors of one run.
 pub struct Sensors {
@@ -42,7 +41,7 @@ pub struct Sensors {
 
 struct Faulty {
     errors: SensorErrors,
-    stream: ChaCha8Rng,
+    stream: Stream,
     position: Delay,
     velocity: Delay,
     load: Delay,
@@ -72,7 +71,7 @@ impl Sensors {
                 sole_force: delay(3 * ns, &e.sole_force),
                 sole_moment: delay(3 * ns, &e.sole_moment),
                 scratch: vec![0.0; 3 * ns],
-                stream: noise::stream(seed, "sensors"),
+                stream: Stream::new(seed, &["sensors"]),
                 errors: e,
             })
         });
