@@ -82,7 +82,10 @@ fn table() -> Vec<Broken> {
         scenario("no such link", "[[force]]\ntype = \"push\"\nlink = \"torso\" #@@\nforce = [1, 0, 0]\nduration = 0.1"),
         scenario("no such sole", "[contact]\nforced = [{ sole = \"left\", state = \"face-static\", to = 1 }] #@@"),
         scenario("walk on one sole", "[[task]]\ntype = \"walk\" #@@"),
-        scenario("no such joint to balance", "[[task]]\ntype = \"balance\"\ncontrol = \"position\"\nposition = { mobility = { knee = 1.0 } } #@@"),
+        scenario(
+            "no such joint to balance",
+            "[[task]]\ntype = \"balance\"\ncontrol = \"position\"\nposition = { mobility = { knee = 1.0 } } #@@",
+        ),
         scenario("stepping method, adaptive integrator", "[contact]\nmethod = \"lcp\" #@@"),
         scenario(
             "stepping method, restitution",

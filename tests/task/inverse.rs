@@ -140,8 +140,8 @@ fn steps_keep_the_soles_and_stop_at_limits() {
         v = figure.state.v[6 + model.joint("left_ankle_roll").unwrap().0];
     }
     let off = (0..2).map(|s| start.soles[s].inv_mul(&figure.sole(s)).translation.vector.norm()).fold(0.0, f64::max);
-    // One Newton step a call: its error is the square of a step of 1e-3 rad times lengths of 0.1 m and the step before it.
-    assert!(off < 1e-7 && (figure.com() - goal.com).xy().norm() < 1e-6, "{off}");
+    // One Newton step a call: 0.22 mm turn joints by up to 3e-3 rad, whose square times lengths of 0.1 m is 1e-6 m.
+    assert!(off < 1e-6 && (figure.com() - goal.com).xy().norm() < 1e-6, "{off}");
     assert!(v.abs() > 0.01);
     // Asked to bow without end, joints go to their limits and no further.
     goal.com.x += 0.3;
