@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! e = r - c,   d = r - p                      r reference, c centre of mass, p zero-moment point, as sensed; horizontal
-//! w' = k_i e + k_z d                          k_i: back to the reference;  k_z: lean until the load is back over it
+//! w' = k_i e + k_z d  while all soles are flat    k_i: back to the reference;  k_z: lean until the load is back over it
 //! u = w + k_p e - k_d c'                      |u|, |w| <= reach per axis
 //! dq = z + W J^T (J W J^T + mu 1)^-1 (x - J z),   J = [J_soles; J_com,xy],   x = [0; r + u - c_plan],   z = k_q (q_0 - q) dt
 //! ```
@@ -145,7 +145,11 @@ impl Task for PositionBalance {
         let here = self.sensed_support(context);
         let error = wanted - (context.data.com.xy() - here);
         let load = context.data.zmp.map_or(Vector2::zeros(), |p| wanted - (p.xy() - here));
-        self.memory += (error * s.integral + load * s.leaning) * (period * progress);
+        // On its edges a sole hides where the load is, and what is integrated then is missing when it lies flat again.
+        let flat = self.soles.iter().all(|s| context.sensed.soles[s.0].clamped.iter().all(|c| *c));
+        if flat {
+            self.memory += (error * s.integral + load * s.leaning) * (period * progress);
+        }
         self.memory = self.memory.map(|x| x.clamp(-s.reach, s.reach));
         let reply = error * s.proportional - context.data.com_velocity.xy() * s.damping;
         let displacement = (self.memory + reply * progress).map(|x| x.clamp(-s.reach, s.reach));
@@ -186,7 +190,7 @@ impl Task for PositionBalance {
     }
 
     fn needs(&self) -> Needs {
-        Needs::COM | Needs::SOLES | if self.settings.leaning == 0.0 { Needs::NONE } else { Needs::ZMP }
+        Needs::COM | Needs::SOLES | if self.settings.leaning == 0.0 { Needs::LOADS } else { Needs::ZMP }
     }
 
     fn name(&self) -> &str {
