@@ -8,7 +8,7 @@ use crate::identities::random_tree::Random;
 use nalgebra::{UnitQuaternion, Vector3};
 use stiction::dynamics::{State, Workspace, body, force, kinematics, rnea};
 use stiction::geometry::Plane;
-use stiction::robot::{Model, SoleId, load};
+use stiction::robot::{DriveMode, Model, SoleId, load};
 use stiction::task::balance::force::{ForceBalance, Gains, Settings};
 use stiction::task::{Augmented, Command, Context, Sensed, Task};
 
@@ -60,7 +60,10 @@ fn unbalanced(model: &Model, state: &State, task: &ForceBalance, command: &Comma
     for (hold, f) in task.stance().footholds.iter().zip(task.forces()) {
         force::accumulate(&ws, model.soles[hold.sole.0].link, &hold.point, &-f, &Vector3::zeros(), &mut rest);
     }
-    rest[model.nb()..].iter_mut().zip(&command.effort).for_each(|(r, tau)| *r -= tau);
+    for (j, (rest, tau)) in rest[model.nb()..].iter_mut().zip(&command.effort).enumerate() {
+        // A joint that is moved exactly bears its own load.
+        *rest = if model.joints[j].drive.mode == DriveMode::Kinematic { 0.0 } else { *rest - tau };
+    }
     rest
 }
 
