@@ -182,14 +182,16 @@ def check_stability(state, check):
     normal = [math.fsum(axis) for axis in zip(*spans)]
     normal = [x / math.hypot(*normal) for x in normal]
     radius = inside(xyz(state.stable_point), corners, normal)
-    # The point is on the floor. Methods that hold vertices a little above it leave a polygon that need not be level.
+    # The point is on the floor. Methods that hold vertices above it leave corners that need not lie in one plane: not judged.
     above = abs(math.fsum((a - b) * n for a, b, n in zip(corners[0], xyz(state.stable_point), normal)))
-    check(radius > -above, "/state: the point of optimal stability is outside the support polygon")
+    if above > 1e-6:
+        return
+    check(radius > 0, "/state: the point of optimal stability is outside the support polygon")
     groups = [corners] + [corners[:k] + corners[k + 1 :] for k in range(len(corners))]
     groups += [[a, b] for a in corners for b in corners]
     for group in groups:
         mean = [math.fsum(axis) / len(group) for axis in zip(*group)]
-        check(inside(mean, corners, normal) <= radius + 1e-6 * (1 + radius) + above, "/state: a larger disc fits the polygon")
+        check(inside(mean, corners, normal) <= radius + 1e-6 * (1 + radius), "/state: a larger disc fits the polygon")
 
 
 def read(path):
