@@ -33,6 +33,11 @@ impl Plane {
         self.point + self.rotation.column(0) * p.x + self.rotation.column(1) * p.y
     }
 
+    /// The point of the plane below (or above) a world point, along the normal.
+    pub fn project(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.world(&self.flat(p))
+    }
+
     /// Height of a world point above the plane, m.
     pub fn height(&self, p: &Vector3<f64>) -> f64 {
         self.rotation.column(2).dot(&(p - self.point))

@@ -8,12 +8,15 @@
 use super::error::Stop;
 use super::simulation::{Jump, Simulation};
 use super::watch::{MAX_WATCHED, Watch};
+use crate::contact::judge::CLEAR;
 use crate::integrate::event::first_crossing;
 use crate::integrate::{RungeKutta, StepControl, Tableau};
 use crate::sim::Observer;
 
 /// Width to which an event is located, relative to its step.
 const LOCATE: f64 = 1e-13;
+/// Size beyond which a step over a jump has found none, s.
+const FARTHEST: f64 = 1e-9;
 /// Smallest step relative to the time scale of the run, s.
 const SMALLEST: f64 = 1e-13;
 
@@ -83,6 +86,8 @@ pub struct Explicit {
     sizes: Sizes,
     /// Have the states been chosen at the time where the next step starts?
     fresh: bool,
+    /// Size of the next step, s, where it has to go over a jump of the forces to which the last one led.
+    hop: Option<f64>,
     /// The integrator's vector.
     y: Vec<f64>,
     dense: Vec<f64>,
@@ -101,6 +106,7 @@ impl Explicit {
             rk: RungeKutta::new(method, n),
             sizes,
             fresh: true,
+            hop: None,
             y: vec![0.0; n],
             dense: vec![0.0; n],
             watch: Watch::default(),
@@ -128,7 +134,8 @@ impl Explicit {
         let t0 = sim.plant.state.time;
         let layout = sim.plant.layout;
         let remaining = until - t0;
-        let mut h = self.sizes.next(remaining);
+        let hop = self.hop.take().filter(|_| jump == Jump::None);
+        let mut h = hop.unwrap_or_else(|| self.sizes.next(remaining)).min(remaining);
         sim.plant.within = t0 + 0.5 * h;
         if sim.locates() && jump == Jump::Corner {
             sim.decide(observer)?;
@@ -148,6 +155,9 @@ impl Explicit {
         loop {
             sim.plant.within = t0 + 0.5 * h;
             self.rk.attempt(&mut sim.plant, t0, h);
+            if hop.is_some() {
+                break;
+            }
             let Some(factor) = self.sizes.shorten(&self.rk, layout.controlled(), h, remaining) else { break };
             sim.metrics.rejected_steps += 1;
             h *= factor;
@@ -176,9 +186,13 @@ impl Explicit {
             self.watch.values(sim, &mut self.right);
         }
         let mut event = self.right.iter().any(|g| *g < 0.0);
-        let located = event && (sim.locates() || sim.locates_surface());
+        let located = event && hop.is_none() && (sim.locates() || sim.locates_surface());
         if located {
             h = self.locate(sim, t0, h);
+            event = self.hop.is_none();
+        }
+        if let Some(size) = hop.filter(|size| !event && *size < FARTHEST) {
+            self.hop = Some(2.0 * size);
         }
         sim.metrics.steps += 1;
         let t1 = if h == remaining { until } else { t0 + h };
@@ -230,30 +244,37 @@ impl Explicit {
     /// end, settles the difference.
     fn locate(&mut self, sim: &mut Simulation, t0: f64, full: f64) -> f64 {
         let mut h = full;
+        let mut near = false;
         for beyond in [1e-4, 1e-7, 0.0] {
             let found = h * self.crossing(sim, t0, h);
             let next = (found * (1.0 + beyond)).min(full);
             if next == h {
                 break;
             }
-            self.attempt(sim, t0, next);
+            near = !self.attempt(sim, t0, next);
             h = next;
             if beyond > 0.0 && self.right.iter().all(|g| *g >= 0.0) {
                 // The event has moved beyond the new end by more than thought: fall back on the whole step once.
                 self.attempt(sim, t0, full);
                 h = full;
+                near = false;
             }
         }
+        // Where a force jumps with the state (a joint meets its stop) the end may lie on the near side of the jump, where
+        // nothing has happened yet and nothing would be chosen.
+        self.hop = near.then_some(LOCATE * (1.0 + t0));
         h
     }
 
-    fn attempt(&mut self, sim: &mut Simulation, t0: f64, h: f64) {
+    /// Tries a step of size `h`. Has an event function reached zero at its end?
+    fn attempt(&mut self, sim: &mut Simulation, t0: f64, h: f64) -> bool {
         self.rk.attempt(&mut sim.plant, t0, h);
         self.watch.values(sim, &mut self.scratch);
         // At the final step the values only tell which functions fired, so those located stay.
         if self.scratch.iter().any(|g| *g < 0.0) {
             self.right.copy_from_slice(&self.scratch);
         }
+        self.scratch.iter().any(|g| *g <= CLEAR)
     }
 
     /// First crossing within the step of size `h` just tried, as a fraction of it.

@@ -17,6 +17,7 @@ mod jam;
 mod lag;
 pub mod layout;
 mod ledger;
+mod limits;
 mod loads;
 mod marks;
 mod measure;

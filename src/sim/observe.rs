@@ -107,6 +107,7 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
     out.external.clone_from(&plant.arrows);
     let floor = &plant.floor.rotation;
     let (mut load, mut moment) = (0.0, Vector3::zeros());
+    let plane = plant.floor.plane();
     out.support_polygon.clear();
     for (s, sole) in out.soles.iter_mut().enumerate() {
         let p = &plant.problem.soles[s];
@@ -124,12 +125,11 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
             load += n;
             moment += sole.positions[i] * n;
             if sole.clamped[i] {
-                out.support_polygon.push(sole.positions[i]);
+                out.support_polygon.push(plane.project(&sole.positions[i]));
             }
         }
     }
     out.centre_of_pressure = (load > 1e-9 * plant.problem.scale).then(|| moment / load);
-    let plane = plant.floor.plane();
     convex_hull(&mut out.support_polygon, &plane);
     let corners = out.support_polygon.iter().map(|p| plane.flat(p));
     out.stable_point = stable_point(corners, edges).map(|found| plane.world(&found.point));

@@ -27,13 +27,6 @@ use crate::task::{Needs, TaskServer};
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Events per simulated second beyond which a run has stalled.
-const STALL_RATE: u64 = 5_000;
-/// Events in a row without progress in time beyond which a run has stalled.
-const STALL_IN_PLACE: u64 = 200;
-/// Speeds (m/s, rad/s) and positions (m) beyond this mean divergence.
-const SENSIBLE: f64 = 1e6;
-
 /// Most that an unclamped touching vertex may accelerate into the floor where events are located, m/s^2.
 const SINKING: f64 = 1e-3;
 
@@ -95,13 +88,14 @@ pub struct Simulation {
     logged: u64,
     /// Time of the last snapshot told, s.
     told: Option<f64>,
-    fallen_below: Option<f64>,
+    pub(super) fallen_below: Option<f64>,
     pub(super) start_energy: f64,
     pub(super) marks: Marks,
     /// Base position at the start, and its velocity.
     pub(super) launch: (Vector3<f64>, Vector3<f64>),
-    window: (f64, u64),
-    in_place: (f64, u64),
+    /// Events counted since a time, s: within about a second, and at one instant.
+    pub(super) window: (f64, u64),
+    pub(super) in_place: (f64, u64),
 }
 
 impl Simulation {
@@ -381,21 +375,6 @@ impl Simulation {
         fault.map_or(Ok(()), |m| Err(Stop::new(Outcome::Error, format!("{m} at {:.6} s", self.plant.state.time))))
     }
 
-    fn check_fallen(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        let Some(below) = self.fallen_below else { return Ok(()) };
-        let height = self.plant.floor.height(&self.plant.state.position);
-        if height >= below {
-            return Ok(());
-        }
-        let t = self.plant.state.time;
-        self.metrics.first_fall_s.get_or_insert(t);
-        let message = format!("base {height:.4} m above the floor at {t:.4} s, below {below} m");
-        self.event(observer, "fallen", "", &message)?;
-        self.plant.evaluate();
-        self.tell(observer)?;
-        Err(Stop::new(Outcome::Fallen, message))
-    }
-
     /// Reports an event.
     pub(super) fn event(
         &mut self,
@@ -440,56 +419,6 @@ impl Simulation {
     /// Are the instants located at which vertices enter and leave a compliant floor?
     pub(super) fn locates_surface(&self) -> bool {
         self.contact.locate && self.plant.is_compliant()
-    }
-
-    /// A `diverged` stop at the present time.
-    pub(super) fn diverged(&self, what: &str) -> Stop {
-        Stop::new(Outcome::Diverged, format!("{what} at {:.6} s", self.plant.state.time))
-    }
-
-    /// Ends the run when the state has left all sense, naming the first number that did.
-    pub(super) fn check_finite(&self) -> Result<(), Stop> {
-        let state = &self.plant.state;
-        let model = &self.plant.model;
-        let lost = |x: &f64| !(x.abs() < SENSIBLE);
-        if let Some(i) = state.v.iter().position(lost) {
-            let nb = model.nb();
-            let name = if i < nb { "base" } else { model.joints[i - nb].name.as_str() };
-            return Err(self.diverged(&format!("velocity of {name} is {:e}", state.v[i])));
-        }
-        if let Some(x) = state.position.iter().chain(&state.joints).find(|x| lost(x)) {
-            return Err(self.diverged(&format!("a position is {x:e}")));
-        }
-        Ok(())
-    }
-
-    /// Counts one event; ends the run when there are too many.
-    pub(super) fn count_event(&mut self) -> Result<(), Stop> {
-        let t = self.plant.state.time;
-        if t - self.window.0 >= 1.0 {
-            self.window = (t, 0);
-        }
-        self.window.1 += 1;
-        if self.window.1 > STALL_RATE {
-            return Err(Stop::new(
-                Outcome::Stalled,
-                format!(
-                    "more than {STALL_RATE} contact events within one second before {t:.6} s; a larger \
-                     contact.velocity_tolerance ends bouncing and rocking sooner"
-                ),
-            ));
-        }
-        self.count_in_place()
-    }
-
-    /// Ends the run when there are too many events at one instant.
-    pub(super) fn count_in_place(&mut self) -> Result<(), Stop> {
-        let t = self.plant.state.time;
-        self.in_place = if t - self.in_place.0 > 1e-12 { (t, 1) } else { (self.in_place.0, self.in_place.1 + 1) };
-        if self.in_place.1 > STALL_IN_PLACE {
-            return Err(Stop::new(Outcome::Stalled, format!("{STALL_IN_PLACE} events without progress at {t:.9} s")));
-        }
-        Ok(())
     }
 
     fn sum_up(&mut self) {

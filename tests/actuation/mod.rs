@@ -4,6 +4,7 @@ mod drives;
 mod friction;
 mod kinematic;
 mod lag;
+mod stops;
 
 use crate::analytic::support::root;
 use stiction::robot;

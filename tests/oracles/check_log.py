@@ -182,10 +182,8 @@ def check_stability(state, check):
     normal = [math.fsum(axis) for axis in zip(*spans)]
     normal = [x / math.hypot(*normal) for x in normal]
     radius = inside(xyz(state.stable_point), corners, normal)
-    # The point is on the floor. Methods that hold vertices above it leave corners that need not lie in one plane: not judged.
-    above = abs(math.fsum((a - b) * n for a, b, n in zip(corners[0], xyz(state.stable_point), normal)))
-    if above > 1e-6:
-        return
+    above = max(abs(math.fsum((a - b) * n for a, b, n in zip(c, xyz(state.stable_point), normal))) for c in corners)
+    check(above <= 1e-9, f"/state: the support polygon is not flat, or {above} m from the point of optimal stability")
     check(radius > 0, "/state: the point of optimal stability is outside the support polygon")
     groups = [corners] + [corners[:k] + corners[k + 1 :] for k in range(len(corners))]
     groups += [[a, b] for a in corners for b in corners]

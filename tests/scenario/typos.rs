@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use stiction::scenario::parse_override;
+use stiction::scenario::{METRICS, parse_override};
 
 use super::{FULL, file, runs};
 
@@ -75,8 +75,9 @@ proptest! {
                 letters.into_iter().collect()
             }
         };
-        // A typo that is itself a key of the format, or no key at all, is another mistake.
-        prop_assume!(!typo.is_empty() && !keys.iter().any(|k| FULL[k.clone()] == typo));
+        // A typo that is itself a key of the format (or a metric, a key of `truth`), or no key at all, is another mistake.
+        let known = keys.iter().any(|k| FULL[k.clone()] == typo) || METRICS.contains(&typo.as_str());
+        prop_assume!(!typo.is_empty() && !known);
         let text = format!("{}{typo}{}", &FULL[..range.start], &FULL[range.end..]);
         let line = FULL[..range.start].matches('\n').count() + 1;
         match file(&text).and_then(|f| f.expand(&[])) {

@@ -8,8 +8,14 @@ use crate::scenario::{Diagnostic, JointMode, Run, SoleSpec};
 pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -> Model {
     let spec = &run.scenario.robot;
     let mut model = robot.model.clone();
+    let default = DriveSettings {
+        mode: Some(mode(spec.joint_default.mode)),
+        kp: Some(spec.joint_default.kp),
+        kd: Some(spec.joint_default.kd),
+        ..DriveSettings::default()
+    };
     for (name, joint) in &spec.joint {
-        let settings = DriveSettings {
+        let own = DriveSettings {
             mode: joint.mode.map(mode),
             kp: joint.kp,
             kd: joint.kd,
@@ -24,18 +30,20 @@ pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -
             slip_velocity: joint.friction.and_then(|f| f.slip_velocity),
             stop: joint.stop.map(|s| (s.stiffness, s.damping)),
         };
+        // What a joint that no robot file configures leaves open is the default's, key by key as in a robot file.
+        let open = model.joint(name).is_some_and(|j| !model.joints[j.0].drive_configured);
+        let gains = own.kp.or(own.kd).is_some();
+        let settings = match default.mode {
+            _ if !open => own,
+            // Gains say that it is driven.
+            Some(DriveMode::Passive) if gains => own.or(DriveSettings { mode: Some(DriveMode::Position), ..default }),
+            _ => own.or(default),
+        };
         if let Err(e) = adjust::set_drive(&mut model, name, &settings) {
             errors.push(run.error_at_key(&format!("robot.joint.{name}"), e.to_string(), None));
         }
     }
-    let default = &spec.joint_default;
-    let settings = DriveSettings {
-        mode: Some(mode(default.mode)),
-        kp: Some(default.kp),
-        kd: Some(default.kd),
-        ..DriveSettings::default()
-    };
-    if let Err(e) = adjust::set_default_drive(&mut model, &settings) {
+    if let Err(e) = adjust::set_default_drive(&mut model, &default) {
         errors.push(run.error_at("robot.joint_default", e.to_string(), None));
     }
     if let Some(soles) = &spec.soles {

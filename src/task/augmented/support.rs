@@ -7,7 +7,7 @@ impl Augmented {
     /// Needs the contact points.
     pub(super) fn find_support(&mut self, floor: &Plane) {
         self.support_polygon.clear();
-        self.support_polygon.extend(self.contacts.iter().map(|c| c.position));
+        self.support_polygon.extend(self.contacts.iter().map(|c| floor.project(&c.position)));
         convex_hull(&mut self.support_polygon, floor);
     }
 
