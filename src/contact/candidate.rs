@@ -55,6 +55,15 @@ impl Solution {
         }
     }
 
+    /// Takes another solution of the same size over.
+    pub fn copy_from(&mut self, other: &Solution) {
+        self.wrench.copy_from_slice(&other.wrench);
+        self.motion.copy_from_slice(&other.motion);
+        self.normal.iter_mut().zip(&other.normal).for_each(|(to, from)| to.copy_from_slice(from));
+        self.tangent.iter_mut().zip(&other.tangent).for_each(|(to, from)| to.copy_from_slice(from));
+        self.inside = other.inside;
+    }
+
     /// Scales wrenches and forces, to read impulses over a step as forces.
     pub fn scale(&mut self, factor: f64) {
         self.wrench.iter_mut().for_each(|w| *w *= factor);

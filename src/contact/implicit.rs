@@ -23,7 +23,7 @@ pub type Slips = [Vector3<f64>; MAX_SOLES];
 
 /// Slip, relative to the frictionless motion, up to which a load at its limit is taken not to accelerate yet: what is left
 /// after its event has been located.
-const LIMIT: f64 = 1e-8;
+const LIMIT: f64 = 1e-7;
 
 /// Slip of a vertex, relative to that of its sole, below which it stands still.
 const STILL: f64 = 1e-14;
@@ -267,7 +267,7 @@ impl Search<'_> {
     fn iterate(&mut self, mut slips: Slips, rounds: usize, out: &mut Solution) -> bool {
         let mut image = self.evaluate(&slips, out);
         // A load at the very limit of its capacity does not accelerate yet; the directions are then those of the guess.
-        if norm(self.which, &image) <= 0.1 * LIMIT * self.drive {
+        if norm(self.which, &image) <= 0.01 * LIMIT * self.drive {
             return true;
         }
         for round in 0..rounds {

@@ -9,6 +9,7 @@ use super::report::{Observer, Outcome};
 use super::setup::Floor;
 use super::simulation::Simulation;
 use super::zones::Place;
+use crate::contact::candidate::Solution;
 use crate::contact::state::{MAX_SOLES, States};
 use crate::dynamics::State;
 use crate::force::Force;
@@ -49,6 +50,8 @@ pub struct Saved {
     directions: Vec<Vec<Vector2<f64>>>,
     anchors: Vec<Vec<Vector3<f64>>>,
     suspect: [u8; MAX_SOLES],
+    /// Forces of the floor, from which methods that do not search decide what comes next.
+    solution: Solution,
 }
 
 impl Saved {
@@ -60,6 +63,7 @@ impl Saved {
             directions: plant.directions.clone(),
             anchors: anchors.to_vec(),
             suspect: [0; MAX_SOLES],
+            solution: Solution::new(&plant.problem),
         }
     }
 }
@@ -118,6 +122,7 @@ impl Simulation {
         copy(&mut saved.directions, &self.plant.directions);
         copy(&mut saved.anchors, &self.anchors);
         saved.suspect = self.suspect;
+        saved.solution.copy_from(&self.plant.solution);
     }
 
     /// Returns to a saved state at the present time. Kinematic joints stay on their commanded motion.
@@ -131,6 +136,10 @@ impl Simulation {
         copy(&mut self.plant.directions, &saved.directions);
         copy(&mut self.anchors, &saved.anchors);
         self.suspect = saved.suspect;
+        self.plant.solution.copy_from(&saved.solution);
+        for (sole, directions) in self.plant.problem.soles.iter_mut().zip(&saved.directions) {
+            sole.vertices.iter_mut().zip(directions).for_each(|(v, d)| v.direction = *d);
+        }
         self.sensors.restart();
         self.estimator.restart();
     }

@@ -149,7 +149,7 @@ impl Explicit {
             self.begin(sim, t0);
         }
         sim.audit();
-        let doubtful = self.watch.overlook(&mut self.start);
+        let doubtful = self.watch.overlook(&mut self.start, sim.tolerances.rest);
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
         loop {

@@ -22,13 +22,12 @@ use nalgebra::Vector3;
 /// See the module.
 pub struct Fixed {
     dt: f64,
-    begun: bool,
 }
 
 impl Fixed {
     /// Steps of `dt` seconds.
     pub fn new(dt: f64) -> Self {
-        Fixed { dt, begun: false }
+        Fixed { dt }
     }
 
     /// Prepares the run of a method that has no forces outside a step: its states and forces at the start are those of
@@ -48,10 +47,8 @@ impl Fixed {
         let t = sim.plant.state.time;
         let remaining = until - t;
         let dt = if remaining < 1.01 * self.dt { remaining } else { self.dt };
-        if !self.begun {
-            self.begun = true;
-            sim.snapshot_now(t, observer)?;
-        }
+        // With the forces of the step that led here and what the joints are asked from now on.
+        sim.snapshot_now(t, observer)?;
         sim.begin_samples();
         sim.plant.within = t + 0.5 * dt;
         let stored = sim.plant.stored().energy;
@@ -60,6 +57,7 @@ impl Fixed {
         let plant = &mut sim.plant;
         plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
         plant.share_forces();
+        plant.drive_over(&sim.displacement, dt);
         plant.react_to_step(&sim.displacement, dt);
         let (flows, jumps) = plant.step_flows(&sim.displacement, dt);
         sim.flows.add(&flows);
@@ -79,9 +77,7 @@ impl Fixed {
             sim.creep();
         }
         sim.measure();
-        sim.sample_step(observer)?;
-        let now = sim.plant.state.time;
-        sim.snapshot_now(now, observer)
+        sim.sample_step(observer)
     }
 
     /// The change of velocity over the step: v+ - v = dt M^-1 (tau - h) + M^-1 J^T p, in `sim.displacement`.

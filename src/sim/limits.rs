@@ -23,6 +23,7 @@ impl Simulation {
         self.metrics.first_fall_s.get_or_insert(t);
         let message = format!("base {height:.4} m above the floor at {t:.4} s, below {below} m");
         self.event(observer, "fallen", "", &message)?;
+        self.snapshot_last(observer)?;
         self.plant.evaluate();
         self.tell(observer)?;
         Err(Stop::new(Outcome::Fallen, message))

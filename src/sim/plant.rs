@@ -92,6 +92,8 @@ pub struct Plant {
     pub(super) external_give: Vec<f64>,
     /// Joints that a velocity-level step holds on the line of their speed limit.
     pub(super) on_line: Vec<bool>,
+    /// Side of the effort limit, 1 or -1, which a drive reaches within the velocity-level step; 0: none.
+    pub(super) saturated: Vec<f64>,
     /// Motions of kinematic joints.
     pub(super) guide: Guide,
     /// Prescribed accelerations, by joint.
@@ -154,6 +156,7 @@ impl Plant {
             give: vec![0.0; nj],
             external_give: vec![0.0; nv],
             on_line: vec![false; nj],
+            saturated: vec![0.0; nj],
             guide: Guide::new(nj),
             demanded: vec![0.0; nj],
             asked: vec![(0.0, 0.0); model.lagging().count()],
@@ -182,8 +185,10 @@ impl Plant {
         self.evaluations += 1;
         self.move_links();
         self.on_line.fill(false);
+        self.saturated.fill(0.0);
         self.pose_implicit(dt);
-        if self.enter_band(dt) {
+        // Both are asked: each marks joints.
+        if self.enter_band(dt) | self.saturate() {
             self.pose_implicit(dt);
         }
     }
@@ -231,7 +236,11 @@ impl Plant {
         let nb = self.model.nb();
         for (j, joint) in self.model.joints.iter().enumerate() {
             let (q, qd) = (self.state.joints[j], self.state.v[nb + j]);
-            let (effort, clipped) = actuator::servo(joint, j, q, qd, &self.command);
+            let (effort, clipped) = match self.saturated[j] {
+                _ if dt.is_none() => actuator::servo(joint, j, q, qd, &self.command),
+                0.0 => actuator::servo(joint, j, q, qd, &self.command),
+                side => (side * joint.effort_limit, true),
+            };
             let (ahead, gain) = match dt {
                 Some(dt) if !clipped => actuator::implicit(j, qd, &self.command, dt),
                 _ => (0.0, 0.0),
@@ -257,7 +266,8 @@ impl Plant {
             model: &self.model,
             state: &self.state,
             kinematics: &self.ws,
-            time: self.state.time,
+            // A velocity-level step takes what changes with time at its middle.
+            time: if dt.is_some() { self.within } else { self.state.time },
             within: self.within,
         };
         let mut applied = Applied::new(&mut self.external, &mut self.arrows);

@@ -310,9 +310,15 @@ impl Simulation {
     }
 
     fn finish(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        self.snapshot_last(observer)?;
         self.plant.evaluate();
         self.sample_end(observer)?;
         self.tell(observer)
+    }
+
+    /// The last instant of a run of velocity-level steps, with the forces of the last of them.
+    pub(super) fn snapshot_last(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        if self.steps_velocities() { self.snapshot_now(self.plant.state.time, observer) } else { Ok(()) }
     }
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {

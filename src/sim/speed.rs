@@ -9,7 +9,8 @@
 //! may push it faster. Desired velocities stay as they are.
 //!
 //! A velocity-level step takes the line at the velocity of its end. A joint that is about to come into the band within the
-//! step is on the line from the start: the step is posed once more for it.
+//! step is on the line from the start: the step is posed once more for it. So it is for a drive that is about to reach its
+//! effort limit.
 
 use super::plant::Plant;
 
@@ -35,6 +36,35 @@ impl Plant {
                 self.servo[j] *= share.max(0.0);
                 self.drive_give[j] = self.drive_give[j] * share.max(0.0) + dt.unwrap_or(0.0) * slope;
             }
+        }
+    }
+
+    /// Marks drives that a velocity-level step, posed without contact, brings to their effort limit, which they then hold
+    /// all along; are there any? One that is at its limit when the step begins holds it anyway.
+    pub(super) fn saturate(&mut self) -> bool {
+        let nb = self.model.nb();
+        let mut any = false;
+        let mut lagging = self.lagging.iter().zip(&self.asked).peekable();
+        for (j, joint) in self.model.joints.iter().enumerate() {
+            // Of one that lags, what is asked has the limit.
+            let (effort, give) = match lagging.next_if(|(l, _)| **l == j) {
+                Some((_, asked)) => *asked,
+                None => (self.servo[j], self.drive_give[j]),
+            };
+            let end = effort - give * self.reduced.free[nb + j];
+            if end.abs() > joint.effort_limit && give > 0.0 && !self.on_line[j] {
+                self.saturated[j] = end.signum();
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// Efforts of the drives over a velocity-level step of size `dt` that changed the velocity by `dv`: their mean.
+    pub(super) fn drive_over(&mut self, dv: &[f64], dt: f64) {
+        let nb = self.model.nb();
+        for (j, effort) in self.efforts.iter_mut().enumerate() {
+            *effort = self.servo[j] - self.drive_give[j] * dv[nb + j] / dt;
         }
     }
 

@@ -28,7 +28,8 @@ enum Item {
     Surface(usize, usize, bool),
     Normal(usize),
     Friction(usize),
-    Slide(usize, usize),
+    /// With the speed at which it may go backwards.
+    Slide(usize, usize, f64),
     Border(usize, usize, Vector2<f64>),
 }
 
@@ -64,7 +65,7 @@ impl Watch {
                     let item = if v.height > TOUCHING { Item::Height(s, i) } else { Item::Band(s, i, depth) };
                     self.items.extend(asked.then_some(item));
                 } else if state.is_dynamic() && state.mode != Mode::Pivoting(i as u8) {
-                    self.items.push(Item::Slide(s, i));
+                    self.items.push(Item::Slide(s, i, 0.0));
                     if !sim.plant.floor.patches.is_empty() {
                         self.items.push(Item::Border(s, i, sim.plant.seen_from_above(s, i)));
                     }
@@ -85,10 +86,22 @@ impl Watch {
         self.fill(sim, out);
     }
 
-    /// Stops watching what is negative already at the start of the step. Returns whether there is any.
-    pub fn overlook(&mut self, start: &mut [f64]) -> bool {
-        self.overlooked.extend((0..start.len()).filter(|&i| start[i] < 0.0));
-        self.overlooked.iter().for_each(|&i| start[i] = 1.0);
+    /// Stops watching what is negative already at the start of the step, and returns whether there is any. A vertex that
+    /// slides backwards slower than `rest`, m/s, is watched until it reaches that speed: it has just been chosen to slip,
+    /// from a speed of zero but for rounding, and choosing again would only put it back to rest.
+    pub fn overlook(&mut self, start: &mut [f64], rest: f64) -> bool {
+        for (i, (item, g)) in self.items.iter_mut().zip(start).enumerate().filter(|(_, (_, g))| **g < 0.0) {
+            match item {
+                Item::Slide(_, _, allowed) if *g > -rest => {
+                    *allowed = rest;
+                    *g += rest;
+                }
+                _ => {
+                    self.overlooked.push(i);
+                    *g = 1.0;
+                }
+            }
+        }
         !self.overlooked.is_empty()
     }
 
@@ -113,7 +126,9 @@ impl Watch {
                 }
                 Item::Normal(s) => of(s).normal,
                 Item::Friction(s) => of(s).friction,
-                Item::Slide(s, i) => p.soles[s].vertices[i].velocity.xy().dot(&plant.directions[s][i]),
+                Item::Slide(s, i, allowed) => {
+                    p.soles[s].vertices[i].velocity.xy().dot(&plant.directions[s][i]) + allowed
+                }
                 Item::Border(s, i, _) => plant.border(s, i),
             };
         }

@@ -156,3 +156,38 @@ fn a_stop_without_damping_throws_back_and_the_usual_one_takes_most() {
     assert!(told.snapshots.iter().all(|s| s.q[0] < 0.5 + v * 2e-2 && s.qd[0].abs() <= v), "{metrics:?}");
     assert!(metrics.joint_loss_j > 0.5 * 0.5 * INERTIA * v * v, "{metrics:?}");
 }
+
+/// A rotor of 0.01 kg m^2 with a stiff servo is hit by 100 N m for 2 ms. The servo may give 1 N m: it leaves w = 10 - 0.05 rad/s
+/// at 50 ms, however steep its gains.
+#[test]
+fn a_velocity_level_step_keeps_to_the_effort_limit() {
+    let rotor = wheel(0.01);
+    for gains in ["kp = 100.0, kd = 5.0", "kp = 1e5, kd = 0.0", "kp = 1e5, kd = 5.0, lag = 1e-9"] {
+        let text = format!(
+            "duration = 0.1\ngravity = [0, 0, 0]\nintegrator = {{ method = \"semi-implicit\", step = 1e-3 }}\nlog = {{ rate = 1000 }}
+            [robot]\nmodel = \"rotor.urdf\"\nsoles = []
+            joint = {{ axle = {{ {gains}, effort = 1.0 }} }}
+            [[force]]\ntype = \"push\"\nlink = \"wheel\"\nforce = [0, 0, 0]\nmoment = [0, 0, 100]\nstart = 0.0\nduration = 0.002"
+        );
+        let mut sim = simulation(Some(&rotor), &text, SILENT);
+        let mut told = Told::default();
+        finish(&mut sim, &mut told);
+        let at = |t: f64| told.snapshots.iter().find(|s| (s.time - t).abs() < 1e-9).expect("it is logged");
+        // The servo is at its limit from the first step on: at zero error it gives nothing, for a step at the most.
+        let expected = (100.0 * 0.002 - 0.05) / 0.01;
+        assert!((at(0.05).qd[0] - expected).abs() < 0.1 + 1e-9, "{gains}: {}", at(0.05).qd[0]);
+        for s in &told.snapshots {
+            assert!(s.effort[0].abs() <= 1.0 + 1e-12, "{gains}: {} at {}", s.effort[0], s.time);
+        }
+        // What the log says is what acted.
+        for (a, b) in told.snapshots.iter().zip(&told.snapshots[1..]).filter(|(a, _)| a.time > 0.0025) {
+            let acted = 0.01 * (b.qd[0] - a.qd[0]) / (b.time - a.time);
+            assert!(
+                (acted - b.effort[0]).abs() < 1e-9,
+                "{gains}: {acted} but {} in the log at {}",
+                b.effort[0],
+                b.time
+            );
+        }
+    }
+}

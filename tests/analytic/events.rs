@@ -252,3 +252,32 @@ fn events_at_the_start_hold_from_the_start() {
     assert_eq!(from_start.final_base_position, by_event.final_base_position);
     assert!(from_start.final_base_shift_m > 0.1);
 }
+
+/// What slides when it is saved slides when it is restored, whatever came in between: standing, or sliding the other way.
+#[test]
+fn a_saved_slide_goes_on() {
+    for how in [
+        "contact = { method = \"one-step\" }\nintegrator = { method = \"semi-implicit\", step = 1e-3 }",
+        "contact = { method = \"one-step\" }",
+        "contact = { method = \"exact\" }\nintegrator = { method = \"semi-implicit\", step = 1e-3 }",
+        "contact = { method = \"exact\" }",
+    ] {
+        for between in [
+            "",
+            "[[force]]\ntype = \"push\"\nlink = \"block\"\npoint = [0, 0, -0.05]\nforce = [-30, 0, 0]\nstart = 0.4\nduration = 0.2",
+        ] {
+            let text = format!(
+                "duration = 1.4\nfloor = {{ friction = 0.5 }}\n{how}
+                [robot]\n{BLOCK}\nbase = {{ linear_velocity = [2, 0, 0] }}
+                {between}
+                [[event]]\nat = 0.1\nsave = \"slide\"
+                [[event]]\nat = 0.6\nrestore = \"slide\""
+            );
+            let m = run(&text);
+            let way = 2.0 * 2.0 / (2.0 * 0.5 * G);
+            // First order in steps of 1e-3 s at 2 m/s, or a stop decided a step late; else the integrator's tolerance.
+            let allowed = if how.contains("semi") || how.contains("one-step") { 2.5e-3 } else { 1e-6 };
+            assert!((m.final_base_position[0] - way).abs() < allowed, "{how} {between}: {}", m.final_base_position[0]);
+        }
+    }
+}

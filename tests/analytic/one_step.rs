@@ -25,9 +25,10 @@ fn pushed(method: &str, step: f64) -> Metrics {
 fn it_follows_the_exact_method_through_a_push() {
     let step = 1e-4;
     let (exact, fast) = (pushed("exact", step), pushed("one-step", step));
-    // It decides by the last load, so it slips one step late.
+    // It decides by the last load, so what it does it does a step late. The right foot tips over its edge first and slips in
+    // the same step: that makes two.
     let late = fast.first_slip_s.expect("it slips") - exact.first_slip_s.expect("it slips");
-    assert!((0.5 * step..1.5 * step).contains(&late), "{late}");
+    assert!((1.5 * step..2.5 * step).contains(&late), "{late}");
     // How far the robot has turned is what its slips and pivots add up to. The feet that come down pull for a step, which
     // loses some of it: 2 % were measured.
     let (turn, truth) = (fast.final_base_rpy[2], exact.final_base_rpy[2]);

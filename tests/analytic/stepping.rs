@@ -305,3 +305,21 @@ fn a_humanoid_stands_as_with_exact_and_the_floor_carries_it() {
         assert!((carried / weight - 1.0).abs() < 1e-3, "{contact}: {carried} {weight}");
     }
 }
+
+/// A push of half-sine profile that lasts one, two or five steps carries its impulse into a flying block. Midpoint sums of a half-sine
+/// over n steps are (pi / 2n) / sin(pi / 2n) of its integral.
+#[test]
+fn a_short_push_carries_its_impulse() {
+    for n in [1, 2, 5, 50] {
+        let duration = 1e-3 * f64::from(n);
+        let force = 0.5 * std::f64::consts::PI / duration;
+        let m = run(&format!(
+            "duration = 0.1\ngravity = [0, 0, 0]\nintegrator = {{ method = \"semi-implicit\", step = 1e-3 }}
+            robot = {{ model = \"robots/block/block.toml\", base = {{ position = [0, 0, 1] }} }}
+            force = [{{ type = \"push\", link = \"block\", force = [{force:?}, 0, 0], start = 0.02, duration = {duration:?}, profile = \"half-sine\" }}]"
+        ));
+        let x = std::f64::consts::PI / (2.0 * f64::from(n));
+        // 1 N s on 1 kg. The steps' instants are sums of 1e-3 s, off by rounding.
+        assert!((m.final_base_velocity[0] - x / x.sin()).abs() < 1e-9, "{n}: {}", m.final_base_velocity[0]);
+    }
+}
