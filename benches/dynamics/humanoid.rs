@@ -13,6 +13,7 @@ pub fn humanoid([leg, arm, torso]: [usize; 3]) -> Model {
         joints: vec![],
         soles: vec![],
         end_effectors: vec![],
+        sensors: Default::default(),
         home: vec![],
     };
     model.links.push(link(None, 0, 10.0));

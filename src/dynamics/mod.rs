@@ -17,6 +17,7 @@
 
 pub mod aba;
 pub mod body;
+pub mod chain;
 pub mod crba;
 pub mod factor;
 pub mod force;

@@ -33,6 +33,11 @@ impl State {
         }
     }
 
+    /// Velocities of the joints, rad/s or m/s.
+    pub fn rates(&self) -> &[f64] {
+        &self.v[self.v.len() - self.joints.len()..]
+    }
+
     /// Becomes a copy of `other` (of the same model) without allocating.
     pub fn copy_from(&mut self, other: &State) {
         self.time = other.time;

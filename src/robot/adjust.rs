@@ -201,24 +201,24 @@ pub fn add_payload(
     position: Vector3<f64>,
     inertia: [f64; 6],
 ) -> Result<(), RobotError> {
-    let (link, load) = load_on(model, link, mass, Translation3::from(position).into(), inertia)?;
-    let target = &mut model.links[link.0];
+    let (id, frame) = find_link(model, link)?;
+    let load = load_in(&frame, link, mass, Translation3::from(position).into(), inertia)?;
+    let target = &mut model.links[id.0];
     target.set_body(&target.body().plus(&load));
     Ok(())
 }
 
-/// A load on the link named `link`, as seen from the internal frame of the link that carries it: mass (kg), pose of its
-/// centre of mass and axes in the named link's URDF frame, and inertia `[ixx, iyy, izz, ixy, ixz, iyz]` (kg m^2) in those
-/// axes. The model stays as it is. Errors: as [`add_payload`].
-pub fn load_on(
-    model: &Model,
-    link: &str,
+/// A load in the frame called `name` that has the pose `frame` in the link that carries it, as seen from that link's internal
+/// frame: mass (kg), pose of its centre of mass and axes in the named frame, and inertia `[ixx, iyy, izz, ixy, ixz, iyz]`
+/// (kg m^2) in those axes. Errors: [`RobotError::BadValue`] for what no body can have.
+pub fn load_in(
+    frame: &Isometry3<f64>,
+    name: &str,
     mass: f64,
     pose: Isometry3<f64>,
     inertia: [f64; 6],
-) -> Result<(LinkId, RigidInertia), RobotError> {
-    let (id, frame) = find_link(model, link)?;
-    let subject = |what: &str| format!("{what} of the payload on link `{link}`");
+) -> Result<RigidInertia, RobotError> {
+    let subject = |what: &str| format!("{what} of the payload on `{name}`");
     if !(mass.is_finite() && mass > 0.0) {
         return Err(bad(subject("mass"), mass, "a finite number above 0"));
     }
@@ -237,7 +237,7 @@ pub fn load_on(
         return Err(bad(subject("inertia"), moments_text(moments), wanted));
     }
     let load = RigidInertia { mass, com: Vector3::zeros(), tensor };
-    Ok((id, load.moved(&(frame * pose))))
+    Ok(load.moved(&(frame * pose)))
 }
 
 fn find_link(model: &Model, name: &str) -> Result<(LinkId, Isometry3<f64>), RobotError> {

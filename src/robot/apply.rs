@@ -6,7 +6,7 @@ use toml::Spanned;
 use super::adjust::{DriveSettings, SoleSpec, link_names, make_sole, set_drive};
 use super::error::RobotError;
 use super::file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
-use super::model::{DriveMode, EndEffector, JointKind, LinkId, Model};
+use super::model::{DriveMode, EndEffector, JointKind, LinkId, Model, Mount, SensorFrame};
 use super::notice::Notices;
 use super::payload;
 use super::posture::link_poses;
@@ -27,6 +27,7 @@ pub(super) fn apply(
         given_soles(soles, source, model, notices)?;
     }
     end_effectors(file, source, model)?;
+    sensors(file, source, model)?;
     not_used_yet(file, source, model, notices)
 }
 
@@ -42,6 +43,33 @@ fn end_effectors(file: &RobotFile, source: &Source, model: &mut Model) -> Result
         model.end_effectors.push(EndEffector { name: frame.name.clone(), link, pose });
     }
     Ok(())
+}
+
+fn sensors(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
+    let Some(sensors) = file.sensors.as_ref().map(Spanned::get_ref) else { return Ok(()) };
+    model.sensors.imu = sensor_frames(&sensors.imu, "IMU", source, model)?;
+    model.sensors.force = sensor_frames(&sensors.force, "force sensor", source, model)?;
+    Ok(())
+}
+
+fn sensor_frames(
+    frames: &[Spanned<Frame>],
+    kind: &str,
+    source: &Source,
+    model: &Model,
+) -> Result<Vec<SensorFrame>, RobotError> {
+    let mut made: Vec<SensorFrame> = Vec::new();
+    for entry in frames {
+        let frame = entry.get_ref();
+        let element = format!("{kind} `{}`", frame.name);
+        if made.iter().any(|other| other.name == frame.name) {
+            let fault = source.fault(entry.span(), format!("there are two {kind}s named `{}`", frame.name));
+            return Err(fault.element(element).wanted("a name of its own").invalid());
+        }
+        let (link, pose) = frame_pose(frame, &element, source, model)?;
+        made.push(SensorFrame { name: frame.name.clone(), mount: Mount { link, pose } });
+    }
+    Ok(made)
 }
 
 /// The carrying link and the frame's pose in its internal frame.
@@ -231,15 +259,24 @@ fn given_soles(
     Ok(())
 }
 
+/// Tells of force sensors that are not read: those on a link without a sole, and all but the first on one with. To be asked
+/// when the soles are known.
+pub(super) fn unread_force_sensors(file: &RobotFile, source: &Source, model: &Model, notices: &mut Notices) {
+    let entries = file.sensors.iter().flat_map(|s| &s.get_ref().force);
+    for (i, (entry, sensor)) in entries.zip(&model.sensors.force).enumerate() {
+        let link = sensor.mount.link;
+        let first = model.sensors.force[..i].iter().find(|other| other.mount.link == link);
+        let why = match first {
+            Some(first) => format!("`{}` is on the same link", first.name),
+            None if model.soles.iter().any(|sole| sole.link == link) => continue,
+            None => format!("link `{}` has no sole", model.links[link.0].name),
+        };
+        notices.info(source, entry.span().start, format!("force sensor `{}` is not read: {why}", sensor.name));
+    }
+}
+
 /// Parts of the file that are checked but that nothing reads yet.
 fn not_used_yet(file: &RobotFile, source: &Source, model: &Model, notices: &mut Notices) -> Result<(), RobotError> {
-    let frame =
-        |frame: &Frame, kind: &str| frame_pose(frame, &format!("{kind} `{}`", frame.name), source, model).map(|_| ());
-    if let Some(sensors) = &file.sensors {
-        sensors.get_ref().imu.iter().try_for_each(|f| frame(f, "imu"))?;
-        sensors.get_ref().force.iter().try_for_each(|f| frame(f, "force sensor"))?;
-        notices.info(source, sensors.span().start, "[sensors] is checked but not used yet");
-    }
     if let Some(entry) = &file.self_collision {
         let bodies = entry.get_ref().bodies.iter().flatten();
         for name in bodies.chain(entry.get_ref().ignore.iter().flatten()) {

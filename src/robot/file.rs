@@ -225,12 +225,14 @@ pub struct Frame {
 #[derive(Deserialize, JsonSchema, Debug)]
 #[serde(deny_unknown_fields)]
 pub struct Sensors {
-    /// Inertial measurement units.
+    /// Inertial measurement units; a scenario reads the first one unless it names another.
     #[serde(default)]
-    pub imu: Vec<Frame>,
-    /// Force and torque sensors.
+    #[schemars(with = "Vec<Frame>")]
+    pub imu: Vec<Spanned<Frame>>,
+    /// Force and torque sensors; those on a link with a sole are read.
     #[serde(default)]
-    pub force: Vec<Frame>,
+    #[schemars(with = "Vec<Frame>")]
+    pub force: Vec<Spanned<Frame>>,
 }
 
 /// Which bodies are watched for touching each other.

@@ -17,6 +17,7 @@ pub fn inspect(robot: &Robot) -> String {
     let _ = links(&mut out, &robot.model);
     let _ = joints(&mut out, &robot.model);
     let _ = soles(&mut out, &robot.model);
+    let _ = frames(&mut out, &robot.model);
     let _ = notices(&mut out, robot);
     out
 }
@@ -120,6 +121,27 @@ fn soles(out: &mut String, model: &Model) -> std::fmt::Result {
         let back = link.urdf_frame.inverse();
         let polygon: Vec<String> = sole.vertices.iter().map(|v| vector(&(back * Point3::from(*v)).coords)).collect();
         writeln!(out, "  {:<20} on {}: {}", sole.name, link.name, polygon.join(" "))?;
+    }
+    Ok(())
+}
+
+/// End effectors and sensors; nothing when there are none.
+fn frames(out: &mut String, model: &Model) -> std::fmt::Result {
+    let effectors = model.end_effectors.iter().map(|e| ("end effector", &e.name, e.link, &e.pose));
+    let imus = model.sensors.imu.iter().map(|s| ("IMU", &s.name, s.mount.link, &s.mount.pose));
+    let forces = model.sensors.force.iter().map(|s| ("force sensor", &s.name, s.mount.link, &s.mount.pose));
+    let frames: Vec<_> = effectors.chain(imus).chain(forces).collect();
+    if frames.is_empty() {
+        return Ok(());
+    }
+    writeln!(out, "\nframes ({}): origin m, roll pitch yaw rad, in the link's frame", frames.len())?;
+    for (kind, name, link, pose) in frames {
+        let link = &model.links[link.0];
+        let own = link.urdf_frame.inverse() * pose;
+        let (roll, pitch, yaw) = own.rotation.euler_angles();
+        let (origin, rpy) = (vector(&own.translation.vector), vector(&Vector3::new(roll, pitch, yaw)));
+        let called = format!("{kind} {name}");
+        writeln!(out, "  {called:<26} on {}: {origin}, rpy {rpy}", link.name)?;
     }
     Ok(())
 }

@@ -109,6 +109,9 @@ fn assemble(
     if !soles_given {
         find::find_soles(&mut model, &urdf, &mut notices);
     }
+    if let Some((source, file)) = &file {
+        apply::unread_force_sensors(file, source, &model, &mut notices);
+    }
     // Soles are found on the meshes as they stand.
     hull::simplify_meshes(&mut model, &urdf, &mut notices);
     files.push((urdf.path().to_owned(), urdf.text().as_bytes().to_vec()));

@@ -228,6 +228,33 @@ pub struct EndEffector {
     pub pose: Isometry3<f64>,
 }
 
+/// A place on a link.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Mount {
+    /// Carrying link.
+    pub link: LinkId,
+    /// Pose in the carrying link's **internal** frame.
+    pub pose: Isometry3<f64>,
+}
+
+/// A sensor with a frame of its own.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SensorFrame {
+    /// Name, unique among the robot's sensors of its kind.
+    pub name: String,
+    /// Where it is.
+    pub mount: Mount,
+}
+
+/// Frames of the robot's sensors, in file order.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct SensorFrames {
+    /// Inertial measurement units.
+    pub imu: Vec<SensorFrame>,
+    /// Force-torque sensors.
+    pub force: Vec<SensorFrame>,
+}
+
 /// A robot: immutable after loading and shared by all threads.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Model {
@@ -243,6 +270,8 @@ pub struct Model {
     pub soles: Vec<Sole>,
     /// End effectors, in file order.
     pub end_effectors: Vec<EndEffector>,
+    /// Sensors that have a frame of their own.
+    pub sensors: SensorFrames,
     /// Home posture, one number per joint.
     pub home: Vec<f64>,
 }

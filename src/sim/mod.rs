@@ -13,6 +13,7 @@ mod fixed;
 mod freeze;
 mod guide;
 mod imposed;
+pub mod imu;
 mod jam;
 mod lag;
 pub mod layout;

@@ -73,9 +73,9 @@ pub struct EstimateSnapshot {
     pub load: Vec<f64>,
     /// Orientation read.
     pub orientation: UnitQuaternion<f64>,
-    /// Angular velocity read, base axes.
+    /// Angular velocity of the IMU read, its axes.
     pub angular_velocity: Vector3<f64>,
-    /// Specific force read, base axes.
+    /// Specific force at the IMU read, its axes.
     pub specific_force: Vector3<f64>,
     /// Force and moment about the centroid read at each sole.
     pub soles: Vec<(Vector3<f64>, Vector3<f64>)>,

@@ -2,6 +2,7 @@
 
 use super::change::Change;
 use super::estimate::EstimatorSetup;
+use super::imu::Imu;
 use super::loads::Load;
 use super::patch::Patch;
 use super::sensors::SensorErrors;
@@ -143,6 +144,8 @@ pub struct Setup {
     pub loads: Vec<Load>,
     /// Errors of the sensors; none: they tell the truth.
     pub sensors: Option<SensorErrors>,
+    /// Where the IMU is.
+    pub imu: Imu,
     /// Where tasks have the base's state from.
     pub estimator: EstimatorSetup,
     /// Seed of all random numbers drawn while running.

@@ -154,8 +154,8 @@ impl Simulation {
             // Nor does one have to be let into it: what a vertex may accelerate downwards only covers rounding.
             tolerances.acceleration = tolerances.acceleration.min(SINKING);
         }
-        let sensors = Sensors::new(&plant, setup.sensors, setup.tasks.period(), setup.seed);
-        let estimator = Estimator::new(&setup.estimator, &model, setup.gravity);
+        let sensors = Sensors::new(&plant, setup.sensors, setup.imu, setup.tasks.period(), setup.seed);
+        let estimator = Estimator::new(&setup.estimator, &model, setup.imu, setup.gravity);
         let mut snapshot = super::observe::blank(&model);
         if setup.sensors.is_some() || estimator.estimates() {
             setup.tasks.tick_always();

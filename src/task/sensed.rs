@@ -12,11 +12,11 @@ pub struct Sensed {
     pub velocity: Vec<f64>,
     /// Joint loads: the efforts of the actuators, N m or N.
     pub load: Vec<f64>,
-    /// Orientation of the base, world from base.
+    /// Orientation of the IMU (the base, where the robot has none), world from IMU.
     pub orientation: UnitQuaternion<f64>,
-    /// Angular velocity of the base in its own axes, rad/s.
+    /// Angular velocity of the IMU in its own axes, rad/s.
     pub angular_velocity: Vector3<f64>,
-    /// Specific force at the base's origin in its own axes, m/s^2: acceleration less free fall, at rest 9.81 upwards.
+    /// Specific force at the IMU's origin in its own axes, m/s^2: acceleration less free fall, at rest 9.81 upwards.
     pub specific_force: Vector3<f64>,
     /// What the floor does to each sole, in the model's order; brought up to date only in ticks at which a task needs
     /// [`super::Needs::LOADS`]. Zero at the first tick, when no forces are known yet.

@@ -2,6 +2,7 @@
 
 mod carried_object;
 mod drag;
+mod end_effector;
 mod ramp;
 mod random_pushes;
 mod spring;

@@ -14,6 +14,7 @@ fn fixed(name: &str) -> Model {
         joints: vec![],
         soles: vec![],
         end_effectors: vec![],
+        sensors: Default::default(),
         home: vec![],
     }
 }

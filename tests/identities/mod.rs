@@ -1,6 +1,7 @@
 //! Truths that hold for every robot and state, checked on seeded random trees.
 
 pub mod allocations;
+mod chain;
 mod closed_forms;
 mod conservation;
 mod contact_reduction;

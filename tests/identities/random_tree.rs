@@ -104,6 +104,7 @@ pub fn tree(seed: u64, joints: usize, base: Base) -> Model {
         joints: vec![],
         soles: vec![],
         end_effectors: vec![],
+        sensors: Default::default(),
         home: vec![0.0; joints],
     };
     for i in 0..joints {

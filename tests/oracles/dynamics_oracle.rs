@@ -108,6 +108,7 @@ impl Oracle {
             joints: vec![],
             soles: vec![],
             end_effectors: vec![],
+            sensors: Default::default(),
             home: vec![0.0; bodies.len() - 1],
         };
         // Oracle's link frame from our internal frame.

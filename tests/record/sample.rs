@@ -122,6 +122,7 @@ pub fn model() -> Model {
             Sole { name: "toe".into(), link: LinkId(2), vertices: vec![Vector3::new(0.0, 0.0, -0.03)] },
         ],
         end_effectors: vec![],
+        sensors: Default::default(),
         home: vec![0.0, 0.0],
     }
 }

@@ -87,6 +87,24 @@ const CASES: &[(&str, &str, usize, &str)] = &[
         16,
         "unknown link",
     ),
+    (
+        "mode = \"passive\"",
+        "mode = \"passive\"\n[sensors]\nimu = [{ name = \"i\", link = \"foot\" }, { name = \"i\", link = \"cart\" }]",
+        16,
+        "there are two IMUs named `i`",
+    ),
+    (
+        "mode = \"passive\"",
+        "mode = \"passive\"\n[sensors]\nimu = [{ name = \"i\", link = \"foot\", position = [0, nan, 0] }]",
+        16,
+        "position of IMU `i` is not finite",
+    ),
+    (
+        "mode = \"passive\"",
+        "mode = \"passive\"\n[sensors]\nimu = [{ name = \"i\", lnk = \"foot\" }]",
+        16,
+        "did you mean `link`?",
+    ),
     ("[home]", "kinematic = [\"eye_*\"]\n[home]", 3, "no moving joint of the URDF matches `eye_*`"),
     ("[home]", "kinematic = [\"sl*\", \"kne\"]\n[home]", 3, "did you mean `knee`?"),
     ("[home]", "kinematic = [\"k*\"]\n[home]", 11, "joint `knee` is matched by `k*` of `kinematic`"),
@@ -147,14 +165,44 @@ fn end_effectors_are_frames_of_their_links() {
 }
 
 #[test]
-fn parts_not_used_yet_are_told() {
-    let more = "[[end_effector]]\nname = \"tip\"\nlink = \"foot\"\n[sensors]\nimu = [{ name = \"i\", link = \"base\" }]\n[self_collision]\nbodies = [\"foot\"]\n";
+fn imus_are_frames_of_their_links_and_are_shown() {
+    let more = "[sensors]\nimu = [{ name = \"head\", link = \"cart\" },\n\
+                { name = \"leg\", link = \"foot\", position = [0.1, 0.2, 0.3], rpy = [\"90 deg\", 0, 0.5] }]\n";
     let robot = load_toml(&format!("{GOOD}{more}"), &urdf()).unwrap();
-    for part in ["[sensors]", "[self_collision]"] {
-        let notice =
-            robot.notices.iter().find(|n| n.message.contains(part)).unwrap_or_else(|| panic!("{part} is silent"));
-        assert!(notice.message.contains("not used yet") && notice.line > 14, "{notice}");
-    }
+    let [head, leg] = &robot.model.sensors.imu[..] else { panic!("{:?}", robot.model.sensors) };
+    assert_eq!((head.name.as_str(), leg.name.as_str()), ("head", "leg"));
+    let (link, frame) = robot.model.link("foot").unwrap();
+    assert_eq!(leg.mount.link, link);
+    let own = frame.inverse() * leg.mount.pose;
+    assert!((own.translation.vector - Vector3::new(0.1, 0.2, 0.3)).norm() < 1e-15);
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.5)
+        * Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
+    assert!((own.rotation.to_rotation_matrix().matrix() - turn.matrix()).norm() < 1e-15);
+    assert!(robot.notices.is_empty(), "{:?}", robot.notices);
+    let shown = stiction::robot::inspect(&robot);
+    assert!(shown.contains("frames (2)") && shown.contains("IMU leg"), "{shown}");
+    assert!(shown.contains("on foot: [0.1 0.2 0.3], rpy [1.5708 0 0.5]"), "{shown}");
+}
+
+#[test]
+fn parts_not_used_yet_are_told() {
+    let more = "[[end_effector]]\nname = \"tip\"\nlink = \"foot\"\n[self_collision]\nbodies = [\"foot\"]\n";
+    let robot = load_toml(&format!("{GOOD}{more}"), &urdf()).unwrap();
+    let part = "[self_collision]";
+    let notice = robot.notices.iter().find(|n| n.message.contains(part)).unwrap_or_else(|| panic!("{part} is silent"));
+    assert!(notice.message.contains("not used yet") && notice.line > 14, "{notice}");
+}
+
+#[test]
+fn force_sensors_are_read_on_links_with_a_sole_only() {
+    let more = "[sensors]\nforce = [{ name = \"a\", link = \"foot\", position = [0, 0, 0.1] },\n\
+                { name = \"b\", link = \"foot\" },\n{ name = \"c\", link = \"base\" }]\n";
+    let robot = load_toml(&format!("{GOOD}{more}"), &urdf()).unwrap();
+    let told: Vec<String> = robot.notices.iter().map(ToString::to_string).collect();
+    assert_eq!(told.len(), 2, "{told:?}");
+    assert!(told[0].contains("`b` is not read: `a` is on the same link") && robot.notices[0].line == 17, "{told:?}");
+    assert!(told[1].contains("`c` is not read: link `base` has no sole") && robot.notices[1].line == 18, "{told:?}");
+    assert!(stiction::robot::inspect(&robot).contains("force sensor a"));
 }
 
 #[test]

@@ -230,13 +230,13 @@ pub struct Estimate {
     /// Joint loads read, N m or N.
     #[prost(double, repeated, tag = "9")]
     pub load: Vec<f64>,
-    /// Orientation read.
+    /// Orientation of the IMU read.
     #[prost(message, optional, tag = "10")]
     pub orientation: Option<Quaternion>,
-    /// Angular velocity read, base axes, rad/s.
+    /// Angular velocity of the IMU read, its axes, rad/s.
     #[prost(message, optional, tag = "11")]
     pub angular_velocity: Option<Vector3>,
-    /// Specific force read, base axes, m/s^2.
+    /// Specific force at the IMU read, its axes, m/s^2.
     #[prost(message, optional, tag = "12")]
     pub specific_force: Option<Vector3>,
     /// Forces and moments read, one per sole.

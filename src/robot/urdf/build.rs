@@ -48,7 +48,8 @@ pub(super) fn build(
     let Parts { links, joints, .. } = parts;
     let home = vec![0.0; joints.len()];
     let name = tree.robot.name.clone();
-    let model = Model { name, base: root.base, links, joints, soles: Vec::new(), end_effectors: Vec::new(), home };
+    let (soles, end_effectors, sensors) = Default::default();
+    let model = Model { name, base: root.base, links, joints, soles, end_effectors, sensors, home };
     Ok(Loaded { model, meshes: shapes.files, mimics: Vec::new() })
 }
 

@@ -1,11 +1,18 @@
 //! Rules for `[[force]]`.
 
 use super::Check;
-use crate::scenario::spec::force::{AnchorSpec, ForceSpec, Profile, RandomPushes};
+use crate::scenario::spec::force::{AnchorSpec, ForceSpec, Grip, Profile, RandomPushes};
 
 impl Check<'_> {
     /// `path` is the entry's, `end` the run's, s.
     pub(super) fn force(&mut self, path: &str, force: &ForceSpec, end: f64) {
+        match force.grip() {
+            Some(Grip { link: None, end_effector: None }) => self.error(path, "needs `link` or `end_effector`"),
+            Some(Grip { link: Some(_), end_effector: Some(_) }) => {
+                self.error(&format!("{path}.end_effector"), "has no meaning beside `link`: one of them says where");
+            }
+            _ => {}
+        }
         let start = match force {
             ForceSpec::Push(push) => push.start,
             ForceSpec::Constant(constant) => constant.start,

@@ -89,7 +89,7 @@ impl InertialSpec {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AccelerationSource {
-    /// The accelerometer at the base.
+    /// The accelerometer.
     #[default]
     Accelerometer,
     /// The sole forces, which accelerate the centre of mass; other forces go unnoticed.

@@ -12,6 +12,9 @@ const LONGEST: f64 = 10.0;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorsSpec {
+    /// Name of the robot's IMU that is read. Left out: the first of the robot file; without any, the base's own frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imu: Option<String>,
     /// Joint positions, rad or m.
     #[serde(skip_serializing_if = "SensorError::is_none")]
     pub joint_position: SensorError,
@@ -21,13 +24,13 @@ pub struct SensorsSpec {
     /// Joint loads, N m or N.
     #[serde(skip_serializing_if = "SensorError::is_none")]
     pub joint_load: SensorError,
-    /// Orientation of the base.
+    /// Orientation of the IMU.
     #[serde(skip_serializing_if = "OrientationError::is_none")]
     pub orientation: OrientationError,
-    /// Angular velocity of the base in its own axes, rad/s.
+    /// Angular velocity of the IMU in its own axes, rad/s.
     #[serde(skip_serializing_if = "SensorError::is_none")]
     pub gyroscope: SensorError,
-    /// Specific force at the base's origin in its own axes, m/s^2.
+    /// Specific force at the IMU's origin in its own axes, m/s^2.
     #[serde(skip_serializing_if = "SensorError::is_none")]
     pub accelerometer: SensorError,
     /// Components of the force on each sole, N.
@@ -39,7 +42,7 @@ pub struct SensorsSpec {
 }
 
 impl SensorsSpec {
-    /// Do all sensors tell the truth?
+    /// Does the scenario say nothing of sensors?
     pub fn is_none(&self) -> bool {
         *self == SensorsSpec::default()
     }
@@ -76,11 +79,11 @@ impl SensorError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OrientationError {
-    /// Standard deviation of the turn about each of the base's axes, white and normal, rad.
+    /// Standard deviation of the turn about each of the IMU's axes, white and normal, rad.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub noise: f64,
-    /// Constant turn in the base's axes, as a rotation vector, rad.
+    /// Constant turn in the IMU's axes, as a rotation vector, rad.
     #[serde(deserialize_with = "angles")]
     #[schemars(with = "[json::Angle; 3]")]
     pub bias: [f64; 3],

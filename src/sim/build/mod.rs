@@ -58,6 +58,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         forced: forced(run, &model, &mut errors),
     };
     let integrator = integrator(&s.integrator);
+    let imu = sensors::imu(run, &model, &mut errors);
     let estimator = sensors::estimator(run, &model, &mut errors);
     pairing::check(run, &mut errors);
     pairing::check_soles(run, &model, &mut errors);
@@ -82,6 +83,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         forces,
         loads,
         sensors: sensors::errors(&s.sensors),
+        imu,
         estimator,
         seed: s.seed,
         duration: s.duration,

@@ -1,7 +1,7 @@
 //! Where names of a scenario meet what the robot has.
 
 use crate::robot::{JointId, LinkId, Model, SoleId};
-use crate::scenario::{Diagnostic, Run, suggest};
+use crate::scenario::{Diagnostic, ForceSpec, Run, suggest};
 use nalgebra::Isometry3;
 
 /// Joint numbers of named values; unknown names are errors at their keys under `path`.
@@ -46,6 +46,36 @@ pub(super) fn link(
         errors.push(run.error_at(path, message, Some(help)));
     }
     found
+}
+
+/// A frame that a force acts in.
+pub(super) struct Held {
+    /// Name of its link or end effector.
+    pub name: String,
+    /// The carrying link.
+    pub link: LinkId,
+    /// Its pose in the carrying link's internal frame.
+    pub pose: Isometry3<f64>,
+}
+
+/// The frame of the link or end effector that the force entry `i` names; an unknown one is an error at its place.
+pub(super) fn held(model: &Model, run: &Run, i: usize, spec: &ForceSpec, errors: &mut Vec<Diagnostic>) -> Option<Held> {
+    let grip = spec.grip()?;
+    if let Some(name) = grip.link {
+        let (link, pose) = link(model, run, &format!("force.{i}.link"), name, errors)?;
+        return Some(Held { name: name.to_owned(), link, pose });
+    }
+    let name = grip.end_effector?;
+    let found = model.end_effectors.iter().find(|e| e.name == name);
+    if found.is_none() {
+        let help = match model.end_effectors.is_empty() {
+            true => "its robot file gives none: see `[[end_effector]]` there".to_owned(),
+            false => suggest(name, model.end_effectors.iter().map(|e| e.name.as_str())),
+        };
+        let message = format!("the robot `{}` has no end effector `{name}`", model.name);
+        errors.push(run.error_at(&format!("force.{i}.end_effector"), message, Some(help)));
+    }
+    found.map(|e| Held { name: name.to_owned(), link: e.link, pose: e.pose })
 }
 
 /// Numbers of named soles; unknown and repeated names are errors at their places under `path`.

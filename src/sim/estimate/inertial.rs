@@ -1,15 +1,16 @@
 //! `inertial`: gyroscope and acceleration integrated.
 //!
-//! Over a period T between ticks k-1 and k, with the gyroscope's omega and the specific force f in base axes,
+//! Over a period T between ticks k-1 and k, with the gyroscope's omega and the specific force f in the axes of the IMU,
+//! the IMU's own orientation R, position p and velocity v follow
 //!
 //! ```text
 //! R_k = R_{k-1} exp(T (omega_{k-1} + omega_k) / 2)        R_mid = R_{k-1} exp(T (omega_{k-1} + omega_k) / 4)
 //! a = R_mid f_k + g        p_k = p_{k-1} + T v_{k-1} + T^2 a / 2        v_k = v_{k-1} + T a
 //! ```
 //!
-//! of second order in T; `f_k` is the mean over the period (see [`crate::sim::sensors`]), so that velocity changes at
-//! impacts are kept. By soles, as the paper's section II integrates gyroscopes and force plates, the centre of mass is
-//! integrated instead,
+//! and the base is where the joints between the two, as sensed, put it. This is of second order in T; `f_k` is
+//! the mean over the period (see [`crate::sim::sensors`]), so that velocity changes at impacts are kept. By soles, as the
+//! paper's section II integrates gyroscopes and force plates, the centre of mass is integrated instead,
 //!
 //! ```text
 //! a = (F_{k-1} + F_k) / 2m + g        F = sum of the forces on the soles
@@ -18,6 +19,8 @@
 //! and the base follows from it and the joints; forces elsewhere, and impacts between ticks, are not seen. Nothing holds
 //! either to the floor: errors of the readings add up.
 
+use super::{Imu, put_base};
+use crate::dynamics::chain::FrameMotion;
 use crate::dynamics::{State, Workspace, body, kinematics};
 use crate::robot::Model;
 use crate::task::Sensed;
@@ -27,6 +30,10 @@ pub(super) struct Inertial {
     by_soles: bool,
     gravity: Vector3<f64>,
     mass: f64,
+    imu: Imu,
+    /// How the IMU moves.
+    frame: FrameMotion,
+    /// What the gyroscope read at the last tick.
     omega: Vector3<f64>,
     /// Sum of the sole forces at the last tick; none at the first, when they are not known yet.
     force: Option<Vector3<f64>>,
@@ -39,8 +46,11 @@ pub(super) struct Inertial {
 }
 
 impl Inertial {
-    pub fn new(model: &Model, gravity: Vector3<f64>, by_soles: bool) -> Self {
+    pub fn new(model: &Model, imu: Imu, gravity: Vector3<f64>, by_soles: bool) -> Self {
+        let relative = State::home(model);
         Inertial {
+            imu,
+            frame: imu.motion(model, &relative),
             by_soles,
             gravity,
             mass: model.mass(),
@@ -49,12 +59,13 @@ impl Inertial {
             com: Vector3::zeros(),
             com_velocity: Vector3::zeros(),
             ws: Workspace::new(model),
-            relative: State::home(model),
+            relative,
         }
     }
 
     pub fn begin(&mut self, model: &Model, state: &State, sensed: &Sensed) {
         self.omega = sensed.angular_velocity;
+        self.frame = self.imu.motion(model, state);
         let (c, u) = self.com_from_base(model, state);
         self.com = state.position + c;
         self.com_velocity = Vector3::from_column_slice(&state.v[..3]) + u;
@@ -64,16 +75,18 @@ impl Inertial {
     pub fn update(&mut self, model: &Model, sensed: &Sensed, dt: f64, out: &mut State) {
         let mean = (self.omega + sensed.angular_velocity) * 0.5;
         self.omega = sensed.angular_velocity;
-        let middle = out.rotation * UnitQuaternion::from_scaled_axis(mean * (0.5 * dt));
-        out.rotation *= UnitQuaternion::from_scaled_axis(mean * dt);
-        out.rotation.renormalize();
-        let omega = out.rotation * sensed.angular_velocity;
-        out.v[3..6].copy_from_slice(omega.as_slice());
+        let frame = &mut self.frame;
+        let middle = frame.rotation * UnitQuaternion::from_scaled_axis(mean * (0.5 * dt));
+        frame.rotation *= UnitQuaternion::from_scaled_axis(mean * dt);
+        frame.rotation.renormalize();
+        frame.omega = frame.rotation * sensed.angular_velocity;
         if !self.by_soles {
-            let velocity = Vector3::from_column_slice(&out.v[..3]);
             let a = middle * sensed.specific_force + self.gravity;
-            out.position += velocity * dt + a * (0.5 * dt * dt);
-            out.v[..3].copy_from_slice((velocity + a * dt).as_slice());
+            frame.position += frame.velocity * dt + a * (0.5 * dt * dt);
+            frame.velocity += a * dt;
+        }
+        put_base(&self.imu.base(model, out, &self.frame), out);
+        if !self.by_soles {
             return;
         }
         let force: Vector3<f64> = sensed.soles.iter().map(|s| s.force).sum();

@@ -1,8 +1,9 @@
 //! `kinematic`: the base hangs on the soles that stand still.
 //!
-//! With the measured orientation R, angular velocity omega and joints q, forward kinematics gives for each sole s the
-//! vector `r_s(R, q)` from the base's origin to the centroid of its vertices and the velocity `u_s(omega, q, q')` that the
-//! centroid has relative to it. A static sole has an anchor `a_s` in the world, so
+//! The IMU gives the orientation R of the base and its angular velocity omega, through the joints between the two as
+//! sensed. With these and the joints q, forward kinematics gives for each sole s the vector `r_s(R, q)` from the base's
+//! origin to the centroid of its vertices and the velocity `u_s(omega, q, q')` that the centroid has relative to it. A static
+//! sole has an anchor `a_s` in the world, so
 //!
 //! ```text
 //! p = sum w_s (a_s - r_s) / sum w_s        p' = - sum w_s u_s / sum w_s
@@ -15,6 +16,8 @@
 //! After the paper's section II: base orientation and joint angles combined with assumptions about which feet are static.
 //! A sole that slides under load carries the estimate with it.
 
+use super::Imu;
+use crate::dynamics::chain::FrameMotion;
 use crate::dynamics::{State, Workspace, jacobian, kinematics};
 use crate::robot::Model;
 use crate::task::Sensed;
@@ -24,6 +27,7 @@ pub(super) struct Kinematic {
     ws: Workspace,
     /// The estimate with its base at the origin and at rest.
     relative: State,
+    imu: Imu,
     gravity: Vector3<f64>,
     /// Load from which on a sole is static, N.
     threshold: f64,
@@ -43,11 +47,12 @@ struct Held {
 }
 
 impl Kinematic {
-    pub fn new(model: &Model, gravity: Vector3<f64>, threshold: f64, imposed: Option<Vec<bool>>) -> Self {
+    pub fn new(model: &Model, imu: Imu, gravity: Vector3<f64>, threshold: f64, imposed: Option<Vec<bool>>) -> Self {
         let n = model.soles.len();
         Kinematic {
             ws: Workspace::new(model),
             relative: State::home(model),
+            imu,
             gravity,
             threshold,
             imposed,
@@ -71,9 +76,13 @@ impl Kinematic {
 
     /// `out` holds the last estimate of the base and the joints as now sensed.
     pub fn update(&mut self, model: &Model, sensed: &Sensed, dt: f64, out: &mut State) {
-        out.rotation = sensed.orientation;
-        let omega = sensed.orientation * sensed.angular_velocity;
-        out.v[3..6].copy_from_slice(omega.as_slice());
+        let rotation = sensed.orientation;
+        // Only orientation and angular velocity are known of it.
+        let (position, velocity) = (Vector3::zeros(), Vector3::zeros());
+        let frame = FrameMotion { rotation, omega: rotation * sensed.angular_velocity, position, velocity };
+        let base = self.imu.base(model, out, &frame);
+        out.rotation = base.rotation;
+        out.v[3..6].copy_from_slice(base.omega.as_slice());
         self.place(model, out);
         let up = -self.gravity.try_normalize(0.0).unwrap_or(-Vector3::z());
         for (s, sole) in self.soles.iter_mut().enumerate() {

@@ -6,7 +6,9 @@
 mod inertial;
 mod kinematic;
 
+use super::imu::Imu;
 use crate::dynamics::State;
+use crate::dynamics::chain::FrameMotion;
 use crate::robot::Model;
 use crate::task::Sensed;
 use inertial::Inertial;
@@ -38,6 +40,13 @@ enum Kind {
     Inertial(Box<Inertial>),
 }
 
+/// Sets the base of a floating robot.
+fn put_base(base: &FrameMotion, out: &mut State) {
+    (out.position, out.rotation) = (base.position, base.rotation);
+    out.v[..3].copy_from_slice(base.velocity.as_slice());
+    out.v[3..6].copy_from_slice(base.omega.as_slice());
+}
+
 /// An estimator and what it holds true.
 pub struct Estimator {
     kind: Kind,
@@ -47,14 +56,16 @@ pub struct Estimator {
 }
 
 impl Estimator {
-    /// Prepares an estimator; allocates all it needs.
-    pub fn new(setup: &EstimatorSetup, model: &Model, gravity: Vector3<f64>) -> Self {
+    /// Prepares an estimator that knows where the IMU is; allocates all it needs.
+    pub fn new(setup: &EstimatorSetup, model: &Model, imu: Imu, gravity: Vector3<f64>) -> Self {
         let kind = match setup {
             EstimatorSetup::Truth => Kind::Truth,
             EstimatorSetup::Kinematic { load, soles } => {
-                Kind::Kinematic(Box::new(Kinematic::new(model, gravity, *load, soles.clone())))
+                Kind::Kinematic(Box::new(Kinematic::new(model, imu, gravity, *load, soles.clone())))
             }
-            EstimatorSetup::Inertial { by_soles } => Kind::Inertial(Box::new(Inertial::new(model, gravity, *by_soles))),
+            EstimatorSetup::Inertial { by_soles } => {
+                Kind::Inertial(Box::new(Inertial::new(model, imu, gravity, *by_soles)))
+            }
         };
         Estimator { kind, state: State::home(model), started: false }
     }

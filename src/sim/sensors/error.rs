@@ -19,9 +19,9 @@ pub struct ChannelError {
 /// Errors of a measured orientation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TurnError {
-    /// Standard deviation of the turn about each axis of the base, rad.
+    /// Standard deviation of the turn about each axis of the IMU, rad.
     pub noise: f64,
-    /// Constant turn, rotation vector in base axes, rad.
+    /// Constant turn, rotation vector in the IMU's axes, rad.
     pub bias: Vector3<f64>,
     /// Age of a reading, s.
     pub delay: f64,
@@ -36,11 +36,11 @@ pub struct SensorErrors {
     pub joint_velocity: ChannelError,
     /// Joint loads.
     pub joint_load: ChannelError,
-    /// Orientation of the base.
+    /// Orientation of the IMU.
     pub orientation: TurnError,
-    /// Angular velocity of the base.
+    /// Angular velocity of the IMU.
     pub gyroscope: ChannelError,
-    /// Specific force at the base.
+    /// Specific force at the IMU.
     pub accelerometer: ChannelError,
     /// Forces on the soles.
     pub sole_force: ChannelError,

@@ -8,26 +8,31 @@
 //!
 //! with `round_r` to whole multiples of the resolution r. Between ticks x is interpolated linearly; before the start it
 //! is what it was at the start. A measured orientation is `R(t_k - delay) exp(bias + sigma n_k)`, the exponential in the
-//! base's axes.
+//! axes of the IMU, whose frame is on a link (see [`Imu`]).
 //!
-//! The gyroscope reads the angular velocity in base axes at the tick. The accelerometer reads the mean specific force
+//! The gyroscope reads the angular velocity in the IMU's axes at the tick. The accelerometer reads the mean specific force
 //! since the last tick, as units that put out velocity increments do, so that impacts are in it:
 //!
 //! ```text
 //! f_k = R_mid^T ((v_k - v_{k-1}) / T - g)        R_mid half way between the orientations at the two ticks
 //! ```
+//!
+//! with v the velocity of the IMU's origin. Forces on soles are read by sensors of their own, see `wrench`.
 
 mod delay;
 mod error;
 mod truth;
 mod wrench;
 
+use super::imu::Imu;
 use super::plant::Plant;
+use crate::dynamics::chain::FrameMotion;
 use crate::random::Stream;
 use crate::task::Sensed;
 use delay::Delay;
 pub use error::{ChannelError, SensorErrors, TurnError};
 use nalgebra::{UnitQuaternion, Vector3};
+use wrench::ForceSensor;
 
 /// The sensors of one run.
 pub struct Sensors {
@@ -35,7 +40,8 @@ pub struct Sensors {
     faulty: Option<Box<Faulty>>,
     /// Readings of the last tick.
     pub readings: Sensed,
-    /// Time, velocity of the base's origin and orientation at the last tick.
+    imu: Imu,
+    /// Time, velocity of the IMU's origin and its orientation at the last tick.
     last: Option<(f64, Vector3<f64>, UnitQuaternion<f64>)>,
 }
 
@@ -50,13 +56,15 @@ struct Faulty {
     accelerometer: Delay,
     sole_force: Delay,
     sole_moment: Delay,
+    /// For each sole: its sensor, if that has a frame of its own.
+    frames: Vec<Option<ForceSensor>>,
     /// Forces, then moments of the soles, to be delayed.
     scratch: Vec<f64>,
 }
 
 impl Sensors {
     /// For a plant, read every `period` seconds; `errors` none when all sensors tell the truth.
-    pub fn new(plant: &Plant, errors: Option<SensorErrors>, period: f64, seed: u64) -> Self {
+    pub fn new(plant: &Plant, errors: Option<SensorErrors>, imu: Imu, period: f64, seed: u64) -> Self {
         let readings = Sensed::blank(&plant.model);
         let (nj, ns) = (plant.model.nj(), plant.model.soles.len());
         let faulty = errors.map(|e| {
@@ -70,21 +78,25 @@ impl Sensors {
                 accelerometer: delay(3, &e.accelerometer),
                 sole_force: delay(3 * ns, &e.sole_force),
                 sole_moment: delay(3 * ns, &e.sole_moment),
+                frames: plant.model.soles.iter().map(|sole| ForceSensor::under(&plant.model, sole)).collect(),
                 scratch: vec![0.0; 3 * ns],
                 stream: Stream::new(seed, &["sensors"]),
                 errors: e,
             })
         });
-        Sensors { faulty, readings, last: None }
+        Sensors { faulty, readings, imu, last: None }
     }
 
     /// Reads all sensors at the plant's present state, its time ahead of every earlier call; those of the soles only with
     /// `loads`.
     pub fn read(&mut self, plant: &mut Plant, loads: bool) {
         truth::read(plant, loads, &mut self.readings);
-        self.accelerate(plant);
+        let imu = self.imu.motion(&plant.model, &plant.state);
+        self.readings.orientation = imu.rotation;
+        self.readings.angular_velocity = imu.rotation.inverse() * imu.omega;
+        self.accelerate(plant, &imu);
         if let Some(faulty) = &mut self.faulty {
-            faulty.spoil(plant, &mut self.readings);
+            faulty.spoil(plant, &self.imu, &mut self.readings);
         }
     }
 
@@ -94,23 +106,22 @@ impl Sensors {
     }
 
     /// The accelerometer.
-    fn accelerate(&mut self, plant: &Plant) {
-        let state = &plant.state;
-        let v = if plant.model.nb() == 6 { Vector3::from_column_slice(&state.v[..3]) } else { Vector3::zeros() };
+    fn accelerate(&mut self, plant: &Plant, imu: &FrameMotion) {
+        let time = plant.state.time;
         let (mean, middle) = match self.last {
-            Some((t, before, rotation)) if state.time > t => {
-                ((v - before) / (state.time - t), rotation.slerp(&state.rotation, 0.5))
+            Some((t, before, rotation)) if time > t => {
+                ((imu.velocity - before) / (time - t), rotation.slerp(&imu.rotation, 0.5))
             }
             // The first reading: at rest.
-            _ => (Vector3::zeros(), state.rotation),
+            _ => (Vector3::zeros(), imu.rotation),
         };
         self.readings.specific_force = middle.inverse() * (mean - plant.gravity);
-        self.last = Some((state.time, v, state.rotation));
+        self.last = Some((time, imu.velocity, imu.rotation));
     }
 }
 
 impl Faulty {
-    fn spoil(&mut self, plant: &Plant, out: &mut Sensed) {
+    fn spoil(&mut self, plant: &Plant, imu: &Imu, out: &mut Sensed) {
         let (e, stream, now) = (&self.errors, &mut self.stream, plant.state.time);
         self.position.pass(now, &mut out.position);
         e.joint_position.spoil(&mut out.position, stream);
@@ -127,6 +138,11 @@ impl Faulty {
         if e.sole_force.is_none() && e.sole_moment.is_none() {
             return;
         }
+        let (model, state) = (&*plant.model, &plant.state);
+        for (sole, sensor) in out.soles.iter_mut().zip(&self.frames) {
+            let Some(sensor) = sensor else { continue };
+            sensor.enter(&sensor.orientation(model, &state.rotation, &state.joints, state.rates()), sole);
+        }
         let parts = [
             (&mut self.sole_force, &e.sole_force, wrench::force as wrench::Part),
             (&mut self.sole_moment, &e.sole_moment, wrench::moment),
@@ -140,6 +156,11 @@ impl Faulty {
             for (from, sole) in self.scratch.chunks_exact(3).zip(&mut out.soles) {
                 part(sole).copy_from_slice(from);
             }
+        }
+        let base = imu.base_orientation(model, &out.orientation, &out.position, &out.velocity);
+        for (sole, sensor) in out.soles.iter_mut().zip(&self.frames) {
+            let Some(sensor) = sensor else { continue };
+            sensor.leave(&sensor.orientation(model, &base, &out.position, &out.velocity), sole);
         }
         // Such a sensor does not know how the load is spread.
         out.soles.iter_mut().for_each(|sole| sole.resolved = false);

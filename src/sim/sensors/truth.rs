@@ -4,18 +4,14 @@ use crate::sim::plant::Plant;
 use crate::task::Sensed;
 use nalgebra::Vector3;
 
-/// Readings without any error: the plant's state and what its last evaluation found. The loads of the soles are read
-/// only on demand.
+/// Readings without any error, but those of the IMU: the plant's state and what its last evaluation found. The loads of the
+/// soles are read only on demand.
 pub(super) fn read(plant: &mut Plant, loads: bool, out: &mut Sensed) {
     let state = &plant.state;
     let nb = plant.model.nb();
     out.position.copy_from_slice(&state.joints);
     out.velocity.copy_from_slice(&state.v[nb..]);
     out.load.copy_from_slice(&plant.efforts);
-    out.orientation = state.rotation;
-    if nb == 6 {
-        out.angular_velocity = state.rotation.inverse() * Vector3::new(state.v[3], state.v[4], state.v[5]);
-    }
     if !loads {
         return;
     }

@@ -1,7 +1,19 @@
 //! Sole forces as a force-torque sensor tells them.
+//!
+//! A sensor with a frame of its own (origin o, orientation R) on the sole's link reads the floor's force F and its moment about
+//! o in its own axes; c is the mean of the sole's vertices, M the moment about it:
+//!
+//! ```text
+//! f = R^T F        m = R^T M + R^T (c - o) x f
+//! ```
+//!
+//! Its errors are errors of f and m. F and M are had back with the orientation that the IMU and the joints as sensed give
+//! the frame; `R^T (c - o)` is a constant of the link.
 
+use crate::dynamics::chain;
+use crate::robot::{Model, Mount, Sole};
 use crate::task::sensed::SoleLoad;
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 /// A part of what a sole's sensor reads.
 pub(super) type Part = fn(&mut SoleLoad) -> &mut Vector3<f64>;
@@ -14,4 +26,38 @@ pub(super) fn force(sole: &mut SoleLoad) -> &mut Vector3<f64> {
 /// The moment.
 pub(super) fn moment(sole: &mut SoleLoad) -> &mut Vector3<f64> {
     &mut sole.moment
+}
+
+/// A sensor with a frame of its own.
+pub(super) struct ForceSensor {
+    mount: Mount,
+    /// `R^T (c - o)`, m.
+    lever: Vector3<f64>,
+}
+
+impl ForceSensor {
+    /// The first one on the sole's link; none: the sole is read in world axes about the mean of its vertices.
+    pub fn under(model: &Model, sole: &Sole) -> Option<Self> {
+        let mount = model.sensors.force.iter().find(|f| f.mount.link == sole.link)?.mount;
+        let centroid = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len() as f64;
+        let lever = mount.pose.rotation.inverse() * (centroid - mount.pose.translation.vector);
+        Some(ForceSensor { mount, lever })
+    }
+
+    /// Orientation of its frame in the world, with that of the base and joint positions.
+    pub fn orientation(&self, model: &Model, base: &UnitQuaternion<f64>, q: &[f64], qd: &[f64]) -> UnitQuaternion<f64> {
+        base * chain::from_root(model, &self.mount, q, qd).rotation
+    }
+
+    /// From world axes and the mean of the vertices into the frame.
+    pub fn enter(&self, orientation: &UnitQuaternion<f64>, sole: &mut SoleLoad) {
+        sole.force = orientation.inverse() * sole.force;
+        sole.moment = orientation.inverse() * sole.moment + self.lever.cross(&sole.force);
+    }
+
+    /// And back.
+    pub fn leave(&self, orientation: &UnitQuaternion<f64>, sole: &mut SoleLoad) {
+        sole.moment = orientation * (sole.moment - self.lever.cross(&sole.force));
+        sole.force = orientation * sole.force;
+    }
 }

@@ -19,9 +19,9 @@ pub struct EstimateSeries {
     pub base_angular_velocity: Vec<Vector3<f64>>,
     /// Orientation read.
     pub orientation: Vec<UnitQuaternion<f64>>,
-    /// Angular velocity read, base axes, rad/s.
+    /// Angular velocity of the IMU read, its axes, rad/s.
     pub angular_velocity: Vec<Vector3<f64>>,
-    /// Specific force read, base axes, m/s^2.
+    /// Specific force at the IMU read, its axes, m/s^2.
     pub specific_force: Vec<Vector3<f64>>,
     /// The joints in the robot's order.
     pub joints: Vec<JointReadings>,

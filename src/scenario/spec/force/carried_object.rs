@@ -9,8 +9,12 @@ use crate::scenario::quantity::{angles, json, non_negative, positive, some_posit
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CarriedObject {
-    /// The link that holds it.
-    pub link: String,
+    /// The link that holds it; either this or `end_effector`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<String>,
+    /// The end effector of the robot file that holds it: its frame stands for the link's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_effector: Option<String>,
     /// Mass, kg.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]

@@ -10,8 +10,12 @@ use crate::scenario::quantity::{json, non_negative, some_positive};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConstantForce {
-    /// The link.
-    pub link: String,
+    /// The link; either this or `end_effector`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<String>,
+    /// The end effector of the robot file: its frame stands for the link's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_effector: Option<String>,
     /// Where it acts, in the link's frame, m.
     #[serde(default)]
     pub point: [f64; 3],

@@ -66,6 +66,32 @@ pub enum ForceFrame {
     /// The world's.
     #[default]
     World,
-    /// The link's, turning with it.
+    /// The link's, or the end effector's if one is named; turning with it.
     Link,
+}
+
+/// What an entry acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grip<'a> {
+    /// A link by name.
+    pub link: Option<&'a str>,
+    /// An end effector by name.
+    pub end_effector: Option<&'a str>,
+}
+
+impl ForceSpec {
+    /// The one link or end effector that the entry acts on, for types that act on one.
+    pub fn grip(&self) -> Option<Grip<'_>> {
+        let (link, end_effector) = match self {
+            ForceSpec::Push(push) => (&push.link, &push.end_effector),
+            ForceSpec::Constant(constant) => (&constant.link, &constant.end_effector),
+            ForceSpec::Ramp(ramp) => (&ramp.link, &ramp.end_effector),
+            ForceSpec::Spring(spring) => (&spring.link, &spring.end_effector),
+            ForceSpec::CarriedObject(object) => (&object.link, &object.end_effector),
+            ForceSpec::JointFriction(_) | ForceSpec::RandomPushes(_) | ForceSpec::Drag(_) | ForceSpec::Script(_) => {
+                return None;
+            }
+        };
+        Some(Grip { link: link.as_deref(), end_effector: end_effector.as_deref() })
+    }
 }

@@ -1,6 +1,6 @@
 //! `carried-object` from its entry.
 
-use super::names;
+use super::Held;
 use crate::robot::Model;
 use crate::robot::adjust;
 use crate::scenario::{CarriedObject, Diagnostic, ForceSpec, Run};
@@ -11,21 +11,23 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 pub(in crate::sim::build) fn loads(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Vec<Load> {
     let entries = run.scenario.force.iter().enumerate();
     let object = |(i, spec): (usize, &ForceSpec)| match spec {
-        ForceSpec::CarriedObject(object) => load(run, model, i, object, errors),
+        ForceSpec::CarriedObject(object) => {
+            let held = super::names::held(model, run, i, spec, errors)?;
+            load(run, i, held, object, errors)
+        }
         _ => None,
     };
     entries.filter_map(object).collect()
 }
 
-fn load(run: &Run, model: &Model, i: usize, spec: &CarriedObject, errors: &mut Vec<Diagnostic>) -> Option<Load> {
-    names::link(model, run, &format!("force.{i}.link"), &spec.link, errors)?;
+fn load(run: &Run, i: usize, held: Held, spec: &CarriedObject, errors: &mut Vec<Diagnostic>) -> Option<Load> {
     let [roll, pitch, yaw] = spec.rpy;
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
     let pose = Isometry3::from_parts(Translation3::from(spec.position), rotation);
-    match adjust::load_on(model, &spec.link, spec.mass, pose, spec.inertia) {
-        Ok((link, body)) => Some(Load {
-            name: spec.link.clone(),
-            link,
+    match adjust::load_in(&held.pose, &held.name, spec.mass, pose, spec.inertia) {
+        Ok(body) => Some(Load {
+            name: held.name,
+            link: held.link,
             body,
             velocity: spec.velocity.map(Into::into),
             from: spec.start,

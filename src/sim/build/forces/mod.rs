@@ -7,7 +7,8 @@ mod spring;
 
 pub(super) use load::loads;
 
-use super::{names, script};
+use super::names::{self, Held};
+use super::script;
 use crate::force::friction::JointFriction;
 use crate::force::profile::{Profile, Shape};
 use crate::force::wrench::Wrench;
@@ -23,22 +24,25 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
     let mut forces: Vec<Box<dyn Force>> = Vec::new();
     for (i, spec) in run.scenario.force.iter().enumerate() {
         match spec {
-            ForceSpec::Push(PushForce { link, point, force, moment, frame, start, duration, profile }) => {
+            ForceSpec::Push(PushForce { point, force, moment, frame, start, duration, profile, .. }) => {
                 let profile = Profile::new(shape(*profile), *start, *duration);
-                let made = wrench(run, model, i, link, [point, force, moment], *frame, profile, errors);
+                let made = wrench(run, model, (i, spec), [point, force, moment], *frame, profile, errors);
                 forces.extend(made);
             }
-            ForceSpec::Constant(ConstantForce { link, point, force, moment, frame, start, duration }) => {
+            ForceSpec::Constant(ConstantForce { point, force, moment, frame, start, duration, .. }) => {
                 let profile = span(*start, *duration);
-                let made = wrench(run, model, i, link, [point, force, moment], *frame, profile, errors);
+                let made = wrench(run, model, (i, spec), [point, force, moment], *frame, profile, errors);
                 forces.extend(made);
             }
-            ForceSpec::Ramp(RampForce { link, point, force, moment, frame, start, duration }) => {
+            ForceSpec::Ramp(RampForce { point, force, moment, frame, start, duration, .. }) => {
                 let profile = Profile::new(Shape::Ramp, *start, *duration);
-                let made = wrench(run, model, i, link, [point, force, moment], *frame, profile, errors);
+                let made = wrench(run, model, (i, spec), [point, force, moment], *frame, profile, errors);
                 forces.extend(made);
             }
-            ForceSpec::Spring(spec) => forces.extend(spring::spring(run, model, i, spec, errors)),
+            ForceSpec::Spring(spring) => {
+                let held = names::held(model, run, i, spec, errors);
+                forces.extend(held.map(|held| spring::spring(held, spring)));
+            }
             ForceSpec::RandomPushes(spec) => forces.extend(random_pushes::pushes(run, model, i, spec, errors)),
             ForceSpec::Drag(spec) => forces.extend(drag::drag(run, model, i, spec, errors)),
             ForceSpec::Script(spec) => {
@@ -85,20 +89,18 @@ fn friction(f: &crate::scenario::JointFriction) -> Friction {
     }
 }
 
-#[expect(clippy::too_many_arguments)]
 fn wrench(
     run: &Run,
     model: &Model,
-    i: usize,
-    link: &str,
+    (i, spec): (usize, &ForceSpec),
     [point, force, moment]: [&[f64; 3]; 3],
     frame: ForceFrame,
     profile: Profile,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Force>> {
-    let (id, pose) = names::link(model, run, &format!("force.{i}.link"), link, errors)?;
+    let Held { link, pose, .. } = names::held(model, run, i, spec, errors)?;
     Some(Box::new(Wrench {
-        link: id,
+        link,
         point: (pose * Point3::from(*point)).coords,
         force: (*force).into(),
         moment: (*moment).into(),

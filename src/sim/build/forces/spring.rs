@@ -1,26 +1,18 @@
 //! `spring` from its entry.
 
-use super::names;
+use super::Held;
 use crate::force::Force;
 use crate::force::anchor::{Anchor, Path};
 use crate::force::spring::{Hold, Spring};
-use crate::robot::Model;
-use crate::scenario::{AnchorSpec, Diagnostic, PathShape, Run, SpringForce};
+use crate::scenario::{AnchorSpec, PathShape, SpringForce};
 use nalgebra::Point3;
 
-/// The spring of entry `i`; a link that the robot does not have is an error at its place.
-pub(super) fn spring(
-    run: &Run,
-    model: &Model,
-    i: usize,
-    spec: &SpringForce,
-    errors: &mut Vec<Diagnostic>,
-) -> Option<Box<dyn Force>> {
-    let (link, pose) = names::link(model, run, &format!("force.{i}.link"), &spec.link, errors)?;
+/// The spring that is attached there.
+pub(super) fn spring(held: Held, spec: &SpringForce) -> Box<dyn Force> {
     let hold = Hold {
-        name: spec.link.clone(),
-        link,
-        point: (pose * Point3::from(spec.point)).coords,
+        point: (held.pose * Point3::from(spec.point)).coords,
+        name: held.name,
+        link: held.link,
         stiffness: spec.stiffness,
         damping: spec.damping,
         rest_length: spec.rest_length,
@@ -28,7 +20,7 @@ pub(super) fn spring(
     let AnchorSpec { position, waypoints, .. } = &spec.anchor;
     let anchor = Anchor { origin: position.unwrap_or_default().into(), start: spec.start, path: path(&spec.anchor) };
     let from_point = position.is_none() && waypoints.is_empty();
-    Some(Box::new(Spring::new(hold, anchor, from_point, spec.start, spec.duration.unwrap_or(f64::INFINITY))))
+    Box::new(Spring::new(hold, anchor, from_point, spec.start, spec.duration.unwrap_or(f64::INFINITY)))
 }
 
 fn path(spec: &AnchorSpec) -> Path {

@@ -1,0 +1,103 @@
+//! One frame on its chain of links: where it is and how it moves as seen from the root, without the rest of the tree.
+//!
+//! From the frame towards the root, p its origin, u and w the velocity of its origin and its angular velocity, all in axes
+//! of the link reached and relative to it; with R_i0 and d_i the joint's frame at position 0 in the parent:
+//!
+//! ```text
+//! u <- R (u + q' z x p)    w <- R (w + q' z)    p <- d_i + R p            R = R_i0 Rz(q)     revolute
+//! u <- R (u + q' z)        w <- R w             p <- d_i + R (p + q z)    R = R_i0           prismatic
+//! ```
+
+use super::state::State;
+use crate::robot::{JointKind, Model, Mount};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+/// A frame as seen from the root link, in its axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Root from frame.
+    pub rotation: UnitQuaternion<f64>,
+    /// Origin of the frame, m.
+    pub position: Vector3<f64>,
+    /// Velocity of that origin, m/s.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity of the frame, rad/s.
+    pub omega: Vector3<f64>,
+}
+
+/// `mount` at joint positions `q` (rad, m) and rates `qd`, one each per joint.
+pub fn from_root(model: &Model, mount: &Mount, q: &[f64], qd: &[f64]) -> Seen {
+    let mut rotation: Matrix3<f64> = mount.pose.rotation.to_rotation_matrix().into_inner();
+    let mut position = mount.pose.translation.vector;
+    let (mut velocity, mut omega) = (Vector3::zeros(), Vector3::zeros());
+    let mut at = mount.link;
+    while let Some(parent) = model.links[at.0].parent {
+        let (link, j) = (&model.links[at.0], at.0 - 1);
+        let z = Vector3::z();
+        let turn = match model.joints[j].kind {
+            JointKind::Revolute | JointKind::Continuous => {
+                velocity += (z * qd[j]).cross(&position);
+                omega += z * qd[j];
+                link.rotation * Rotation3::from_axis_angle(&Vector3::z_axis(), q[j]).into_inner()
+            }
+            JointKind::Prismatic => {
+                velocity += z * qd[j];
+                position += z * q[j];
+                link.rotation
+            }
+        };
+        (velocity, omega, rotation) = (turn * velocity, turn * omega, turn * rotation);
+        position = link.offset + turn * position;
+        at = parent;
+    }
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
+    Seen { rotation, position, velocity, omega }
+}
+
+/// How a frame moves, world axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameMotion {
+    /// World from frame.
+    pub rotation: UnitQuaternion<f64>,
+    /// Origin, m.
+    pub position: Vector3<f64>,
+    /// Velocity of the origin, m/s.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity, rad/s.
+    pub omega: Vector3<f64>,
+}
+
+impl FrameMotion {
+    /// The base of a state; a fixed one does not move.
+    pub fn of_base(state: &State) -> Self {
+        let moves = state.v.len() > state.joints.len();
+        let part = |k: usize| if moves { Vector3::from_column_slice(&state.v[k..k + 3]) } else { Vector3::zeros() };
+        FrameMotion { rotation: state.rotation, position: state.position, velocity: part(0), omega: part(3) }
+    }
+}
+
+impl Seen {
+    /// How the frame moves when the root moves as `root`.
+    pub fn carried_by(&self, root: &FrameMotion) -> FrameMotion {
+        let arm = root.rotation * self.position;
+        FrameMotion {
+            rotation: root.rotation * self.rotation,
+            position: root.position + arm,
+            velocity: root.velocity + root.omega.cross(&arm) + root.rotation * self.velocity,
+            omega: root.omega + root.rotation * self.omega,
+        }
+    }
+
+    /// How the root moves when the frame moves as `frame`: the inverse of [`carried_by`](Self::carried_by).
+    pub fn carries(&self, frame: &FrameMotion) -> FrameMotion {
+        let rotation = frame.rotation * self.rotation.inverse();
+        let arm = rotation * self.position;
+        let omega = frame.omega - rotation * self.omega;
+        FrameMotion {
+            rotation,
+            position: frame.position - arm,
+            velocity: frame.velocity - omega.cross(&arm) - rotation * self.velocity,
+            omega,
+        }
+    }
+}
