@@ -149,6 +149,7 @@ impl Explicit {
             self.begin(sim, t0);
         }
         sim.audit();
+        sim.plant.begin_impulse();
         let doubtful = self.watch.overlook(&mut self.start, sim.tolerances.rest);
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
@@ -203,6 +204,7 @@ impl Explicit {
             // The search may have ended with the plant anywhere in the step.
             sim.plant.evaluate();
         }
+        sim.plant.end_impulse(h);
         sim.check_finite()?;
         if sim.plant.is_compliant() {
             if located {

@@ -57,6 +57,7 @@ impl Fixed {
         let plant = &mut sim.plant;
         plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
         plant.share_forces();
+        plant.take_step_impulse();
         plant.drive_over(&sim.displacement, dt);
         plant.react_to_step(&sim.displacement, dt);
         let (flows, jumps) = plant.step_flows(&sim.displacement, dt);

@@ -13,6 +13,7 @@ mod fixed;
 mod freeze;
 mod guide;
 mod imposed;
+mod impulse;
 pub mod imu;
 mod jam;
 mod lag;

@@ -9,6 +9,7 @@
 
 use super::actuator::{self, Stop};
 use super::guide::Guide;
+use super::impulse::Impulses;
 use super::layout::Layout;
 use super::setup::{Floor, Setup};
 use super::zones::Place;
@@ -92,6 +93,8 @@ pub struct Plant {
     pub(super) external_give: Vec<f64>,
     /// Joints that a velocity-level step holds on the line of their speed limit.
     pub(super) on_line: Vec<bool>,
+    /// Impulses of the floor since the last tick; none when nobody asks.
+    pub(super) impulses: Option<Impulses>,
     /// Side of the effort limit, 1 or -1, which a drive reaches within the velocity-level step; 0: none.
     pub(super) saturated: Vec<f64>,
     /// Motions of kinematic joints.
@@ -156,6 +159,7 @@ impl Plant {
             give: vec![0.0; nj],
             external_give: vec![0.0; nv],
             on_line: vec![false; nj],
+            impulses: None,
             saturated: vec![0.0; nj],
             guide: Guide::new(nj),
             demanded: vec![0.0; nj],

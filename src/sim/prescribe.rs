@@ -113,6 +113,7 @@ impl Plant {
 
     /// Adds the velocity jump of sole impulses (6F, floor axes) to the state.
     pub fn kick(&mut self, impulses: &[f64]) -> Jump {
+        self.add_impulse(impulses);
         let before = self.kinetic_energy();
         let held = self.held();
         reduced::apply(&self.model, &self.ws, &mut self.reduced, impulses, &mut self.state.v);

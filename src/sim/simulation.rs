@@ -5,6 +5,7 @@ use super::error::Stop;
 use super::estimate::Estimator;
 use super::explicit::{Explicit, Sizes};
 use super::fixed::Fixed;
+use super::impulse::Impulses;
 use super::ledger::Flows;
 use super::loads::Loads;
 use super::marks::Marks;
@@ -123,7 +124,7 @@ impl Simulation {
         let method = method::make(&setup.contact.method, &setup.contact.parameters, &problem)
             .ok_or_else(|| error(format!("unknown contact method `{}`", setup.contact.method)))?;
         let projection = Solution::new(&problem);
-        let plant = Plant::new(&mut setup, method, problem);
+        let mut plant = Plant::new(&mut setup, method, problem);
         let mut corners: Vec<f64> = plant.forces.iter().flat_map(|f| f.corners().iter().copied()).collect();
         let loads = Loads::new(&model, std::mem::take(&mut setup.loads));
         corners.extend(loads.corners());
@@ -156,6 +157,9 @@ impl Simulation {
         }
         let sensors = Sensors::new(&plant, setup.sensors, setup.imu, setup.tasks.period(), setup.seed);
         let estimator = Estimator::new(&setup.estimator, &model, setup.imu, setup.gravity);
+        if estimator.adds_forces() {
+            plant.impulses = Some(Impulses::new(model.soles.len()));
+        }
         let mut snapshot = super::observe::blank(&model);
         if setup.sensors.is_some() || estimator.estimates() {
             setup.tasks.tick_always();

@@ -28,6 +28,8 @@ pub struct Sensed {
 pub struct SoleLoad {
     /// Force, world axes, N.
     pub force: Vector3<f64>,
+    /// Mean of the force since the last tick, impacts included, world axes, N; only with an estimator that asks for it.
+    pub mean_force: Vector3<f64>,
     /// Moment about the centroid of the sole's vertices, world axes, N m.
     pub moment: Vector3<f64>,
     /// Are `vertices` and `clamped` known? A force sensor knows the force and moment alone.

@@ -152,3 +152,69 @@ fn noise_comes_from_the_seed_alone_and_bias_delay_and_resolution_are_as_asked() 
         assert!(e.orientation.angle_to(&then) < 1e-7, "{} {:?}", e.time, e.orientation);
     }
 }
+
+/// In flight the centre of mass falls freely, wherever in the robot the base is: here it is 5 cm beside a foot whose other
+/// links swing. Orientation and joints are known, so the estimate is right up to the integrator's tolerance of the motion.
+#[test]
+fn a_flying_robot_is_followed_by_its_centre_of_mass() {
+    let m = run(&format!(
+        "duration = 0.3\n{TIGHT}
+        [robot]\nmodel = \"robots/hoap2/hoap2.toml\"
+        base = {{ position = [0, 0, 2], linear_velocity = [0.3, 0.2, 1.0], angular_velocity = [3.0, -2.0, 4.0] }}
+        [[task]]\ntype = \"sine\"\njoints = {{ left_knee = {{ amplitude = 0.3, frequency = 2.0 }}, left_hip_roll = {{ amplitude = 0.2, frequency = 3.0 }} }}
+        [control]\nestimator = \"kinematic\"\n"
+    ));
+    // Momentum is kept to the tolerance of 1e-9 over the flight.
+    assert!(m.max_estimate_error_m.unwrap() < 1e-8, "{:?}", m.max_estimate_error_m);
+}
+
+/// Servos jump at every tick, and with them the floor's forces. What a tick reads is the force before its jump; adding up the means
+/// between ticks instead is right to second order.
+#[test]
+fn forces_between_ticks_carry_the_estimate_of_a_squatting_robot() {
+    let off = |rate: f64| {
+        let m = run(&format!(
+            "duration = 2.0
+            [robot]\nmodel = \"robots/hoap2/hoap2.toml\"
+            [[task]]\ntype = \"posture\"\nstart = 0.2\nduration = 0.8
+            joints = {{ left_hip_pitch = \"-30 deg\", left_knee = \"60 deg\", left_ankle_pitch = \"-30 deg\", right_hip_pitch = \"-30 deg\", right_knee = \"60 deg\", right_ankle_pitch = \"-30 deg\" }}
+            [control]\nrate = {rate}\nestimator = \"inertial\"\ninertial = {{ acceleration = \"soles\" }}\n"
+        ));
+        m.max_estimate_error_m.unwrap()
+    };
+    // Velocities of 0.2 m/s change within some 0.1 s: (T / 0.1 s)^2 of them, over a second. By the forces at ticks it was 0.1 m.
+    assert!(off(1000.0) < 2e-3, "{}", off(1000.0));
+    assert!(off(250.0) < 1e-2, "{}", off(250.0));
+}
+
+/// The noise of one sensor does not depend on that of another.
+#[test]
+fn sensors_have_noise_of_their_own() {
+    let body = Body::new([0.1, 0.1, 0.05], 1.0);
+    let turned = |more: &str| {
+        let m = run(&format!(
+            "{}control = {{ estimator = \"inertial\", inertial = {{ acceleration = \"soles\" }} }}
+            sensors = {{ gyroscope = {{ noise = 0.1 }}{more} }}\n",
+            resting(&body)
+        ));
+        m.final_estimate_error_rad.unwrap()
+    };
+    assert_eq!(turned(""), turned(", joint_position = { noise = 0.01 }, sole_moment = { noise = 1.0 }"));
+}
+
+/// A force sensor does not know which vertices hold: a balance that asks for the sensed contacts loses them with the force.
+#[test]
+fn sensed_contacts_come_from_the_sensors() {
+    let stands = |bias: f64| {
+        let m = run(&format!(
+            "duration = 0.3\nrobot = {{ model = \"robots/cbi/cbi.toml\" }}
+            sensors = {{ sole_force = {{ bias = {bias} }} }}
+            [[task]]\ntype = \"balance\"\ncontrol = \"force\"\nforce = {{ contacts = \"sensed\" }}\n"
+        ));
+        m.final_base_position[2]
+    };
+    let (right, blind) = (stands(1e-9), stands(-1e4));
+    assert!(right > 0.79, "{right}");
+    // Nothing is thought to carry: the legs give way, as far as their damping lets them within 0.3 s.
+    assert!(blind < right - 0.005, "{blind} {right}");
+}

@@ -13,11 +13,11 @@
 //! paper's section II integrates gyroscopes and force plates, the centre of mass is integrated instead,
 //!
 //! ```text
-//! a = (F_{k-1} + F_k) / 2m + g        F = sum of the forces on the soles
+//! a = F_k / m + g        F_k = mean over the period of the sum of the forces on the soles, impacts included
 //! ```
 //!
-//! and the base follows from it and the joints; forces elsewhere, and impacts between ticks, are not seen. Nothing holds
-//! either to the floor: errors of the readings add up.
+//! and the base follows from it and the joints; forces elsewhere are not seen. Nothing holds either to the floor: errors of
+//! the readings add up.
 
 use super::{Imu, put_base};
 use crate::dynamics::chain::FrameMotion;
@@ -35,8 +35,6 @@ pub(super) struct Inertial {
     frame: FrameMotion,
     /// What the gyroscope read at the last tick.
     omega: Vector3<f64>,
-    /// Sum of the sole forces at the last tick; none at the first, when they are not known yet.
-    force: Option<Vector3<f64>>,
     /// Centre of mass and its velocity.
     com: Vector3<f64>,
     com_velocity: Vector3<f64>,
@@ -55,12 +53,15 @@ impl Inertial {
             gravity,
             mass: model.mass(),
             omega: Vector3::zeros(),
-            force: None,
             com: Vector3::zeros(),
             com_velocity: Vector3::zeros(),
             ws: Workspace::new(model),
             relative,
         }
+    }
+
+    pub fn by_soles(&self) -> bool {
+        self.by_soles
     }
 
     pub fn begin(&mut self, model: &Model, state: &State, sensed: &Sensed) {
@@ -89,9 +90,8 @@ impl Inertial {
         if !self.by_soles {
             return;
         }
-        let force: Vector3<f64> = sensed.soles.iter().map(|s| s.force).sum();
-        let before = self.force.replace(force).unwrap_or(force);
-        let a = (before + force) / (2.0 * self.mass) + self.gravity;
+        let force: Vector3<f64> = sensed.soles.iter().map(|s| s.mean_force).sum();
+        let a = force / self.mass + self.gravity;
         self.com += self.com_velocity * dt + a * (0.5 * dt * dt);
         self.com_velocity += a * dt;
         let (c, u) = self.com_from_base(model, out);

@@ -11,14 +11,15 @@
 //!
 //! The weight w_s of a sole is what the floor carries on it, `max(0, -F_s . g/|g| - threshold)`, so that the estimate does
 //! not jump when a step is taken; soles that are said to be static weigh equally. A sole becomes static where the present
-//! estimate places it. With no sole static the base flies: `p'' = g`.
+//! estimate places it. With no sole static the robot flies: its centre of mass falls, `c'' = g`, and the base is
+//! where orientation and joints have it from there.
 //!
 //! After the paper's section II: base orientation and joint angles combined with assumptions about which feet are static.
 //! A sole that slides under load carries the estimate with it.
 
 use super::Imu;
 use crate::dynamics::chain::FrameMotion;
-use crate::dynamics::{State, Workspace, jacobian, kinematics};
+use crate::dynamics::{State, Workspace, body, jacobian, kinematics};
 use crate::robot::Model;
 use crate::task::Sensed;
 use nalgebra::Vector3;
@@ -33,6 +34,8 @@ pub(super) struct Kinematic {
     threshold: f64,
     imposed: Option<Vec<bool>>,
     soles: Vec<Held>,
+    /// Centre of mass of the last estimate and its velocity.
+    com: (Vector3<f64>, Vector3<f64>),
     /// Which soles are static.
     held: Vec<bool>,
 }
@@ -57,6 +60,7 @@ impl Kinematic {
             threshold,
             imposed,
             soles: vec![Held::default(); n],
+            com: (Vector3::zeros(), Vector3::zeros()),
             held: vec![false; n],
         }
     }
@@ -72,6 +76,7 @@ impl Kinematic {
             sole.anchor = state.position + sole.r;
         }
         self.held.fill(true);
+        self.note_com(state);
     }
 
     /// `out` holds the last estimate of the base and the joints as now sensed.
@@ -93,7 +98,6 @@ impl Kinematic {
         }
         let kept = |(sole, held): (&Held, &bool)| if *held { sole.weight } else { 0.0 };
         let total: f64 = self.soles.iter().zip(&self.held).map(kept).sum();
-        let velocity = Vector3::from_column_slice(&out.v[..3]);
         let (mut position, mut rate) = (Vector3::zeros(), Vector3::zeros());
         if total > 0.0 {
             for (sole, _) in self.soles.iter().zip(&self.held).filter(|(_, held)| **held) {
@@ -101,8 +105,9 @@ impl Kinematic {
                 rate -= sole.u * (sole.weight / total);
             }
         } else {
-            position = out.position + velocity * dt + self.gravity * (0.5 * dt * dt);
-            rate = velocity + self.gravity * dt;
+            let (com, com_velocity) = self.com;
+            position = com + com_velocity * dt + self.gravity * (0.5 * dt * dt) - body::center_of_mass(&self.ws);
+            rate = com_velocity + self.gravity * dt - body::center_of_mass_velocity(&self.ws);
         }
         for (sole, held) in self.soles.iter_mut().zip(&mut self.held) {
             let holds = sole.weight > 0.0;
@@ -118,6 +123,14 @@ impl Kinematic {
         }
         out.position = position;
         out.v[..3].copy_from_slice(rate.as_slice());
+        self.note_com(out);
+    }
+
+    /// Where the centre of mass of an estimate is and how it moves. Needs [`place`](Self::place).
+    fn note_com(&mut self, state: &State) {
+        let velocity = Vector3::from_column_slice(&state.v[..3]);
+        self.com =
+            (state.position + body::center_of_mass(&self.ws), velocity + body::center_of_mass_velocity(&self.ws));
     }
 
     /// Where the soles are relative to the base.

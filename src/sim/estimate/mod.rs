@@ -75,6 +75,11 @@ impl Estimator {
         !matches!(self.kind, Kind::Truth)
     }
 
+    /// Does it add up the forces on the soles?
+    pub fn adds_forces(&self) -> bool {
+        matches!(&self.kind, Kind::Inertial(i) if i.by_soles())
+    }
+
     /// The robot is somewhere else at once: the next tick is a first one.
     pub fn restart(&mut self) {
         self.started = false;

@@ -29,6 +29,7 @@ use super::plant::Plant;
 use crate::dynamics::chain::FrameMotion;
 use crate::random::Stream;
 use crate::task::Sensed;
+use crate::task::augmented::LIGHT;
 use delay::Delay;
 pub use error::{ChannelError, SensorErrors, TurnError};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -47,7 +48,7 @@ pub struct Sensors {
 
 struct Faulty {
     errors: SensorErrors,
-    stream: Stream,
+    streams: Streams,
     position: Delay,
     velocity: Delay,
     load: Delay,
@@ -55,11 +56,42 @@ struct Faulty {
     gyroscope: Delay,
     accelerometer: Delay,
     sole_force: Delay,
+    mean_force: Delay,
     sole_moment: Delay,
     /// For each sole: its sensor, if that has a frame of its own.
     frames: Vec<Option<ForceSensor>>,
     /// Forces, then moments of the soles, to be delayed.
     scratch: Vec<f64>,
+}
+
+/// One stream of random numbers for each sensor: the noise of one is the same whatever another has.
+struct Streams {
+    joint_position: Stream,
+    joint_velocity: Stream,
+    joint_load: Stream,
+    orientation: Stream,
+    gyroscope: Stream,
+    accelerometer: Stream,
+    sole_force: Stream,
+    mean_force: Stream,
+    sole_moment: Stream,
+}
+
+impl Streams {
+    fn new(seed: u64) -> Self {
+        let of = |name: &str| Stream::new(seed, &["sensors", name]);
+        Streams {
+            joint_position: of("joint_position"),
+            joint_velocity: of("joint_velocity"),
+            joint_load: of("joint_load"),
+            orientation: of("orientation"),
+            gyroscope: of("gyroscope"),
+            accelerometer: of("accelerometer"),
+            sole_force: of("sole_force"),
+            mean_force: of("mean_force"),
+            sole_moment: of("sole_moment"),
+        }
+    }
 }
 
 impl Sensors {
@@ -77,10 +109,11 @@ impl Sensors {
                 gyroscope: delay(3, &e.gyroscope),
                 accelerometer: delay(3, &e.accelerometer),
                 sole_force: delay(3 * ns, &e.sole_force),
+                mean_force: delay(3 * ns, &e.sole_force),
                 sole_moment: delay(3 * ns, &e.sole_moment),
                 frames: plant.model.soles.iter().map(|sole| ForceSensor::under(&plant.model, sole)).collect(),
                 scratch: vec![0.0; 3 * ns],
-                stream: Stream::new(seed, &["sensors"]),
+                streams: Streams::new(seed),
                 errors: e,
             })
         });
@@ -90,7 +123,7 @@ impl Sensors {
     /// Reads all sensors at the plant's present state, its time ahead of every earlier call; those of the soles only with
     /// `loads`.
     pub fn read(&mut self, plant: &mut Plant, loads: bool) {
-        truth::read(plant, loads, &mut self.readings);
+        truth::read(plant, loads, self.last.map(|last| last.0), &mut self.readings);
         let imu = self.imu.motion(&plant.model, &plant.state);
         self.readings.orientation = imu.rotation;
         self.readings.angular_velocity = imu.rotation.inverse() * imu.omega;
@@ -122,19 +155,19 @@ impl Sensors {
 
 impl Faulty {
     fn spoil(&mut self, plant: &Plant, imu: &Imu, out: &mut Sensed) {
-        let (e, stream, now) = (&self.errors, &mut self.stream, plant.state.time);
+        let (e, streams, now) = (&self.errors, &mut self.streams, plant.state.time);
         self.position.pass(now, &mut out.position);
-        e.joint_position.spoil(&mut out.position, stream);
+        e.joint_position.spoil(&mut out.position, &mut streams.joint_position);
         self.velocity.pass(now, &mut out.velocity);
-        e.joint_velocity.spoil(&mut out.velocity, stream);
+        e.joint_velocity.spoil(&mut out.velocity, &mut streams.joint_velocity);
         self.load.pass(now, &mut out.load);
-        e.joint_load.spoil(&mut out.load, stream);
+        e.joint_load.spoil(&mut out.load, &mut streams.joint_load);
         self.orientation.turn(now, &mut out.orientation);
-        e.orientation.spoil(&mut out.orientation, stream);
+        e.orientation.spoil(&mut out.orientation, &mut streams.orientation);
         self.gyroscope.pass(now, out.angular_velocity.as_mut_slice());
-        e.gyroscope.spoil(out.angular_velocity.as_mut_slice(), stream);
+        e.gyroscope.spoil(out.angular_velocity.as_mut_slice(), &mut streams.gyroscope);
         self.accelerometer.pass(now, out.specific_force.as_mut_slice());
-        e.accelerometer.spoil(out.specific_force.as_mut_slice(), stream);
+        e.accelerometer.spoil(out.specific_force.as_mut_slice(), &mut streams.accelerometer);
         if e.sole_force.is_none() && e.sole_moment.is_none() {
             return;
         }
@@ -144,10 +177,11 @@ impl Faulty {
             sensor.enter(&sensor.orientation(model, &state.rotation, &state.joints, state.rates()), sole);
         }
         let parts = [
-            (&mut self.sole_force, &e.sole_force, wrench::force as wrench::Part),
-            (&mut self.sole_moment, &e.sole_moment, wrench::moment),
+            (&mut self.sole_force, &e.sole_force, &mut streams.sole_force, wrench::force as wrench::Part),
+            (&mut self.mean_force, &e.sole_force, &mut streams.mean_force, wrench::mean_force),
+            (&mut self.sole_moment, &e.sole_moment, &mut streams.sole_moment, wrench::moment),
         ];
-        for (delay, error, part) in parts {
+        for (delay, error, stream, part) in parts {
             for (to, sole) in self.scratch.chunks_exact_mut(3).zip(&mut out.soles) {
                 to.copy_from_slice(part(sole).as_slice());
             }
@@ -162,7 +196,12 @@ impl Faulty {
             let Some(sensor) = sensor else { continue };
             sensor.leave(&sensor.orientation(model, &base, &out.position, &out.velocity), sole);
         }
-        // Such a sensor does not know how the load is spread.
-        out.soles.iter_mut().for_each(|sole| sole.resolved = false);
+        // Such a sensor does not know how the load is spread: either the whole sole stands, or none of it.
+        let light = LIGHT * model.mass() * plant.gravity.norm();
+        let up = -plant.gravity.try_normalize(0.0).unwrap_or(-Vector3::z());
+        for sole in &mut out.soles {
+            sole.resolved = false;
+            sole.clamped.fill(sole.force.dot(&up) > light);
+        }
     }
 }

@@ -23,6 +23,11 @@ pub(super) fn force(sole: &mut SoleLoad) -> &mut Vector3<f64> {
     &mut sole.force
 }
 
+/// The mean force since the last tick.
+pub(super) fn mean_force(sole: &mut SoleLoad) -> &mut Vector3<f64> {
+    &mut sole.mean_force
+}
+
 /// The moment.
 pub(super) fn moment(sole: &mut SoleLoad) -> &mut Vector3<f64> {
     &mut sole.moment
@@ -52,6 +57,7 @@ impl ForceSensor {
     /// From world axes and the mean of the vertices into the frame.
     pub fn enter(&self, orientation: &UnitQuaternion<f64>, sole: &mut SoleLoad) {
         sole.force = orientation.inverse() * sole.force;
+        sole.mean_force = orientation.inverse() * sole.mean_force;
         sole.moment = orientation.inverse() * sole.moment + self.lever.cross(&sole.force);
     }
 
@@ -59,5 +65,6 @@ impl ForceSensor {
     pub fn leave(&self, orientation: &UnitQuaternion<f64>, sole: &mut SoleLoad) {
         sole.moment = orientation * (sole.moment - self.lever.cross(&sole.force));
         sole.force = orientation * sole.force;
+        sole.mean_force = orientation * sole.mean_force;
     }
 }

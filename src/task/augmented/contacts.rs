@@ -15,7 +15,7 @@ use nalgebra::{Vector2, Vector3};
 /// A vertex that bears less than this many newtons bears nothing: rounding of a solve.
 pub(super) const NOTHING: f64 = 1e-9;
 /// A sole whose sensor reads less than this part of the robot's weight is taken to be in the air.
-const LIGHT: f64 = 0.02;
+pub const LIGHT: f64 = 0.02;
 
 /// A vertex on the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,7 +13,7 @@ mod soles;
 mod split;
 mod support;
 
-pub use contacts::ContactPoint;
+pub use contacts::{ContactPoint, LIGHT};
 pub use end_effectors::EndEffectorData;
 pub use soles::SoleData;
 
