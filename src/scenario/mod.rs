@@ -69,9 +69,10 @@ pub use spec::{
     sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
     task::{
-        BalanceControl, BalanceTask, Contacts, Ends, ForceBalance, Gains, GravityCompensationTask, MocapTarget,
-        MocapTask, PlaybackChange, PlaybackTask, PositionBalance, PostureTask, Recorded, ScriptTask, SineChange,
-        SineJoint, SineJointChange, SineTask, SquatTask, TaskSpec, WalkTask,
+        BalanceChange, BalanceControl, BalanceTask, CompensationChange, Contacts, Ends, ForceBalance,
+        ForceBalanceChange, Gains, GravityCompensationTask, MocapTarget, MocapTask, PlaybackChange, PlaybackTask,
+        PositionBalance, PositionBalanceChange, PostureTask, Recorded, ScriptTask, SineChange, SineJoint,
+        SineJointChange, SineTask, SquatTask, TaskSpec, WalkTask,
     },
 };
 pub use suggest::help as suggest;

@@ -40,6 +40,11 @@ pub fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     number_where(d, |x| (0.0..=1.0).contains(&x), "between 0 and 1")
 }
 
+/// The same, where leaving it out means something else.
+pub fn some_fraction<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> {
+    fraction(d).map(Some)
+}
+
 /// A whole number of at least one.
 pub fn count<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
     match u32::deserialize(d)? {

@@ -22,12 +22,15 @@ use nalgebra::Vector3;
 /// See the module.
 pub struct Fixed {
     dt: f64,
+    /// Where the steps since the last one that was shortened began, s, and how many they are: their instants are multiples, not
+    /// sums.
+    run: (f64, u32),
 }
 
 impl Fixed {
     /// Steps of `dt` seconds.
     pub fn new(dt: f64) -> Self {
-        Fixed { dt }
+        Fixed { dt, run: (0.0, 0) }
     }
 
     /// Prepares the run of a method that has no forces outside a step: its states and forces at the start are those of
@@ -67,7 +70,7 @@ impl Fixed {
         plant.solution.scale(1.0 / dt);
         plant.state.v.iter().zip(&mut sim.displacement).for_each(|(v, d)| *d = v * dt);
         plant.state.displace(&sim.displacement);
-        plant.state.time = if dt == remaining { until } else { t + dt };
+        plant.state.time = if dt == remaining { until } else { self.instant(t) };
         plant.arrive();
         plant.refresh();
         // What the springs have taken is not lost.
@@ -79,6 +82,16 @@ impl Fixed {
         }
         sim.measure();
         sim.sample_step(observer)
+    }
+
+    /// The end of a step of full length from `t`.
+    fn instant(&mut self, t: f64) -> f64 {
+        let of = |(from, count): (f64, u32)| from + f64::from(count) * self.dt;
+        if of(self.run) != t || self.run.1 == u32::MAX {
+            self.run = (t, 0);
+        }
+        self.run.1 += 1;
+        of(self.run)
     }
 
     /// The change of velocity over the step: v+ - v = dt M^-1 (tau - h) + M^-1 J^T p, in `sim.displacement`.

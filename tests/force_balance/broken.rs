@@ -30,6 +30,32 @@ fn entries_that_cannot_be() {
         (format!("{block}{task}force = {{ contacts = \"felt\" }}\n"), "test.toml:5:22", "cannot be \"felt\""),
         (format!("{block}{task}duration = 0\n"), "test.toml:5:12", "must be greater than 0"),
         (
+            format!("{block}{task}change = [{{ at = 1, position = {{ damping = 1 }} }}]\n"),
+            "test.toml:5:32",
+            "has no meaning with `control = \"force\"`",
+        ),
+        (format!("{block}{task}change = [{{ at = 1 }}]\n"), "test.toml:5:11", "`task.0.change.0` needs `force`"),
+        (
+            format!("{block}{task}start = 2\nchange = [{{ at = 1, force = {{ margin = 0 }} }}]\n"),
+            "test.toml:6:18",
+            "must not be before `start` = 2",
+        ),
+        (
+            format!("{block}{task}change = [{{ at = 1, force = {{}} }}, {{ at = 1, force = {{}} }}]\n"),
+            "test.toml:5:42",
+            "must be after the change before it, at 1",
+        ),
+        (
+            format!("{block}{task}change = [{{ at = 1, force = {{ contacts = \"sensed\" }} }}]\n"),
+            "test.toml:5:31",
+            "unknown key `contacts`",
+        ),
+        (
+            format!("{block}[[task]]\ntype = \"gravity-compensation\"\nchange = [{{ at = 1, damping = -1 }}]\n"),
+            "test.toml:4:31",
+            "must be 0 or greater",
+        ),
+        (
             format!("{block}[[task]]\ntype = \"gravity-compensation\"\ndampin = 1\n"),
             "test.toml:4:1",
             "unknown key `dampin`",

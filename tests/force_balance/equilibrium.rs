@@ -86,7 +86,7 @@ fn efforts_hold_the_robot_with_the_forces_counted_on() {
         let weight = model.mass() * G;
         for _ in 0..20 {
             let state = leaning(&model, &mut r);
-            let mut task = ForceBalance::new("test", &model, soles.clone(), settings(Gains::default()));
+            let mut task = ForceBalance::new("test", &model, soles.clone(), settings(Gains::default()), vec![]);
             let (command, _) = tick(&model, &mut task, &state, &state);
             let sum: Vector3<f64> = task.forces().iter().sum();
             assert!((sum - Vector3::z() * weight).norm() < 1e-12 * weight, "{sum}");
@@ -108,7 +108,7 @@ fn what_is_wanted_acts_as_a_force_at_the_centre_of_mass_and_a_moment_on_the_base
         state.displace(&way);
         let gains = Gains { kp: 100.0, kd: 20.0 };
         let only = Settings { joints: Gains::default(), ..settings(gains) };
-        let mut task = ForceBalance::new("test", &model, vec![SoleId(0), SoleId(1)], only);
+        let mut task = ForceBalance::new("test", &model, vec![SoleId(0), SoleId(1)], only, vec![]);
         let (command, data) = tick(&model, &mut task, &begin, &state);
         let sum: Vector3<f64> = task.forces().iter().sum();
         let pull = sum - Vector3::z() * weight;

@@ -225,11 +225,10 @@ fn overrides_that_lead_nowhere_are_shown() {
         ("duration=long", "--set:1:12", "`duration` must be a number, not the string \"long\""),
         ("duration=-1", "--set:1:12", "`duration` must be greater than 0"),
         ("duration=nan", "--set:1:12", "finite"),
-        ("force.3.force=[1, 0, 0]", "--set:1:7", "there is no `force.3`: `force` has 3 entries"),
+        ("force.12.force=[1, 0, 0]", "--set:1:7", "there is no `force.12`: `force` has 12 entries"),
         ("force.first.force=[1, 0, 0]", "--set:1:7", "`first` must be an index"),
         ("force.0.force=[1, 0]", "--set:1:17", "`force.0.force` must be an array of length 3"),
         ("force.0.force.9=1", "--set:1:15", "there is no `force.0.force.9`"),
-        ("event.0.at=1", "--set:1:1", "the file has no `event`"),
         ("duration.x=1", "--set:1:10", "`duration` is the number 5 and has no `x`"),
         ("self_collision.method=2", "--set:1:1", "not available yet"),
         ("a b=1", "--set:1:1", "is not a dotted path"),
@@ -243,6 +242,8 @@ fn overrides_that_lead_nowhere_are_shown() {
         assert!(first.message.contains(message), "{found}");
         assert!(found.to_string().contains(location), "{found}");
     }
+    let found = wrong(SMALLEST, &set(&["event.0.at=1"]));
+    assert!(found.to_string().contains("the file has no `event`"), "{found}");
     let found = wrong(FULL, &set(&["sweep.grid.\"contact.distance_tolerance\" = [0]", "contact=3"]));
     assert!(found.to_string().contains("cannot be overridden in part"), "{found}");
 }

@@ -2,7 +2,7 @@
 
 use super::Check;
 use crate::scenario::spec::change::ChangeSpec;
-use crate::scenario::spec::task::{MocapTask, SineTask, TaskSpec};
+use crate::scenario::spec::task::{BalanceControl, BalanceTask, MocapTask, SineTask, TaskSpec};
 use crate::scenario::suggest;
 
 impl Check<'_> {
@@ -39,10 +39,13 @@ impl Check<'_> {
                     let message = format!("must be 0 or greater, not {mobility}");
                     self.error(&format!("{path}.position.mobility.{joint}"), message);
                 }
+                self.balance_changes(path, balance, end);
                 balance.start
             }
             TaskSpec::GravityCompensation(task) => {
                 self.stands(path, task.soles.as_deref());
+                let times: Vec<f64> = task.change.iter().map(|c| c.at).collect();
+                self.spaced_changes(path, &times, task.start, 0.0, "", end);
                 task.start
             }
             TaskSpec::Script(script) => {
@@ -76,6 +79,25 @@ impl Check<'_> {
     fn stands(&mut self, path: &str, soles: Option<&[String]>) {
         if soles.is_some_and(<[String]>::is_empty) {
             self.error(&format!("{path}.soles"), "must name at least one sole, or be left out: all");
+        }
+    }
+
+    /// Changes of a balance are changes of its own control.
+    fn balance_changes(&mut self, path: &str, balance: &BalanceTask, end: f64) {
+        let times: Vec<f64> = balance.change.iter().map(|c| c.at).collect();
+        self.spaced_changes(path, &times, balance.start, 0.0, "", end);
+        for (i, change) in balance.change.iter().enumerate() {
+            let (own, other, given, stray) = match balance.control {
+                BalanceControl::Force => ("force", "position", change.force.is_some(), change.position.is_some()),
+                BalanceControl::Position => ("position", "force", change.position.is_some(), change.force.is_some()),
+            };
+            if stray {
+                let message = format!("has no meaning with `control = \"{own}\"`");
+                self.error(&format!("{path}.change.{i}.{other}"), message);
+            } else if !given {
+                let span = self.place(&format!("{path}.change.{i}")).1;
+                self.findings.error(span, format!("`{path}.change.{i}` needs `{own}`"), None);
+            }
         }
     }
 

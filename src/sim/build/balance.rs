@@ -4,10 +4,10 @@ use super::{names, planned};
 use crate::robot::{Base, JointId, Model, SoleId};
 use crate::scenario::{BalanceControl, BalanceTask, Contacts, Diagnostic, GravityCompensationTask, Run};
 use crate::task::Task;
-use crate::task::balance::force::{ForceBalance, Gains, Settings};
+use crate::task::balance::force::{Change, ForceBalance, Gains, Settings};
 use crate::task::balance::position::{self, PositionBalance};
 use crate::task::kinematic::figure;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 /// The task of the entry at `path`; none, with an error, for a robot that it cannot stand.
 pub(super) fn balance(
@@ -33,7 +33,19 @@ pub(super) fn balance(
                 margin: s.margin,
                 sensed: s.contacts == Contacts::Sensed,
             };
-            Box::new(ForceBalance::new("balance", model, soles, settings))
+            let changes = spec.change.iter().filter_map(|c| Some((c.at, c.force.as_ref()?))).map(|(at, c)| {
+                let change = Change {
+                    com: c.com.map(gains),
+                    orientation: c.orientation.map(gains),
+                    joints: c.joints.map(gains),
+                    offset: c.offset.map(Vector3::from),
+                    approach: c.approach,
+                    friction: c.friction,
+                    margin: c.margin,
+                };
+                (at, change)
+            });
+            Box::new(ForceBalance::new("balance", model, soles, settings, changes.collect()))
         }
         BalanceControl::Position => {
             planned::plannable(run, path, figure::check(model), errors)?;
@@ -58,7 +70,19 @@ pub(super) fn balance(
                 mobility,
                 feed_forward: s.feed_forward,
             };
-            Box::new(PositionBalance::new(model, soles, settings))
+            let changes = spec.change.iter().filter_map(|c| Some((c.at, c.position.as_ref()?))).map(|(at, c)| {
+                let change = position::Change {
+                    proportional: c.proportional,
+                    damping: c.damping,
+                    integral: c.integral,
+                    leaning: c.leaning,
+                    posture: c.posture,
+                    offset: c.offset.map(Vector2::from),
+                    approach: c.approach,
+                };
+                (at, change)
+            });
+            Box::new(PositionBalance::new(model, soles, settings, changes.collect()))
         }
     };
     Some(task)
@@ -84,7 +108,11 @@ pub(super) fn gravity_compensation(
         margin: spec.margin,
         sensed: false,
     };
-    Box::new(ForceBalance::new("gravity-compensation", model, soles, settings))
+    let changes = spec.change.iter().map(|c| {
+        let joints = c.damping.map(|kd| Gains { kp: 0.0, kd });
+        (c.at, Change { joints, friction: c.friction, margin: c.margin, ..Change::default() })
+    });
+    Box::new(ForceBalance::new("gravity-compensation", model, soles, settings, changes.collect()))
 }
 
 /// The soles that the entry at `path` stands on; unknown ones are errors, and none under a free robot.

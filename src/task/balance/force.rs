@@ -21,12 +21,12 @@
 //! contact forces f_i together are an exact equilibrium. Where the cones do not allow F and N, (4) is taken with the forces
 //! that they do allow, and stays consistent.
 
+use super::course::Course;
 use super::distribution::{Distribution, Measure, Wrench};
 use super::slack::Slack;
 use super::stance::{Stance, turn_to, upwards};
 use crate::dynamics::{Workspace, body, crba, force, jacobian, kinematics};
 use crate::robot::{DriveMode, JointId, LinkId, Model, SoleId};
-use crate::task::posture::minimum_jerk;
 use crate::task::{Command, Context, Needs, Status, Task, TaskResult};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -62,6 +62,25 @@ pub struct Settings {
     pub sensed: bool,
 }
 
+/// New values at a time of the run; what is none stays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Change {
+    /// See [`Settings`].
+    pub com: Option<Gains>,
+    /// See [`Settings`].
+    pub orientation: Option<Gains>,
+    /// See [`Settings`].
+    pub joints: Option<Gains>,
+    /// See [`Settings`].
+    pub offset: Option<Vector3<f64>>,
+    /// Of this move of the reference and of later ones.
+    pub approach: Option<f64>,
+    /// See [`Settings`].
+    pub friction: Option<f64>,
+    /// See [`Settings`].
+    pub margin: Option<f64>,
+}
+
 /// See the module.
 pub struct ForceBalance {
     name: &'static str,
@@ -75,8 +94,11 @@ pub struct ForceBalance {
     /// Drive modes before the task.
     modes: Vec<DriveMode>,
     start: f64,
-    /// Of the reference of the centre of mass from the centre of the soles, at the start and when approached, m.
-    path: [Vector3<f64>; 2],
+    /// Of the reference of the centre of mass from the centre of the soles, m.
+    reference: Course<3>,
+    /// Times of the changes, s, and what they bring.
+    times: Vec<f64>,
+    changes: Vec<Change>,
     orientation: UnitQuaternion<f64>,
     /// Generalised force and joint motion, nv.
     effort: Vec<f64>,
@@ -84,8 +106,15 @@ pub struct ForceBalance {
 }
 
 impl ForceBalance {
-    /// A robot on `soles` (none: it must have a fixed base) which is called `name` in messages.
-    pub fn new(name: &'static str, model: &Model, soles: Vec<SoleId>, settings: Settings) -> Self {
+    /// A robot on `soles` (none: it must have a fixed base) which is called `name` in messages; `changes` by ascending time.
+    pub fn new(
+        name: &'static str,
+        model: &Model,
+        soles: Vec<SoleId>,
+        settings: Settings,
+        changes: Vec<(f64, Change)>,
+    ) -> Self {
+        let (times, changes): (Vec<f64>, Vec<Change>) = changes.into_iter().unzip();
         let stance = Stance::new(model, soles);
         let vertices = stance.footholds.capacity();
         let driven = |j: &usize| !matches!(model.joints[*j].drive.mode, DriveMode::Passive | DriveMode::Kinematic);
@@ -97,7 +126,9 @@ impl ForceBalance {
             joints: (0..model.nj()).filter(driven).map(JointId).collect(),
             modes: vec![DriveMode::Passive; model.nj()],
             start: 0.0,
-            path: [Vector3::zeros(); 2],
+            reference: Course::new(1 + changes.len()),
+            times,
+            changes,
             orientation: UnitQuaternion::identity(),
             effort: vec![0.0; model.nv()],
             motion: vec![0.0; model.nv()],
@@ -124,13 +155,12 @@ impl ForceBalance {
 
     /// Equations (1) and (2).
     fn wanted(&self, context: &Context) -> Wrench {
-        let Settings { com, orientation, approach, .. } = &self.settings;
+        let Settings { com, orientation, .. } = &self.settings;
         let data = context.data;
         let whole = body::whole(&data.workspace);
-        let (progress, rate) = minimum_jerk(context.time - self.start, *approach);
-        let way = self.path[1] - self.path[0];
-        let error = self.stance.centre + self.path[0] + way * progress - data.com;
-        let acceleration = error * com.kp + (way * rate - data.com_velocity) * com.kd - context.gravity;
+        let (reference, rate) = self.reference.at(context.time);
+        let error = self.stance.centre + reference - data.com;
+        let acceleration = error * com.kp + (rate - data.com_velocity) * com.kd - context.gravity;
         let mut moment = Vector3::zeros();
         if context.model.nb() == 6 {
             let v = &context.state.v;
@@ -245,7 +275,9 @@ impl Task for ForceBalance {
         let now = context.data.com - self.stance.centre;
         let up = upwards(&context.gravity);
         let stable = self.stance.stable_point(model, &context.data.workspace, &up) - self.stance.centre;
-        self.path = [now, up * now.dot(&up) + stable + self.settings.offset];
+        self.reference.begin(now);
+        let goal = up * now.dot(&up) + stable + self.settings.offset;
+        self.reference.add(self.start, self.settings.approach, goal - now);
         self.orientation = context.state.rotation;
         Ok(Status::Running)
     }
@@ -270,6 +302,25 @@ impl Task for ForceBalance {
             command.effort[j] = self.effort[nb + j];
         }
         Ok(Status::Running)
+    }
+
+    fn change(&mut self, context: &Context, number: usize) -> TaskResult {
+        let (change, s) = (&self.changes[number], &mut self.settings);
+        s.com = change.com.unwrap_or(s.com);
+        s.orientation = change.orientation.unwrap_or(s.orientation);
+        s.joints = change.joints.unwrap_or(s.joints);
+        s.approach = change.approach.unwrap_or(s.approach);
+        s.friction = change.friction.unwrap_or(s.friction);
+        s.margin = change.margin.unwrap_or(s.margin);
+        if let Some(offset) = change.offset {
+            self.reference.add(context.time, s.approach, offset - s.offset);
+            s.offset = offset;
+        }
+        Ok(Status::Running)
+    }
+
+    fn changes(&self) -> &[f64] {
+        &self.times
     }
 
     fn needs(&self) -> Needs {

@@ -1,5 +1,6 @@
 //! `balance`: keep the centre of mass above the soles. One file per way of control.
 
+pub mod course;
 pub mod distribution;
 pub mod force;
 pub mod position;

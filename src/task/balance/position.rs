@@ -19,6 +19,7 @@
 //! pendulum control, ICRA 2002 (the centre of mass resolved by its Jacobian, feet kept); the paper of this program's platform, section
 //! II.B (centre-of-mass feedback of position-actuated robots).
 
+use super::course::Course;
 use crate::geometry::{convex_hull, stable_point};
 use crate::robot::{Model, SoleId};
 use crate::task::kinematic::{Figure, Goal, Inverse, Unknowns, feed_forward, figure};
@@ -53,6 +54,25 @@ pub struct Settings {
     pub feed_forward: bool,
 }
 
+/// New values at a time of the run; what is none stays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Change {
+    /// k_p, m per m.
+    pub proportional: Option<f64>,
+    /// k_d, s.
+    pub damping: Option<f64>,
+    /// k_i, 1/s.
+    pub integral: Option<f64>,
+    /// k_z, 1/s.
+    pub leaning: Option<f64>,
+    /// k_q, 1/s.
+    pub posture: Option<f64>,
+    /// Displacement of r from its default, world axes, m.
+    pub offset: Option<Vector2<f64>>,
+    /// Time in which r moves there, and at later changes, s.
+    pub approach: Option<f64>,
+}
+
 /// See the module.
 pub struct PositionBalance {
     settings: Settings,
@@ -68,16 +88,24 @@ pub struct PositionBalance {
     started: f64,
     before: f64,
     posture: Vec<f64>,
-    /// Where the centre of mass stood in the plan, and r, both relative to the mean of the soles.
-    from: Vector2<f64>,
-    reference: Vector2<f64>,
+    /// r relative to the mean of the soles, from where the centre of mass stood in the plan.
+    reference: Course<2>,
+    /// Times of the changes, s, and what they bring.
+    times: Vec<f64>,
+    changes: Vec<Change>,
+    /// Does it ever ask for the zero-moment point?
+    leans: bool,
+    /// Time in which all of it comes into force, s.
+    rise: f64,
     /// w.
     memory: Vector2<f64>,
 }
 
 impl PositionBalance {
-    /// For a robot that [`figure::check`] has let through, on these soles, at least one.
-    pub fn new(model: &Model, soles: Vec<SoleId>, settings: Settings) -> Self {
+    /// For a robot that [`figure::check`] has let through, on these soles, at least one; `changes` by ascending time.
+    pub fn new(model: &Model, soles: Vec<SoleId>, settings: Settings, changes: Vec<(f64, Change)>) -> Self {
+        let (times, changes): (Vec<f64>, Vec<Change>) = changes.into_iter().unzip();
+        let leans = |leaning: f64| leaning != 0.0;
         let figure = Figure::on(model, &soles);
         let unknowns = Unknowns { mobility: settings.mobility.clone(), com_axes: 2, root: false };
         let inverse = Inverse::new(model, &figure, unknowns);
@@ -92,8 +120,11 @@ impl PositionBalance {
             started: 0.0,
             before: 0.0,
             posture: model.home.clone(),
-            from: Vector2::zeros(),
-            reference: Vector2::zeros(),
+            reference: Course::new(1 + changes.len()),
+            leans: leans(settings.leaning) || changes.iter().any(|c| c.leaning.is_some_and(leans)),
+            rise: settings.approach,
+            times,
+            changes,
             memory: Vector2::zeros(),
             settings,
             soles,
@@ -129,8 +160,10 @@ impl Task for PositionBalance {
         self.posture.copy_from_slice(&command.position);
         (self.started, self.before) = (context.time, context.time);
         let support = self.figure.support().xy();
-        self.from = self.figure.com().xy() - support;
-        self.reference = self.find_reference(context) - support + self.settings.offset;
+        let from = self.figure.com().xy() - support;
+        self.reference.begin(from);
+        let goal = self.find_reference(context) - support + self.settings.offset;
+        self.reference.add(self.started, self.settings.approach, goal - from);
         self.memory = Vector2::zeros();
         Ok(Status::Running)
     }
@@ -140,8 +173,8 @@ impl Task for PositionBalance {
         let t = context.time - self.started;
         let period = context.time - self.before;
         self.before = context.time;
-        let progress = minimum_jerk(t, s.approach).0;
-        let wanted = self.from + (self.reference - self.from) * progress;
+        let progress = minimum_jerk(t, self.rise).0;
+        let wanted = self.reference.at(context.time).0;
         let here = self.sensed_support(context);
         let error = wanted - (context.data.com.xy() - here);
         let load = context.data.zmp.map_or(Vector2::zeros(), |p| wanted - (p.xy() - here));
@@ -189,8 +222,27 @@ impl Task for PositionBalance {
         Ok(if t >= s.duration { Status::Done } else { Status::Running })
     }
 
+    fn change(&mut self, context: &Context, number: usize) -> TaskResult {
+        let (change, s) = (&self.changes[number], &mut self.settings);
+        s.proportional = change.proportional.unwrap_or(s.proportional);
+        s.damping = change.damping.unwrap_or(s.damping);
+        s.integral = change.integral.unwrap_or(s.integral);
+        s.leaning = change.leaning.unwrap_or(s.leaning);
+        s.posture = change.posture.unwrap_or(s.posture);
+        s.approach = change.approach.unwrap_or(s.approach);
+        if let Some(offset) = change.offset {
+            self.reference.add(context.time, s.approach, offset - s.offset);
+            s.offset = offset;
+        }
+        Ok(Status::Running)
+    }
+
+    fn changes(&self) -> &[f64] {
+        &self.times
+    }
+
     fn needs(&self) -> Needs {
-        Needs::COM | Needs::SOLES | if self.settings.leaning == 0.0 { Needs::LOADS } else { Needs::ZMP }
+        Needs::COM | Needs::SOLES | if self.leans { Needs::ZMP } else { Needs::LOADS }
     }
 
     fn name(&self) -> &str {

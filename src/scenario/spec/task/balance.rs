@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{balance_force::ForceBalance, balance_position::PositionBalance};
+use super::balance_force::{ForceBalance, ForceBalanceChange};
+use super::balance_position::{PositionBalance, PositionBalanceChange};
 use crate::scenario::quantity::{json, non_negative, some_positive};
 
 /// Keep the centre of mass above the soles.
@@ -29,6 +30,25 @@ pub struct BalanceTask {
     /// Settings of `control = "position"`.
     #[serde(default)]
     pub position: PositionBalance,
+    /// New settings at given times, ascending.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub change: Vec<BalanceChange>,
+}
+
+/// New settings, in the table named after the control.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BalanceChange {
+    /// When, s of simulated time.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub at: f64,
+    /// With `control = "force"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<ForceBalanceChange>,
+    /// With `control = "position"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<PositionBalanceChange>,
 }
 
 /// What the joints are asked for.

@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{fraction, json, non_negative, positive};
+use crate::scenario::quantity::{
+    fraction, json, non_negative, positive, some_fraction, some_non_negative, some_positive,
+};
 
 /// Gains and assumptions of the force-controlled balance. Gains are accelerations per displacement (1/s^2) and per
 /// velocity (1/s), to be multiplied by the robot's own mass and inertias, so that they suit robots of any size.
@@ -74,4 +76,35 @@ pub enum Contacts {
     Assumed,
     /// Those that the floor held at the tick before.
     Sensed,
+}
+
+/// New values; what is left out stays. Gains hold at once, the reference of the centre of mass moves to a new `offset` from
+/// where it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ForceBalanceChange {
+    /// Of the centre of mass.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub com: Option<Gains>,
+    /// Of the base's orientation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<Gains>,
+    /// Of all joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joints: Option<Gains>,
+    /// Displacement of the reference of the centre of mass from its default, world axes, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset: Option<[f64; 3]>,
+    /// Time in which the reference moves there, now and at later changes, s.
+    #[serde(deserialize_with = "some_non_negative", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub approach: Option<f64>,
+    /// Friction coefficient that contact forces may use.
+    #[serde(deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub friction: Option<f64>,
+    /// How far inside each sole contact forces stay, 0 to 1.
+    #[serde(deserialize_with = "some_fraction", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::Fraction>")]
+    pub margin: Option<f64>,
 }

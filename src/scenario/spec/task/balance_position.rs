@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{json, non_negative, positive};
+use crate::scenario::quantity::{json, non_negative, positive, some_non_negative, some_positive};
 
 /// Gains of the position-controlled balance: how far the joints are asked to move the centre of mass against its error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -58,4 +58,35 @@ impl Default for PositionBalance {
             feed_forward: true,
         }
     }
+}
+
+/// New values; what is left out stays. Gains hold at once, the reference moves to a new `offset` from where it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PositionBalanceChange {
+    /// Displacement asked for per error of the centre of mass, m/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub proportional: Option<f64>,
+    /// Displacement asked for against its velocity, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<f64>,
+    /// Rate of displacement per error, 1/s.
+    #[serde(deserialize_with = "some_non_negative", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub integral: Option<f64>,
+    /// Rate of displacement per distance of the zero-moment point from the reference, 1/s.
+    #[serde(deserialize_with = "some_non_negative", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub leaning: Option<f64>,
+    /// Rate at which joints return to the posture of the start, 1/s.
+    #[serde(deserialize_with = "some_non_negative", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub posture: Option<f64>,
+    /// Displacement of the reference from the point of optimal stability, world axes, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset: Option<[f64; 2]>,
+    /// Time in which the reference moves there, now and at later changes, s.
+    #[serde(deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub approach: Option<f64>,
 }

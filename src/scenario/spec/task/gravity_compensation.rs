@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{fraction, json, non_negative, positive, some_positive};
+use crate::scenario::quantity::{
+    fraction, json, non_negative, positive, some_fraction, some_non_negative, some_positive,
+};
 
 /// Efforts that hold the robot up where it is, whatever its posture, and that give way to every push: the force control of
 /// `balance` without any reference.
@@ -33,6 +35,31 @@ pub struct GravityCompensationTask {
     #[serde(default = "tenth", deserialize_with = "fraction")]
     #[schemars(with = "json::Fraction")]
     pub margin: f64,
+    /// New values at given times, ascending.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub change: Vec<CompensationChange>,
+}
+
+/// New values from a time on; what is left out stays.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CompensationChange {
+    /// When, s of simulated time.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub at: f64,
+    /// Damping of every joint, 1/s.
+    #[serde(default, deserialize_with = "some_non_negative", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub damping: Option<f64>,
+    /// Friction coefficient that contact forces may use.
+    #[serde(default, deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub friction: Option<f64>,
+    /// How far inside each sole contact forces stay, 0 to 1.
+    #[serde(default, deserialize_with = "some_fraction", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<json::Fraction>")]
+    pub margin: Option<f64>,
 }
 
 fn two() -> f64 {

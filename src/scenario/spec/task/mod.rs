@@ -12,10 +12,10 @@ mod sine;
 mod squat;
 mod walk;
 
-pub use balance::{BalanceControl, BalanceTask};
-pub use balance_force::{Contacts, ForceBalance, Gains};
-pub use balance_position::PositionBalance;
-pub use gravity_compensation::GravityCompensationTask;
+pub use balance::{BalanceChange, BalanceControl, BalanceTask};
+pub use balance_force::{Contacts, ForceBalance, ForceBalanceChange, Gains};
+pub use balance_position::{PositionBalance, PositionBalanceChange};
+pub use gravity_compensation::{CompensationChange, GravityCompensationTask};
 pub use mocap::{MocapTarget, MocapTask};
 pub use playback::{Ends, PlaybackChange, PlaybackTask, Recorded};
 pub use posture::PostureTask;
