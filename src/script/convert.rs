@@ -150,9 +150,9 @@ fn effect(entry: &Table, named: &Named) -> Result<Effect, String> {
     let link = get("link")?;
     let name = link
         .as_string()
-        .map(|s| s.to_string_lossy())
         .ok_or_else(|| format!("needs `link`, the name of a link, or `joint`; `link` is {}", shown(&link)))?;
-    let (id, frame) = named.links.get(&name).ok_or_else(|| format!("the robot has no link {name:?}"))?;
+    let found = name.to_str().ok().and_then(|name| named.links.get(&*name));
+    let (id, frame) = found.ok_or_else(|| format!("the robot has no link {:?}", name.to_string_lossy()))?;
     let turns = match get("frame")? {
         Value::Nil => false,
         Value::String(word) if word.as_bytes() == b"world" => false,

@@ -109,7 +109,7 @@ impl Explicit {
             hop: None,
             y: vec![0.0; n],
             dense: vec![0.0; n],
-            watch: Watch::default(),
+            watch: Watch::new(),
             start: Vec::with_capacity(MAX_WATCHED),
             left: Vec::with_capacity(MAX_WATCHED),
             right: Vec::with_capacity(MAX_WATCHED),

@@ -152,7 +152,7 @@ impl Plant {
             servo: vec![0.0; nj],
             passive: vec![0.0; nj],
             external: vec![0.0; nv],
-            arrows: Vec::with_capacity(16),
+            arrows: Vec::with_capacity(super::observe::MOST_ARROWS),
             acceleration: vec![0.0; nv],
             shift: vec![0.0; nv],
             drive_give: vec![0.0; nj],

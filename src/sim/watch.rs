@@ -34,7 +34,6 @@ enum Item {
 }
 
 /// The functions watched during one step.
-#[derive(Default)]
 pub struct Watch {
     items: Vec<Item>,
     /// Functions negative from the start, because no valid state was found: not watched, asked again after the step.
@@ -42,6 +41,11 @@ pub struct Watch {
 }
 
 impl Watch {
+    /// Room for all that can be watched.
+    pub fn new() -> Self {
+        Watch { items: Vec::with_capacity(MAX_WATCHED), overlooked: Vec::with_capacity(MAX_WATCHED) }
+    }
+
     /// Chooses what to watch from the states and the vertices at the start of a step.
     pub fn begin(&mut self, sim: &Simulation) {
         self.items.clear();

@@ -11,6 +11,7 @@ use stiction::robot::{Base, LinkId};
 
 thread_local! {
     static COUNT: Cell<usize> = const { Cell::new(0) };
+    static HELD: Cell<isize> = const { Cell::new(0) };
 }
 
 struct Counting;
@@ -20,15 +21,18 @@ struct Counting;
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.set(COUNT.get() + 1);
+        HELD.set(HELD.get() + layout.size() as isize);
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        HELD.set(HELD.get() - layout.size() as isize);
         unsafe { System.dealloc(pointer, layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         COUNT.set(COUNT.get() + 1);
+        HELD.set(HELD.get() + size as isize - layout.size() as isize);
         unsafe { System.realloc(pointer, layout, size) }
     }
 }
@@ -43,12 +47,20 @@ pub fn count(f: impl FnOnce()) -> usize {
     COUNT.get() - before
 }
 
+/// Bytes that this thread holds more after `f` than before.
+pub fn balance(f: impl FnOnce()) -> isize {
+    let before = HELD.get();
+    f();
+    HELD.get() - before
+}
+
 #[test]
 fn the_counter_counts() {
     let mut list: Vec<u8> = Vec::new();
     assert_eq!(count(|| list = std::hint::black_box(Vec::with_capacity(10))), 1);
     assert_eq!(count(|| list.reserve(1000)), 1);
     assert_eq!(count(|| list.clear()), 0);
+    assert_eq!(balance(|| drop(std::mem::take(&mut list))), -1000);
 }
 
 #[test]

@@ -12,3 +12,4 @@ mod numeric;
 pub mod random_tree;
 mod stable_point;
 mod stepping;
+mod stepping_all;
