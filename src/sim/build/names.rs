@@ -1,7 +1,7 @@
 //! Where names of a scenario meet what the robot has.
 
-use crate::robot::{JointId, LinkId, Model, SoleId};
-use crate::scenario::{Diagnostic, Run, suggest};
+use crate::robot::{Base, JointId, LinkId, Model, SoleId};
+use crate::scenario::{Diagnostic, Run, segment, suggest};
 use nalgebra::Isometry3;
 
 /// Joint numbers of named values; unknown names are errors at their keys under `path`.
@@ -19,7 +19,7 @@ pub(super) fn joints<'a>(
             None => {
                 let help = suggest(name, model.joints.iter().map(|j| j.name.as_str()));
                 let message = format!("the robot `{}` has no joint `{name}`", model.name);
-                errors.push(run.error_at_key(&format!("{path}.{name}"), message, Some(help)));
+                errors.push(run.error_at_key(&format!("{path}.{}", segment(name)), message, Some(help)));
             }
         }
     }
@@ -46,6 +46,28 @@ pub(super) fn link(
         errors.push(run.error_at(path, message, Some(help)));
     }
     found
+}
+
+/// As [`link`], of one that a force can move: not the root of a robot that is fixed, nor what is welded to it.
+pub(super) fn moving_link(
+    model: &Model,
+    run: &Run,
+    path: &str,
+    name: &str,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<(LinkId, Isometry3<f64>)> {
+    let found = link(model, run, path, name, errors)?;
+    if model.base == Base::Fixed && found.0 == LinkId(0) {
+        let message = format!("the link `{name}` of the robot `{}` is fixed: nothing here could move it", model.name);
+        let names = crate::script::links(model).filter(|(_, id, _)| *id != LinkId(0)).map(|(name, ..)| name);
+        errors.push(run.error_at(
+            path,
+            message,
+            Some(format!("links that move: {}", names.collect::<Vec<_>>().join(", "))),
+        ));
+        return None;
+    }
+    Some(found)
 }
 
 /// Numbers of named soles; unknown and repeated names are errors at their places under `path`.
