@@ -2,6 +2,8 @@
 
 mod carried_object;
 mod drag;
+mod events;
+mod fixed;
 mod ramp;
 mod random_pushes;
 mod spring;

@@ -18,7 +18,7 @@ pub(in crate::sim::build) fn loads(run: &Run, model: &Model, errors: &mut Vec<Di
 }
 
 fn load(run: &Run, model: &Model, i: usize, spec: &CarriedObject, errors: &mut Vec<Diagnostic>) -> Option<Load> {
-    names::link(model, run, &format!("force.{i}.link"), &spec.link, errors)?;
+    names::moving_link(model, run, &format!("force.{i}.link"), &spec.link, errors)?;
     let [roll, pitch, yaw] = spec.rpy;
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
     let pose = Isometry3::from_parts(Translation3::from(spec.position), rotation);

@@ -52,6 +52,10 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
                 names::joints(model, run, &format!("force.{i}.joints"), spec.joints.keys().zip(&unused), errors);
                 let of = |(j, joint): (usize, &crate::robot::Joint)| spec.of(&joint.name).map(|f| (j, friction(&f)));
                 let joints = model.joints.iter().enumerate().filter_map(of).collect();
+                if model.joints.is_empty() {
+                    let message = format!("the robot `{}` has no joints that could have friction", model.name);
+                    errors.push(run.error_at(&format!("force.{i}"), message, None));
+                }
                 forces.push(Box::new(JointFriction { joints }));
             }
         }
@@ -96,7 +100,7 @@ fn wrench(
     profile: Profile,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Force>> {
-    let (id, pose) = names::link(model, run, &format!("force.{i}.link"), link, errors)?;
+    let (id, pose) = names::moving_link(model, run, &format!("force.{i}.link"), link, errors)?;
     Some(Box::new(Wrench {
         link: id,
         point: (pose * Point3::from(*point)).coords,

@@ -16,7 +16,7 @@ pub(super) fn spring(
     spec: &SpringForce,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Force>> {
-    let (link, pose) = names::link(model, run, &format!("force.{i}.link"), &spec.link, errors)?;
+    let (link, pose) = names::moving_link(model, run, &format!("force.{i}.link"), &spec.link, errors)?;
     let hold = Hold {
         name: spec.link.clone(),
         link,
