@@ -8,8 +8,10 @@
 //! inertias are about O.
 
 use super::spatial::Inertia;
+use super::tree_matrix::TreeMatrix;
 use super::workspace::Workspace;
-use crate::robot::Model;
+use crate::robot::{LinkId, Model};
+use nalgebra::{Matrix3, Vector3};
 
 /// Writes M into `ws.mass`. Needs `kinematics::positions`.
 pub fn mass_matrix(model: &Model, ws: &mut Workspace) {
@@ -34,5 +36,29 @@ pub fn mass_matrix(model: &Model, ws: &mut Workspace) {
     for k in 0..nb {
         let momentum = ws.composite[0].apply(&ws.axes[k]).to_array();
         ws.mass.row_mut(k).1.copy_from_slice(&momentum[..=k]);
+    }
+}
+
+/// Writes into `out`, which has the pattern of M, the mass matrix of points alone: link, world point (m) and mass (kg). It is
+/// `sum m J^T J` with the Jacobians of the points. Needs `kinematics::positions`.
+pub fn point_masses(ws: &mut Workspace, points: &[(LinkId, Vector3<f64>, f64)], out: &mut TreeMatrix) {
+    ws.composite.fill(Inertia::ZERO);
+    for &(link, point, mass) in points {
+        let about = point - ws.position;
+        ws.composite[link.0] += Inertia::of_body(mass, &about, &Matrix3::identity(), &Matrix3::zeros());
+    }
+    let nb = ws.nb;
+    for (i, &parent) in ws.parent[1..].iter().enumerate().rev() {
+        let (before, here) = ws.composite.split_at_mut(i + 1);
+        before[parent] += here[0];
+        let momentum = here[0].apply(&ws.axes[nb + i]);
+        let (chain, row) = out.row_mut(nb + i);
+        for (entry, &j) in row.iter_mut().zip(chain) {
+            *entry = ws.axes[j].dot(&momentum);
+        }
+    }
+    for k in 0..nb {
+        let momentum = ws.composite[0].apply(&ws.axes[k]).to_array();
+        out.row_mut(k).1.copy_from_slice(&momentum[..=k]);
     }
 }

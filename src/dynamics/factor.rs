@@ -42,6 +42,25 @@ pub fn factorize_prescribed(ws: &mut Workspace, shift: &[f64], prescribed: &[usi
     eliminate(&mut ws.factor, &mut ws.scratch)
 }
 
+/// As [`factorize_prescribed`], of M + `added` + diag(`shift`); `added` has the pattern of M.
+///
+/// # Errors
+/// As [`factorize`].
+pub fn factorize_with(
+    ws: &mut Workspace,
+    added: &TreeMatrix,
+    shift: &[f64],
+    prescribed: &[usize],
+) -> Result<(), DynamicsError> {
+    ws.factor.copy_from(&ws.mass);
+    ws.factor.add(added);
+    for (k, s) in shift.iter().enumerate() {
+        *ws.factor.row_mut(k).1.last_mut().expect("a row holds its diagonal") += s;
+    }
+    prescribed.iter().for_each(|k| ws.factor.decouple(*k));
+    eliminate(&mut ws.factor, &mut ws.scratch)
+}
+
 /// `least` is scratch of length nv.
 fn eliminate(factor: &mut TreeMatrix, least: &mut [f64]) -> Result<(), DynamicsError> {
     for (k, least) in least.iter_mut().enumerate() {

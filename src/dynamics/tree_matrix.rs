@@ -120,6 +120,22 @@ impl TreeMatrix {
         }
     }
 
+    /// Adds another one of the same pattern.
+    pub(super) fn add(&mut self, other: &TreeMatrix) {
+        self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
+    }
+
+    /// `x^T A y` with A symmetric, both of length nv.
+    pub fn between(&self, x: &[f64], y: &[f64]) -> f64 {
+        let row = |i: usize| {
+            let above = self.row(i).len() - 1;
+            let off = self.pattern.chain(i)[..above].iter().zip(self.row(i));
+            let off: f64 = off.map(|(&j, a)| a * (x[i] * y[j] + x[j] * y[i])).sum();
+            off + self.row(i)[above] * x[i] * y[i]
+        };
+        (0..self.len()).map(row).sum()
+    }
+
     /// `out += factor A e_k`, the column of velocity `k` of the symmetric matrix; `out` has length nv.
     pub fn add_column(&self, k: usize, factor: f64, out: &mut [f64]) {
         for (&j, &a) in self.pattern.chain(k).iter().zip(self.row(k)) {

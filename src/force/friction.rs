@@ -11,6 +11,10 @@ pub struct JointFriction {
 }
 
 impl Force for JointFriction {
+    fn arrows(&self) -> usize {
+        0
+    }
+
     fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
         let nb = scene.model.nb();
         for (joint, friction) in &self.joints {

@@ -15,6 +15,7 @@ pub mod wrench;
 use crate::dynamics::{State, Workspace};
 use crate::robot::{LinkId, Model};
 use nalgebra::{Matrix3, Vector3};
+use std::any::Any;
 
 /// The instant at which forces are wanted.
 pub struct Scene<'a> {
@@ -60,7 +61,7 @@ impl<'a> Applied<'a> {
         moment: &Vector3<f64>,
     ) {
         crate::dynamics::force::accumulate(scene.kinematics, link, point, force, moment, self.tau);
-        if self.arrows.len() < self.arrows.capacity() && *force != Vector3::zeros() {
+        if *force != Vector3::zeros() {
             self.arrows.push((*point, *force));
         }
     }
@@ -71,11 +72,31 @@ impl<'a> Applied<'a> {
     }
 }
 
+/// By how much a force on a point of a link falls per change of the point's velocity.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Damper {
+    /// The link.
+    pub link: LinkId,
+    /// The point, world, m.
+    pub point: Vector3<f64>,
+    /// The coefficient, N s/m, not negative.
+    pub coefficient: f64,
+}
+
 /// Hears what a force model has to tell: kind, subject and words of an event.
 pub type Tell<'a> = dyn FnMut(&'static str, &str, String) + 'a;
 
 /// An external force model.
-pub trait Force: Send {
+pub trait Force: Any + Send {
+    /// Called first of all on a model that takes the place of `former` while the run goes on, at `time`: what that one has
+    /// told is not told again, and neither is what is over.
+    fn succeed(&mut self, _former: &dyn Any, _time: f64) {}
+
+    /// The most forces that it lists at one instant: room is made for them before the run. A script's are not known.
+    fn arrows(&self) -> usize {
+        1
+    }
+
     /// Called once at the start of the run, before anything is evaluated.
     ///
     /// # Errors
@@ -94,6 +115,10 @@ pub trait Force: Send {
     /// Adds to `out` (nv) by how much its generalised force falls per change of each velocity, N s/m or N m s: velocity-level
     /// steps take it at the end of the step. For forces that would else turn a motion round within one; not negative.
     fn damping(&self, _scene: &Scene, _out: &mut [f64]) {}
+
+    /// Names the dampers that its forces hold between points of links and what does not follow the robot: as
+    /// [`damping`](Self::damping), in all directions alike.
+    fn dampers(&self, _scene: &Scene, _damper: &mut dyn FnMut(Damper)) {}
 
     /// Times at which its value or slope jumps, s.
     fn corners(&self) -> &[f64] {

@@ -11,6 +11,7 @@ use super::{Applied, Force, Scene, Tell};
 use crate::random::Stream;
 use crate::robot::LinkId;
 use nalgebra::Vector3;
+use std::any::Any;
 
 /// What pushes are drawn from.
 #[derive(Clone, Debug)]
@@ -49,6 +50,8 @@ struct Push {
     end: f64,
     name: String,
     wrench: Wrench,
+    /// Has it been told, or is it past telling?
+    told: bool,
 }
 
 /// See the module.
@@ -58,6 +61,7 @@ pub struct RandomPushes {
     pushes: Vec<Push>,
     longest: f64,
     corners: Vec<f64>,
+    /// How many have begun and are told.
     told: usize,
 }
 
@@ -108,15 +112,34 @@ impl Distribution {
             axes: None,
             profile: Profile::new(self.shape, at, duration),
         };
-        Push { at, end: at + duration, name: name.clone(), wrench }
+        Push { at, end: at + duration, name: name.clone(), wrench, told: false }
     }
 }
 
 impl Force for RandomPushes {
+    fn succeed(&mut self, former: &dyn Any, time: f64) {
+        let Some(former) = former.downcast_ref::<RandomPushes>() else { return };
+        let known = &former.pushes[..former.told];
+        for push in &mut self.pushes {
+            push.told = push.end <= time || known.iter().any(|other| other.at == push.at);
+        }
+    }
+
+    fn arrows(&self) -> usize {
+        let together = |i: usize| {
+            let since = self.pushes[i].at;
+            let earlier = self.pushes[..=i].iter().rev().take_while(|p| p.at + self.longest >= since);
+            earlier.filter(|p| p.end > since).count()
+        };
+        (0..self.pushes.len()).map(together).max().unwrap_or(0)
+    }
+
     fn pass(&mut self, scene: &Scene, tell: &mut Tell) {
-        while let Some(push) = self.pushes.get(self.told).filter(|p| p.at <= scene.time) {
-            let [x, y, z] = push.wrench.force.into();
-            tell("push", &push.name, format!("({x:.3}, {y:.3}, {z:.3}) N for {:.4} s", push.end - push.at));
+        while let Some(push) = self.pushes.get_mut(self.told).filter(|p| p.at <= scene.time) {
+            if !std::mem::replace(&mut push.told, true) {
+                let [x, y, z] = push.wrench.force.into();
+                tell("push", &push.name, format!("({x:.3}, {y:.3}, {z:.3}) N for {:.4} s", push.end - push.at));
+            }
             self.told += 1;
         }
     }

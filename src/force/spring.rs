@@ -10,13 +10,14 @@
 
 use super::anchor::Anchor;
 use super::profile::{Profile, Shape};
-use super::{Applied, Force, Scene, Tell};
+use super::{Applied, Damper, Force, Scene, Tell};
 use crate::dynamics::jacobian;
 use crate::robot::LinkId;
 use nalgebra::Vector3;
+use std::any::Any;
 
 /// Between what a spring acts, and how strongly.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Hold {
     /// Name of the link, for messages.
     pub name: String,
@@ -44,19 +45,29 @@ pub struct Spring {
     /// 1 while it is attached.
     span: Profile,
     corners: Vec<f64>,
-    attached: bool,
-    released: bool,
+    /// Is it attached, as the log has it?
+    held: bool,
+    /// Is it to be attached anew although it is: it has taken the place of one that was attached elsewhere?
+    anew: bool,
 }
 
 impl Spring {
-    /// A spring attached from `start` for `duration` seconds, which may be infinite. With `from_point` the anchor's
-    /// origin is where the point is then.
+    /// A spring attached from `start` for `duration` seconds, which may be infinite. With `from_point` the anchor's path
+    /// begins when it is attached, where the point is then.
     pub fn new(hold: Hold, anchor: Anchor, from_point: bool, start: f64, duration: f64) -> Self {
         let span = Profile::new(Shape::Constant, start, duration);
         let mut corners = span.corners().to_vec();
         corners.extend(anchor.corners());
         let end = start + duration;
-        Spring { hold, anchor, from_point, start, end, span, corners, attached: false, released: false }
+        Spring { hold, anchor, from_point, start, end, span, corners, held: false, anew: false }
+    }
+
+    /// Is the other one's anchor the same, and held on to by the same point?
+    fn is_where(&self, other: &Spring) -> bool {
+        let (a, b) = (&self.anchor, &other.anchor);
+        let origin = self.from_point || (a.origin, a.start) == (b.origin, b.start);
+        let point = (self.hold.link, self.hold.point) == (other.hold.link, other.hold.point);
+        point && origin && self.from_point == other.from_point && a.path == b.path
     }
 
     fn point(&self, scene: &Scene) -> Vector3<f64> {
@@ -66,19 +77,27 @@ impl Spring {
 }
 
 impl Force for Spring {
+    fn succeed(&mut self, former: &dyn Any, _time: f64) {
+        let Some(former) = former.downcast_ref::<Spring>().filter(|former| former.held) else { return };
+        self.held = true;
+        self.anew = !self.is_where(former);
+        if !self.anew {
+            self.anchor.clone_from(&former.anchor);
+        }
+    }
+
     fn pass(&mut self, scene: &Scene, tell: &mut Tell) {
-        if !self.attached && scene.time >= self.start {
-            self.attached = true;
+        let holds = (self.start..self.end).contains(&scene.time);
+        if holds && (!self.held || self.anew) {
             if self.from_point {
-                self.anchor.origin = self.point(scene);
+                (self.anchor.origin, self.anchor.start) = (self.point(scene), scene.time);
             }
             let [x, y, z] = self.anchor.at(scene.time, scene.within).0.into();
             tell("spring", &self.hold.name, format!("attached to ({x:.4}, {y:.4}, {z:.4})"));
-        }
-        if !self.released && scene.time >= self.end {
-            self.released = true;
+        } else if self.held && !holds {
             tell("spring", &self.hold.name, "released".into());
         }
+        (self.held, self.anew) = (holds, false);
     }
 
     fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
@@ -97,6 +116,13 @@ impl Force for Spring {
         };
         let approach = velocity - jacobian::point_velocity(scene.kinematics, link, &point);
         applied.wrench(scene, link, &point, &(elastic + approach * damping), &Vector3::zeros());
+    }
+
+    fn dampers(&self, scene: &Scene, damper: &mut dyn FnMut(Damper)) {
+        let Hold { link, damping, .. } = self.hold;
+        if damping > 0.0 && self.span.factor(scene.time, scene.within) != 0.0 {
+            damper(Damper { link, point: self.point(scene), coefficient: damping });
+        }
     }
 
     fn corners(&self) -> &[f64] {

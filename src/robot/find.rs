@@ -5,6 +5,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::transformation::try_convex_hull;
 
+use super::hull;
 use super::model::{Base, Geometry, Link, LinkId, Model, Shape, Sole};
 use super::notice::Notices;
 use super::outline;
@@ -22,6 +23,11 @@ const LINE: f64 = 0.01;
 const LEVEL: f64 = 0.87;
 /// Facets whose normals agree to this (cosine; about 1 degree) are one face.
 const SAME_FACE: f64 = 0.99985;
+/// The hull of more points than this, which takes a time that grows as their square, is that of the outermost of them.
+const MOST_POINTS: usize = 10_000;
+/// Directions, over the whole sphere, along which the outermost are looked for: 1.9 degrees apart, so that facets between
+/// them are not one face.
+const DIRECTIONS: usize = 12_000;
 /// Corners of the prism that stands for a round sole.
 const ROUND: usize = 8;
 /// More vertices than this make contact patterns too many.
@@ -182,7 +188,8 @@ fn down_face(points: &[Vector3<f64>], down: &Vector3<f64>) -> Option<(Vec<Vector
     if let Some(normal) = common_normal(points, down) {
         return (normal.dot(down) >= LEVEL).then(|| (points.to_vec(), normal));
     }
-    let input: Vec<ParryVector> = points.iter().map(|p| ParryVector::new(p.x, p.y, p.z)).collect();
+    let outer = if points.len() > MOST_POINTS { hull::outermost(points, &below(down)) } else { points.to_vec() };
+    let input: Vec<ParryVector> = outer.iter().map(|p| ParryVector::new(p.x, p.y, p.z)).collect();
     let (hull, triangles) = try_convex_hull(&input).ok()?;
     let hull: Vec<Vector3<f64>> = hull.iter().map(|p| Vector3::new(p.x, p.y, p.z)).collect();
     let area = |t: &[u32; 3]| {
@@ -210,6 +217,14 @@ fn down_face(points: &[Vector3<f64>], down: &Vector3<f64>) -> Option<(Vec<Vector
     let same = || facing.iter().filter(|(_, _, normal)| normal.dot(&best.0.2) > SAME_FACE);
     let normal = unit(same().map(|(_, area, _)| area).sum())?;
     Some((same().flat_map(|(t, _, _)| t.map(|i| hull[i as usize])).collect(), normal))
+}
+
+/// Directions in which a face that is stood upon may look, and some all round, so that there is a body above it.
+fn below(down: &Vector3<f64>) -> Vec<Vector3<f64>> {
+    // Facets look between the directions of their corners.
+    let near = |d: &Vector3<f64>| d.dot(down) >= LEVEL - 0.02;
+    let dense = hull::spread(DIRECTIONS).into_iter().filter(near);
+    dense.chain(hull::spread(hull::DIRECTIONS)).collect()
 }
 
 /// The normal, turned along `down`, of points that lie in one plane: a flat mesh has no convex hull.

@@ -12,7 +12,7 @@ use super::source::Source;
 const MOST_TRIANGLES: usize = 1000;
 /// Directions along which the outermost vertices of a larger mesh are kept: about 14 degrees apart, so the hull of a ball
 /// of radius r lies at most 0.8 % of r within it, and that of a body with few corners is exact.
-const DIRECTIONS: usize = 200;
+pub(super) const DIRECTIONS: usize = 200;
 
 /// Replaces large meshes by hulls of their outermost vertices and says how many.
 pub(super) fn simplify_meshes(model: &mut Model, source: &Source, notices: &mut Notices) {
@@ -25,7 +25,8 @@ pub(super) fn simplify_meshes(model: &mut Model, source: &Source, notices: &mut 
             continue;
         }
         // A flat mesh has no hull and stays.
-        let Some(hull) = hull(&outermost(points, &directions)) else { continue };
+        let points: Vec<Vector3<f64>> = points.iter().map(|p| p.coords).collect();
+        let Some(hull) = hull(&outermost(&points, &directions)) else { continue };
         (replaced, before) = (replaced + 1, before + triangles.len());
         shape.geometry = hull;
     }
@@ -38,7 +39,7 @@ pub(super) fn simplify_meshes(model: &mut Model, source: &Source, notices: &mut 
 }
 
 /// Unit vectors spread evenly over the sphere, on a spiral of golden angles.
-fn spread(n: usize) -> Vec<Vector3<f64>> {
+pub(super) fn spread(n: usize) -> Vec<Vector3<f64>> {
     let golden = std::f64::consts::PI * (3.0 - 5.0f64.sqrt());
     let direction = |i: usize| {
         let z = 1.0 - (2 * i + 1) as f64 / n as f64;
@@ -50,11 +51,11 @@ fn spread(n: usize) -> Vec<Vector3<f64>> {
 }
 
 /// The outermost point along each direction, each point once.
-fn outermost(points: &[Point3<f64>], directions: &[Vector3<f64>]) -> Vec<Point3<f64>> {
+pub(super) fn outermost(points: &[Vector3<f64>], directions: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let mut best = vec![(f64::NEG_INFINITY, 0); directions.len()];
     for (i, p) in points.iter().enumerate() {
         for (best, d) in best.iter_mut().zip(directions) {
-            let reach = d.dot(&p.coords);
+            let reach = d.dot(p);
             if reach > best.0 {
                 *best = (reach, i);
             }
@@ -66,7 +67,7 @@ fn outermost(points: &[Point3<f64>], directions: &[Vector3<f64>]) -> Vec<Point3<
     chosen.into_iter().map(|i| points[i]).collect()
 }
 
-fn hull(points: &[Point3<f64>]) -> Option<Geometry> {
+fn hull(points: &[Vector3<f64>]) -> Option<Geometry> {
     let input: Vec<ParryVector> = points.iter().map(|p| ParryVector::new(p.x, p.y, p.z)).collect();
     let (vertices, triangles) = try_convex_hull(&input).ok()?;
     let finite = vertices.iter().all(|p| p.x.is_finite() && p.y.is_finite() && p.z.is_finite());
@@ -79,7 +80,7 @@ mod tests {
 
     #[test]
     fn a_ball_of_many_vertices_loses_less_than_a_hundredth() {
-        let points: Vec<Point3<f64>> = spread(20_000).into_iter().map(|d| Point3::from(2.0 * d)).collect();
+        let points: Vec<Vector3<f64>> = spread(20_000).into_iter().map(|d| 2.0 * d).collect();
         let Some(Geometry::Mesh(vertices, triangles)) = hull(&outermost(&points, &spread(DIRECTIONS))) else {
             panic!("no hull")
         };
@@ -93,8 +94,8 @@ mod tests {
 
     #[test]
     fn a_block_of_many_vertices_keeps_its_corners() {
-        let points: Vec<Point3<f64>> =
-            spread(5_000).into_iter().map(|d| Point3::from(d / d.amax()).map(|x| x * 0.5)).chain(corners()).collect();
+        let points: Vec<Vector3<f64>> =
+            spread(5_000).into_iter().map(|d| 0.5 * d / d.amax()).chain(corners().map(|c| c.coords)).collect();
         let Some(Geometry::Mesh(vertices, _)) = hull(&outermost(&points, &spread(DIRECTIONS))) else {
             panic!("no hull")
         };

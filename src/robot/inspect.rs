@@ -82,11 +82,10 @@ fn joints(out: &mut String, model: &Model) -> std::fmt::Result {
         };
         writeln!(
             out,
-            "  {:<20} {kind} about {}; {} to {} {angle}; {}, {}; {} + {} v; {}; {}",
+            "  {:<20} {kind} about {}; {}; {}, {}; {} + {} v; {}; {}",
             joint.name,
             vector(&axis),
-            number(joint.lower),
-            number(joint.upper),
+            range(joint, angle),
             number(joint.effort_limit),
             number(joint.velocity_limit),
             number(joint.friction),
@@ -96,6 +95,13 @@ fn joints(out: &mut String, model: &Model) -> std::fmt::Result {
         )?;
     }
     Ok(())
+}
+
+fn range(joint: &Joint, unit: &str) -> String {
+    if (joint.lower, joint.upper) == (f64::NEG_INFINITY, f64::INFINITY) {
+        return "unlimited".into();
+    }
+    format!("{} to {} {unit}", number(joint.lower), number(joint.upper))
 }
 
 fn drive(joint: &Joint) -> String {

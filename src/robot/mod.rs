@@ -30,6 +30,7 @@ pub use friction::Friction;
 pub use inspect::inspect;
 pub use model::*;
 pub use notice::{Notice, Severity};
+pub use payload::add_box;
 pub use source::Source;
 pub use urdf::{InertiaPolicy, RigidInertia};
 

@@ -17,26 +17,33 @@ const COLOUR: [f32; 4] = [0.36, 0.37, 0.40, 1.0];
 
 /// Adds every load to its link, in file order. Faults carry the place in the robot file.
 pub(super) fn weld(loads: &[Spanned<PayloadEntry>], source: &Source, model: &mut Model) -> Result<(), RobotError> {
-    for entry in loads {
+    for (i, entry) in loads.iter().enumerate() {
         let load = entry.get_ref();
         let element = format!("payload `{}`", load.name);
+        if loads[..i].iter().any(|other| other.get_ref().name == load.name) {
+            let fault = source.fault(entry.span(), format!("there are two payloads named `{}`", load.name));
+            return Err(fault.element(element).wanted("a name of its own").invalid());
+        }
         known_link(&load.link, &element, source, model)?;
         let mass = *load.mass.get_ref();
         let position = load.position.as_ref().map_or(Vector3::zeros(), |p| Vector3::from(*p.get_ref()));
-        let inertia = match (&load.inertia, &load.size) {
-            (Some(_), Some(size)) => {
-                let fault = source.fault(size.span(), format!("{element} has both `inertia` and `size`"));
-                return Err(fault.element(element).wanted("one of them, or none for a point mass").invalid());
+        if let (Some(_), Some(size)) = (&load.inertia, &load.size) {
+            let fault = source.fault(size.span(), format!("{element} has both `inertia` and `size`"));
+            return Err(fault.element(element).wanted("one of them, or none for a point mass").invalid());
+        }
+        let added = match &load.size {
+            Some(size) => add_box(model, load.link.get_ref(), mass, position, *size.get_ref()),
+            None => {
+                let inertia = load.inertia.as_ref().map_or([0.0; 6], |inertia| *inertia.get_ref());
+                add_payload(model, load.link.get_ref(), mass, position, inertia)
             }
-            (Some(inertia), None) => *inertia.get_ref(),
-            (None, Some(size)) => box_inertia(mass, size, &element, source)?,
-            (None, None) => [0.0; 6],
         };
-        add_payload(model, load.link.get_ref(), mass, position, inertia).map_err(|error| match error {
+        added.map_err(|error| match error {
             RobotError::BadValue { subject, seen, wanted } => {
                 let place = match subject.split(' ').next() {
                     Some("mass") => Some(load.mass.span()),
                     Some("position") => load.position.as_ref().map(Spanned::span),
+                    Some("size") => load.size.as_ref().map(Spanned::span),
                     _ => load.inertia.as_ref().map(Spanned::span),
                 };
                 let fault = source.fault(place.unwrap_or(entry.span()), subject);
@@ -44,22 +51,30 @@ pub(super) fn weld(loads: &[Spanned<PayloadEntry>], source: &Source, model: &mut
             }
             other => other,
         })?;
-        if let Some(size) = &load.size {
-            draw(model, load.link.get_ref(), position, Vector3::from(*size.get_ref()));
-        }
     }
     Ok(())
 }
 
-/// `[ixx, iyy, izz, ixy, ixz, iyz]` of a homogeneous box about its centre, kg m^2.
-fn box_inertia(mass: f64, size: &Spanned<[f64; 3]>, element: &str, source: &Source) -> Result<[f64; 6], RobotError> {
-    let [a, b, c] = *size.get_ref();
-    if ![a, b, c].iter().all(|x| x.is_finite() && *x > 0.0) {
-        let fault = source.fault(size.span(), format!("size of {element} is no box")).seen(format!("{:?}", [a, b, c]));
-        return Err(fault.element(element).wanted("three finite lengths above 0").invalid());
+/// Welds a homogeneous box to the link named `link` and draws it: mass (kg), centre (m) in the link's URDF frame, edges
+/// (m) along its axes. Errors: as [`add_payload`], and a size that is no box.
+pub fn add_box(
+    model: &mut Model,
+    link: &str,
+    mass: f64,
+    centre: Vector3<f64>,
+    size: [f64; 3],
+) -> Result<(), RobotError> {
+    let [a, b, c] = size;
+    if !size.iter().all(|x| x.is_finite() && *x > 0.0) {
+        let subject = format!("size of the payload on link `{link}` is no box");
+        let wanted = "three finite lengths above 0".to_owned();
+        return Err(RobotError::BadValue { subject, seen: format!("{size:?}"), wanted });
     }
     let twelfth = mass / 12.0;
-    Ok([twelfth * (b * b + c * c), twelfth * (a * a + c * c), twelfth * (a * a + b * b), 0.0, 0.0, 0.0])
+    let inertia = [twelfth * (b * b + c * c), twelfth * (a * a + c * c), twelfth * (a * a + b * b), 0.0, 0.0, 0.0];
+    add_payload(model, link, mass, centre, inertia)?;
+    draw(model, link, centre, Vector3::from(size));
+    Ok(())
 }
 
 fn draw(model: &mut Model, link: &str, centre: Vector3<f64>, size: Vector3<f64>) {

@@ -11,6 +11,8 @@ use super::error::{Fault, RobotError};
 pub struct Source {
     path: PathBuf,
     text: Arc<str>,
+    /// Byte offsets at which lines begin, ascending from 0.
+    lines: Arc<[usize]>,
 }
 
 impl Source {
@@ -18,7 +20,8 @@ impl Source {
     pub fn read(path: &Path) -> Result<Self, RobotError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| RobotError::Read { path: path.to_owned(), reason: source.to_string() })?;
-        Ok(Self { path: path.to_owned(), text: text.into() })
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
+        Ok(Self { path: path.to_owned(), text: text.into(), lines })
     }
 
     /// The path as it was opened.
@@ -37,14 +40,13 @@ impl Source {
         while !self.text.is_char_boundary(end) {
             end -= 1;
         }
-        let before = &self.text[..end];
-        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+        let line = self.lines.partition_point(|start| *start <= end);
+        (line, self.text[self.lines[line - 1]..end].chars().count() + 1)
     }
 
     /// Line of a byte offset, counted from 1.
     pub fn line(&self, offset: usize) -> usize {
-        self.position(offset).0
+        self.lines.partition_point(|start| *start <= offset.min(self.text.len()))
     }
 
     /// A fault at `span`; fill in what was seen and wanted with the builder methods of [`Fault`].

@@ -103,8 +103,26 @@ fn put(entry: &Entry, earlier: &[Path], root: &mut Node, sources: &Sources) -> R
     if earlier.iter().any(|other| other.overlaps(&path)) {
         return refuse(format!("`{}` sets what another key of the event sets", entry.key), "give it once");
     }
-    path.set(root, entry.node.clone()).map_err(|e| (e.span, e.message, None))?;
+    let whole = whole(&path);
+    let help = whole.as_ref().map(|whole| format!("set the whole: \"{0}\" = ...", dotted(whole)));
+    if let Some(whole) = whole.filter(|whole| whole.get(root).is_none()) {
+        let message = format!("the file has no `{0}`, whose default has no `{1}` to set", dotted(&whole), entry.key);
+        return Err((entry.key_span.clone(), message, help));
+    }
+    path.set(root, entry.node.clone()).map_err(|e| (e.span, e.message, help))?;
     Ok(path)
+}
+
+/// The value that a path leads into, of which the file may have another form or none.
+fn whole(path: &Path) -> Option<Path> {
+    let names: Vec<&str> = path.segments.iter().map(|s| s.0.as_str()).collect();
+    let length = match names[..] {
+        ["gravity", _, ..] => 1,
+        ["floor", "friction", _, ..] => 2,
+        ["robot", "joint", _, "friction", _, ..] => 4,
+        _ => return None,
+    };
+    Some(path.first(length))
 }
 
 /// Is what this path leads to free to change while a run goes on.
@@ -112,7 +130,8 @@ fn may_change(path: &[&str]) -> bool {
     match path {
         ["gravity", ..] | ["floor", "friction" | "patches", ..] | ["contact", "restitution"] => true,
         ["robot", "payload", ..] | ["robot", "joint_default", "kp" | "kd"] => true,
-        ["robot", "joint", _, "kp" | "kd" | "effort" | "velocity" | "friction" | "armature"] => true,
+        ["robot", "joint", _, "kp" | "kd" | "effort" | "velocity" | "armature"] => true,
+        ["robot", "joint", _, "friction", ..] => true,
         // Another type, or another file, is another force.
         ["force", _, key, ..] => !matches!(*key, "type" | "file"),
         _ => false,

@@ -76,3 +76,8 @@ pub use spec::{
     },
 };
 pub use suggest::help as suggest;
+
+/// A name as a segment of a dotted path: in quotes where it is no bare key.
+pub(crate) fn segment(name: &str) -> String {
+    path::Path::segment(name)
+}

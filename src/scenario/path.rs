@@ -145,6 +145,12 @@ impl Path {
         found
     }
 
+    /// A name as a segment of such a path: in quotes where it is no bare key.
+    pub fn segment(name: &str) -> String {
+        let bare = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+        if !name.is_empty() && name.chars().all(bare) { name.to_owned() } else { format!("{name:?}") }
+    }
+
     /// A path in the program's own words, without a place of its own.
     pub fn internal(text: &str) -> Path {
         let nowhere = Sources::default();

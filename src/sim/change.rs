@@ -15,6 +15,7 @@ use crate::dynamics::State;
 use crate::force::Force;
 use crate::robot::Model;
 use nalgebra::{Vector2, Vector3};
+use std::any::Any;
 use std::sync::Arc;
 
 /// What one event does.
@@ -156,10 +157,13 @@ impl Plant {
         if let Some(floor) = change.floor.take() {
             self.floor = floor;
         }
-        for (i, force) in change.forces.drain(..) {
+        for (i, mut force) in change.forces.drain(..) {
+            let former: &dyn Any = &*self.forces[i];
+            force.succeed(former, self.state.time);
             self.forces[i] = force;
             self.init_force(i)?;
         }
+        self.make_room();
         Ok(())
     }
 

@@ -130,8 +130,11 @@ impl super::plant::Plant {
             actuators += mean(nb + j) * (dt * servo - self.drive_give[j] * dv[nb + j]);
             joints -= mean(nb + j) * (dt * passive - self.give[j] * dv[nb + j]);
         }
-        let external: f64 =
+        let mut external: f64 =
             (0..dv.len()).map(|i| mean(i) * (dt * self.external[i] - self.external_give[i] * dv[i])).sum();
+        if let Some(dampers) = self.dampers.matrix() {
+            external -= dampers.between(&self.state.v, dv) - 0.5 * dampers.between(dv, dv);
+        }
         let mut friction = 0.0;
         for (s, sole) in self.problem.soles.iter().enumerate() {
             for (i, (vertex, t)) in sole.vertices.iter().zip(&self.solution.tangent[s]).enumerate() {

@@ -4,6 +4,7 @@ pub mod actuator;
 pub mod build;
 pub mod change;
 mod comply;
+mod damp;
 mod decide;
 mod drive;
 pub mod error;

@@ -13,9 +13,6 @@ use crate::task::Sensed;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::fmt::Write;
 
-/// Most forces shown at once.
-pub const MOST_ARROWS: usize = 16;
-
 /// A snapshot of the right size, to be filled again and again.
 pub fn blank(model: &Model) -> Snapshot {
     Snapshot {
@@ -40,7 +37,7 @@ pub fn blank(model: &Model) -> Snapshot {
                 }
             })
             .collect(),
-        external: Vec::with_capacity(MOST_ARROWS),
+        external: Vec::new(),
         ..Snapshot::default()
     }
 }

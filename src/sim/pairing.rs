@@ -53,18 +53,25 @@ pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
         let help = format!("set `integrator.method` = {}", named(works));
         errors.push(run.error_at("contact.method", message, Some(help)));
     }
-    if contact.restitution > 0.0 && !bouncing(contact.method).contains(&integrator) {
-        let message = format!(
-            "`contact.restitution` does not work with `contact.method` = \"{method}\" and `integrator.method` = \"{}\"",
-            integrator.name()
-        );
-        let help = format!("it works with method \"exact\" and integrator {}", named(EXPLICIT));
-        errors.push(run.error_at("contact.restitution", message, Some(help)));
-    }
+    check_restitution(run, errors);
     if let Some(reason) = unforced(contact.method).filter(|_| !contact.forced.is_empty()) {
         let message = format!("`contact.forced` does not work with `contact.method` = \"{method}\", which {reason}");
         let help = "methods \"exact\" and \"one-step\" can be told theirs".to_owned();
         errors.push(run.error_at("contact.forced", message, Some(help)));
+    }
+}
+
+/// Finds a restitution that method and integrator do not make, as the scenario has it or an event sets it.
+pub(super) fn check_restitution(run: &Run, errors: &mut Vec<Diagnostic>) {
+    let (contact, integrator) = (&run.scenario.contact, run.scenario.integrator.method);
+    if contact.restitution > 0.0 && !bouncing(contact.method).contains(&integrator) {
+        let message = format!(
+            "`contact.restitution` does not work with `contact.method` = \"{}\" and `integrator.method` = \"{}\"",
+            contact.method.name(),
+            integrator.name()
+        );
+        let help = format!("it works with method \"exact\" and integrator {}", named(EXPLICIT));
+        errors.push(run.error_at("contact.restitution", message, Some(help)));
     }
 }
 

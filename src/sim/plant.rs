@@ -8,6 +8,7 @@
 //! accelerations. `contact.md` section 2: every candidate state is judged with W and a0 alone.
 
 use super::actuator::{self, Stop};
+use super::damp::Dampers;
 use super::guide::Guide;
 use super::impulse::Impulses;
 use super::layout::Layout;
@@ -17,7 +18,7 @@ use crate::contact::candidate::{Solution, share_static};
 use crate::contact::method::{Manner, Method, Stored};
 use crate::contact::problem::{Level, Problem};
 use crate::contact::state::States;
-use crate::dynamics::{DynamicsError, State, Workspace, crba, factor, kinematics, reduced, rnea};
+use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
 use crate::force::{Applied, Force, Scene, Tell};
 use crate::integrate::System;
 use crate::robot::{LinkId, Model, RigidInertia, SoleId};
@@ -91,6 +92,8 @@ pub struct Plant {
     pub(super) give: Vec<f64>,
     /// What external forces add there, nv.
     pub(super) external_give: Vec<f64>,
+    /// What they add to all of M.
+    pub(super) dampers: Dampers,
     /// Joints that a velocity-level step holds on the line of their speed limit.
     pub(super) on_line: Vec<bool>,
     /// Impulses of the floor since the last tick; none when nobody asks.
@@ -129,7 +132,7 @@ impl Plant {
             (0..nj).map(|j| Stop::new(&model.joints[j], ws.mass.get(model.nb() + j, model.nb() + j))).collect()
         });
         let directions = model.soles.iter().map(|s| vec![Vector2::zeros(); s.vertices.len()]).collect();
-        Plant {
+        let mut plant = Plant {
             layout: Layout::new(&model),
             gravity: setup.gravity,
             floor: setup.floor.clone(),
@@ -152,12 +155,13 @@ impl Plant {
             servo: vec![0.0; nj],
             passive: vec![0.0; nj],
             external: vec![0.0; nv],
-            arrows: Vec::with_capacity(super::observe::MOST_ARROWS),
+            arrows: Vec::new(),
             acceleration: vec![0.0; nv],
             shift: vec![0.0; nv],
             drive_give: vec![0.0; nj],
             give: vec![0.0; nj],
             external_give: vec![0.0; nv],
+            dampers: Dampers::new(&ws),
             on_line: vec![false; nj],
             impulses: None,
             saturated: vec![0.0; nj],
@@ -170,7 +174,16 @@ impl Plant {
             failure: None,
             ws,
             model,
-        }
+        };
+        plant.make_room();
+        plant
+    }
+
+    /// Makes room for all forces that the models may list at one instant.
+    pub(super) fn make_room(&mut self) {
+        let number = self.forces.iter().map(|force| force.arrows()).sum();
+        self.arrows.reserve(number);
+        self.dampers.reserve(number);
     }
 
     /// Everything at `self.state` that does not depend on contact: tau, M and its factor, W, a0, the vertices.
@@ -266,6 +279,7 @@ impl Plant {
         }
         self.external.fill(0.0);
         self.arrows.clear();
+        self.dampers.clear();
         let scene = Scene {
             model: &self.model,
             state: &self.state,
@@ -282,6 +296,7 @@ impl Plant {
             self.external_give.fill(0.0);
             self.forces.iter().for_each(|force| force.damping(&scene, &mut self.external_give));
             self.external_give.iter_mut().for_each(|give| *give *= dt);
+            self.dampers.gather(&self.forces, &scene, dt);
         }
         self.tau.copy_from_slice(&self.external);
         for (tau, (servo, passive)) in self.tau[nb..].iter_mut().zip(self.servo.iter().zip(&self.passive)) {
@@ -324,12 +339,10 @@ impl Plant {
     fn finish_free(&mut self) {
         rnea::bias(&self.model, &mut self.ws, &self.gravity);
         crba::mass_matrix(&self.model, &mut self.ws);
+        self.failure = self.factorize().err();
         if self.reduced.prescribed.is_empty() {
-            self.failure = factor::factorize_shifted(&mut self.ws, &self.shift).err();
             reduced::assemble(&self.model, &self.ws, &self.floor.rotation, &self.tau, &mut self.reduced);
         } else {
-            let prescribed = &self.reduced.prescribed;
-            self.failure = factor::factorize_prescribed(&mut self.ws, &self.shift, prescribed).err();
             self.carry_over();
             reduced::assemble(&self.model, &self.ws, &self.floor.rotation, &self.scratch, &mut self.reduced);
         }

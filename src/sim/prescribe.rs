@@ -68,6 +68,9 @@ impl Plant {
         self.scratch.copy_from_slice(&self.tau);
         for &j in self.guide.joints() {
             self.ws.mass.add_column(nb + j, -self.demanded[j], &mut self.scratch);
+            if let Some(dampers) = self.dampers.matrix() {
+                dampers.add_column(nb + j, -self.demanded[j], &mut self.scratch);
+            }
         }
         for &j in self.guide.joints() {
             self.scratch[nb + j] = self.ws.bias[nb + j] + self.demanded[j];
@@ -93,6 +96,9 @@ impl Plant {
         }
         let nb = self.model.nb();
         self.ws.mass.multiply(dv, &mut self.scratch);
+        if let Some(dampers) = self.dampers.matrix() {
+            dv.iter().enumerate().for_each(|(k, dv)| dampers.add_column(k, *dv, &mut self.scratch));
+        }
         for &j in self.guide.joints() {
             let k = nb + j;
             let contact = self.contact_load(&self.solution.wrench, k);

@@ -161,6 +161,7 @@ impl Simulation {
             plant.impulses = Some(Impulses::new(model.soles.len()));
         }
         let mut snapshot = super::observe::blank(&model);
+        snapshot.external.reserve(plant.arrows.capacity());
         if setup.sensors.is_some() || estimator.estimates() {
             setup.tasks.tick_always();
             snapshot.estimate = Some(super::observe::blank_estimate(&model));

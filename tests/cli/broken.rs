@@ -96,6 +96,18 @@ fn table() -> Vec<Broken> {
             "[integrator]\nmethod = \"semi-implicit\"\n[contact]\nmethod = \"ncp\"\nforced = [{ sole = \"bottom\", state = \"face-static\" }] #@@",
         ),
         scenario("no such state", "[contact]\nforced = [{ sole = \"bottom\", state = \"edge-9-static\", to = 1 }] #@@"),
+        scenario(
+            "restitution by an event",
+            "[integrator]\nmethod = \"semi-implicit\"\n[[event]]\nat = 0.1\nset = { \"contact.restitution\" = 0.5 } #@@",
+        ),
+        scenario("friction without joints", "[[force]] #@@\ntype = \"joint-friction\"\nall = { coulomb = 1.0 }"),
+        scenario("name with a dot", "[[task]]\ntype = \"posture\"\n[task.joints]\n\"left.knee\" = 0.1 #@@"),
+        scenario("joint with a dot", "[robot.joint]\n\"left.knee\" = { kp = 1.0 } #@@"),
+        scenario("no place above an upright floor", "[floor]\nrpy = [\"90 deg\", 0, 0] #@@"),
+        scenario(
+            "payload of two sizes",
+            "payload = [{ link = \"block\", mass = 1, inertia = [1, 1, 1, 0, 0, 0], size = [1, 1, 1] }] #@@",
+        ),
         scenario("payload on no link", "payload = [{ link = \"torso\", mass = 1.0 }] #@@"),
         // Robot file.
         robot("robot: TOML syntax", "name = \"bottom\"", "name = bottom #@@"),

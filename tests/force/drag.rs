@@ -2,7 +2,9 @@
 
 use super::{G, fly};
 use crate::analytic::body::Body;
+use crate::analytic::support::{finish, simulation};
 use nalgebra::Vector3;
+use stiction::sim::Blind;
 
 fn drag(rest: &str) -> String {
     format!("[[force]]\ntype = \"drag\"\n{rest}\n")
@@ -63,4 +65,62 @@ fn drag_at_a_point_off_the_centre_turns() {
     let rate = end.metrics.final_base_angular_velocity[1] / 1e-4;
     // The torque of the first instant; it changes by about c r^2 t / I, 1e-3 of itself.
     assert!((rate / (-c * speed * r / body.inertia()[1]) - 1.0).abs() < 1e-3, "{rate}");
+}
+
+/// Velocity-level steps take a damper at the end of the step: `v' = v / (1 + h c / m)`, however strong it is.
+#[test]
+fn stiff_drag_and_dampers_do_not_turn_a_velocity_step_round() {
+    let (body, h) = (body(), 1e-3);
+    let steps = format!("integrator = {{ method = \"semi-implicit\", step = {h:?} }}\ngravity = [0, 0, 0]\n");
+    for c in [10.0, 2.0 * body.mass / h, 1e3 * body.mass / h] {
+        let held = format!(
+            "[[force]]\ntype = \"spring\"\nlink = \"block\"\nstiffness = 0\ndamping = {c}\nanchor = {{ position = [0, 0, 0] }}\n"
+        );
+        for force in [drag(&format!("linear = {c}")), held] {
+            let robot = body.floating("position = [0, 0, 1], linear_velocity = [1, -2, 0]");
+            let mut sim = simulation(&format!("duration = 0.05\n{steps}{robot}{force}"));
+            let metrics = finish(&mut sim, &mut Blind);
+            let v = &sim.plant().state.v;
+            let truth = (1.0 + h * c / body.mass).powi(-50);
+            // Rounding over 50 steps, of a velocity of 2 m/s and of the instants between them.
+            assert!((v[0] - truth).abs() < 5e-14 && (v[1] + 2.0 * truth).abs() < 5e-14, "{c}: {v:?} {truth}");
+            let lost = 0.5 * body.mass * 5.0 * (1.0 - truth * truth);
+            assert!((metrics.external_work_j + lost).abs() < 1e-12, "{c}: {} {lost}", metrics.external_work_j);
+            assert!(metrics.max_energy_error_j < 1e-12, "{c}: {}", metrics.max_energy_error_j);
+        }
+    }
+}
+
+/// The double pendulum with drag on both links and a joint that is led: whole rows of the mass matrix take part.
+#[test]
+fn velocity_steps_of_jointed_robots_with_drag_converge() {
+    let end = |integrator: &str, c: f64, lead: &str| {
+        let text = format!(
+            "duration = 0.5\nintegrator = {{ {integrator} }}
+            [robot]\nmodel = \"robots/pendulum/pendulum.urdf\"\nsoles = []\nposture = {{ shoulder = 1.0, elbow = 0.5 }}
+            joint_default = {{ mode = \"passive\" }}\n{lead}\n{}
+            [[force]]\ntype = \"spring\"\nlink = \"lower\"\nstiffness = 5\ndamping = {c}\nanchor = {{ velocity = [0.2, 0, 0] }}\n",
+            drag(&format!("linear = {c}\nquadratic = {c}\nwind = [0.5, 0, 0.2]"))
+        );
+        let mut sim = simulation(&text);
+        let metrics = finish(&mut sim, &mut Blind);
+        (sim.plant().state.joints.clone(), metrics)
+    };
+    let lead = "joint = { shoulder = { mode = \"kinematic\" } }\n[[task]]\ntype = \"sine\"
+        joints = { shoulder = { amplitude = 0.3, frequency = 1.0 } }";
+    for lead in ["", lead] {
+        let exact = "relative_tolerance = 1e-9, absolute_tolerance = 1e-11";
+        let (truth, _) = end(exact, 1.5, lead);
+        let off = |step: f64| {
+            let (q, metrics) = end(&format!("method = \"semi-implicit\", step = {step}"), 1.5, lead);
+            assert!(metrics.max_energy_error_j < 0.1, "{step}: {}", metrics.max_energy_error_j);
+            q.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let (coarse, fine) = (off(1e-3), off(2.5e-4));
+        // Order 1: a quarter of the error, and no more than step times the speeds of some rad/s.
+        assert!(coarse < 5e-3 && (3.0..5.0).contains(&(coarse / fine)), "{lead}: {coarse:e} {fine:e}");
+        // Far beyond where an explicit damper would be stable, it holds still but for creeping.
+        let (q, _) = end("method = \"semi-implicit\", step = 1e-3", 1e6, lead);
+        assert!(q.iter().all(|q| q.abs() < 3.0), "{lead}: {q:?}");
+    }
 }

@@ -3,6 +3,8 @@
 mod carried_object;
 mod drag;
 mod end_effector;
+mod events;
+mod fixed;
 mod ramp;
 mod random_pushes;
 mod spring;

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Writes example_robots.json: joints and mass of every URDF of example-robot-data, as Pinocchio reads them.
+"""Writes example_robots.json: joints, mass and inertia of every URDF of example-robot-data, as Pinocchio reads them.
 
 Run by hand, in an environment with `pin` and `example-robot-data` (6.0 or newer, wheels that carry the URDF files):
 
     python tests/oracles/make_example_robots.py
+
+`inertia` is the sum, over all moving links, of the traces of their tensors about their centres of mass, kg m^2.
 
 Each robot hangs on a floating joint, so that its root's mass counts; mimic joints are independent; null where
 Pinocchio reads no robot.
@@ -24,7 +26,10 @@ def read(path):
         model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
     except ValueError:
         return None
-    return {"joints": model.nv - 6, "mass": sum(inertia.mass for inertia in model.inertias)}
+    mass = sum(inertia.mass for inertia in model.inertias)
+    # A universe's or massless inertia may hold what is no number.
+    traces = [float(inertia.inertia.trace()) for inertia in model.inertias]
+    return {"joints": model.nv - 6, "mass": mass, "inertia": sum(traces)}
 
 
 def main():

@@ -119,6 +119,40 @@ fn a_bumpy_mesh_gives_a_flat_sole_and_a_small_one_a_point() {
     assert_eq!(polygon(&on_mesh(&blade, 1.0), 0).len(), 2);
 }
 
+/// A slab with a rounded top of very many vertices; its hull takes a time that grows as their square.
+#[test]
+fn the_sole_of_a_mesh_of_many_vertices_is_its_lowest_face() {
+    let (n, half) = (200, 0.1);
+    let mut obj = String::new();
+    for (x, y) in [(-half, -half), (half, -half), (half, half), (-half, half)] {
+        obj += &format!("v {x} {y} -0.05\n");
+    }
+    obj += "f 1 3 2\nf 1 4 3\n";
+    for i in 0..n {
+        for j in 0..n {
+            // Of the sphere about (0, 0, -0.5) with radius 0.6, all on the hull.
+            let (x, y) = (half * (2 * i + 1 - n) as f64 / n as f64, half * (2 * j + 1 - n) as f64 / n as f64);
+            obj += &format!("v {x} {y} {}\n", (0.36 - x * x - y * y).sqrt() - 0.5);
+        }
+    }
+    for i in 0..n - 1 {
+        for j in 0..n - 1 {
+            let corner = |i: i32, j: i32| 5 + i * n + j;
+            obj += &format!("f {} {} {}\n", corner(i, j), corner(i + 1, j), corner(i, j + 1));
+        }
+    }
+    let text = format!(
+        "<robot name=\"r\"><link name=\"a\">{BODY}<collision><geometry><mesh filename=\"m.obj\"/></geometry></collision></link></robot>"
+    );
+    let folder = super::folder(&[("r.urdf", &text), ("m.obj", &obj)]);
+    let robot = stiction::robot::load(&folder.path().join("r.urdf")).unwrap();
+    let [sole] = &robot.model.soles[..] else { panic!("{:?}", robot.notices) };
+    // The reader of OBJ keeps 24 bits: rounding to micrometres.
+    let mut found: Vec<[f64; 3]> = sole.vertices.iter().map(|v| (*v).map(|x| (x * 1e6).round() / 1e6).into()).collect();
+    found.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    assert_eq!(found, [[-half, -half, -0.05], [-half, half, -0.05], [half, -half, -0.05], [half, half, -0.05]]);
+}
+
 #[test]
 fn a_foot_tilted_at_home_still_gives_its_whole_face() {
     let tilted = "<collision><origin rpy=\"0.1 0.2 0\"/><geometry><box size=\"0.2 0.1 0.04\"/></geometry></collision>";

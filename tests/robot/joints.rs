@@ -90,6 +90,30 @@ fn a_mimic_joint_is_independent_and_its_home_follows() {
 }
 
 #[test]
+fn mimics_that_cannot_be_followed_are_named() {
+    let joint = |name: &str, child: &str, of: &str| {
+        format!(
+            "<link name=\"{child}\">{BODY}</link><joint name=\"{name}\" type=\"continuous\"><parent link=\"a\"/>\n\
+             <child link=\"{child}\"/><axis xyz=\"0 0 1\"/><mimic joint=\"{of}\" offset=\"0.5\"/></joint>"
+        )
+    };
+    for (joints, words) in [
+        (vec![("j", "j")], "joints mimic each other in a ring: `j`, `j`"),
+        (vec![("j", "k"), ("k", "j")], "in a ring: `j`, `k`, `j`"),
+        (vec![("left", "lift")], "joint `left` mimics `lift`, which is no joint of the robot"),
+        (vec![("left", "left_"), ("left_2", "left")], "`left_`, which is no joint of the robot; did you mean `left`?"),
+    ] {
+        let all: Vec<String> =
+            joints.iter().enumerate().map(|(i, (name, of))| joint(name, &format!("l{i}"), of)).collect();
+        let robot =
+            load_urdf(&format!("<robot name=\"r\"><link name=\"a\">{BODY}</link>{}</robot>", all.concat())).unwrap();
+        let told = robot.notices.iter().find(|n| n.message.contains(words));
+        assert!(told.is_some_and(|n| n.line == 2), "{words}: {:?}", robot.notices);
+        assert_eq!(robot.model.home[0], 0.0, "{words}");
+    }
+}
+
+#[test]
 fn joints_without_position_limits_turn_freely() {
     let robot = load_urdf(&two("revolute", "<axis xyz=\"0 0 1\"/><limit effort=\"1\" velocity=\"2\"/>")).unwrap();
     let joint = &robot.model.joints[0];

@@ -107,6 +107,8 @@ fn a_collada_file_that_is_not_understood_is_left_out_and_named() {
         (collada("<unit meter=\"-1\"/>", ONE_FACE, PLAIN), "its unit is `-1` m"),
         (collada("", ONE_FACE, "<node><matrix>1 2</matrix></node>"), "16 numbers"),
         (collada("", ONE_FACE, "<node/>"), "no triangles"),
+        (collada("", &ONE_FACE.replace("offset=\"0\"", "offset=\"18446744073709551615\""), PLAIN), "offset `1844"),
+        (collada("", &ONE_FACE.replace("offset=\"0\"", "offset=\"-1\""), PLAIN), "offset `-1`"),
         ("<html/>".into(), "not <COLLADA>"),
     ] {
         let robot = showing("m.dae", dae.as_bytes());
@@ -144,6 +146,45 @@ fn a_binary_stl_may_begin_like_a_text_and_be_flat() {
     // One byte less is no binary file, nor a text.
     let broken = showing("m.stl", &bytes[..bytes.len() - 1]);
     assert!(broken.notices.iter().any(|n| n.message.contains("`m.stl`") && n.message.contains("left out")));
+}
+
+/// A mesh of one triangle, at a scale and by a name of the URDF, as a collision shape.
+fn triangle(scale: &str, name: &str, file: &str) -> Robot {
+    let text = format!(
+        "<robot name=\"r\"><link name=\"a\">{BODY}<collision><geometry><mesh filename=\"{name}\" scale=\"{scale}\"/></geometry>\
+         </collision></link></robot>"
+    );
+    let folder = folder(&[("r.urdf", &text), (file, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")]);
+    load(&folder.path().join("r.urdf")).unwrap()
+}
+
+#[test]
+fn scales_that_leave_nothing_or_too_much_are_named() {
+    for (scale, words) in [
+        ("0 0 0", "nothing is left of it at the scale 0 0 0"),
+        ("1 0 0", "nothing is left of it at the scale 1 0 0"),
+        ("1e200 1 1", "beyond all measure"),
+    ] {
+        let robot = triangle(scale, "m.obj", "m.obj");
+        assert!(robot.model.links[0].collisions.is_empty() && robot.model.soles.is_empty(), "{scale}");
+        assert!(robot.notices.iter().any(|n| n.message.contains(words)), "{scale}: {:?}", robot.notices);
+    }
+    assert_eq!(triangle("1 2 0", "m.obj", "m.obj").model.links[0].collisions.len(), 1);
+}
+
+#[test]
+fn encoded_names_are_decoded_where_no_file_has_them_as_written() {
+    for (name, file) in [
+        ("left%20foot.obj", "left foot.obj"),
+        ("left%20foot.obj", "left%20foot.obj"),
+        ("package://p/100%25.obj", "p/100%.obj"),
+        ("100%.obj", "100%.obj"),
+        ("%C3%A9.obj", "\u{e9}.obj"),
+    ] {
+        assert_eq!(triangle("1 1 1", name, file).model.links[0].collisions.len(), 1, "{name}");
+    }
+    // Half a letter is no text.
+    assert_eq!(triangle("1 1 1", "%C3.obj", "m.obj").model.links[0].collisions.len(), 0);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Loads that a robot file welds to links.
 
+use crate::analytic::support::simulation;
 use nalgebra::{Point3, Vector3};
 use stiction::robot::Geometry;
 use stiction::robot::adjust::add_payload;
@@ -60,9 +61,15 @@ fn an_inertia_or_nothing_instead_of_a_size() {
 const CASES: &[(&str, &str, usize, &str)] = &[
     ("link = \"foot\"", "link = \"foo\"", 5, "did you mean `foot`?"),
     ("mass = 3.0", "mass = 0.0", 6, "mass of the payload"),
+    (
+        "mass = 3.0",
+        "mass = 3.0\n[[payload]]\nname = \"box\"\nlink = \"foot\"\nmass = 3.0",
+        7,
+        "there are two payloads named `box`",
+    ),
     ("mass = 3.0", "mas = 3.0", 6, "did you mean `mass`?"),
     ("[0.1, 0.2, 0.3]", "[0.1, inf, 0.3]", 7, "position of the payload"),
-    ("[0.2, 0.4, 0.6]", "[0.2, 0.0, 0.6]", 8, "size of payload `box` is no box"),
+    ("[0.2, 0.4, 0.6]", "[0.2, 0.0, 0.6]", 8, "size of the payload on link"),
     ("size = [0.2, 0.4, 0.6]", "inertia = [1, 1, 3, 0, 0, 0]", 8, "inertia of the payload"),
     (
         "size = [0.2, 0.4, 0.6]",
@@ -79,4 +86,19 @@ fn each_fault_is_named_with_its_line() {
         let case = format!("{from} -> {to}");
         assert_fault(&case, load_toml(&LOADED.replacen(from, to, 1), &urdf()), "robot.toml", line, needle);
     }
+}
+
+/// A load of a robot file, pasted into a scenario, is the same load.
+#[test]
+fn a_scenario_takes_the_loads_of_a_robot_file() {
+    let block = |payload: &str| {
+        let text = format!("duration = 1\n[robot]\nmodel = \"robots/block/block.toml\"\npayload = [{payload}]\n");
+        simulation(&text).plant().model.links[0].clone()
+    };
+    let load = "link = \"block\", mass = 1.2, position = [0, 0.1, 0.2]";
+    let sized = block(&format!("{{ name = \"box\", {load}, size = [0.1, 0.2, 0.3] }}"));
+    // m (b^2 + c^2) / 12 and so on.
+    let given = block(&format!("{{ {load}, inertia = [0.013, 0.01, 0.005, 0, 0, 0] }}"));
+    assert!((sized.inertia - given.inertia).amax() < 1e-16 && sized.mass == given.mass, "{}", sized.inertia);
+    assert_eq!(sized.visuals.len(), given.visuals.len() + 1, "it is drawn");
 }

@@ -59,6 +59,35 @@ fn massless_frames_weld_and_leave_the_numbers_alone() {
     assert_eq!(model.link("imu2").unwrap().1.translation.vector, Vector3::new(2.0, 4.0, 6.0));
 }
 
+#[test]
+fn inertia_without_mass_counts_welded_or_moving() {
+    let inertia = "<inertia ixx=\"0.3\" ixy=\"0\" ixz=\"0\" iyy=\"0.2\" iyz=\"0\" izz=\"0.1\"/>";
+    let text = |kind: &str, last: &str| {
+        format!(
+            "<robot name=\"r\"><link name=\"a\">{BODY}</link>\n<link name=\"rotor\"><inertial><origin xyz=\"5 5 5\"/>\
+             <mass value=\"0\"/>{inertia}</inertial></link><link name=\"c\">{last}</link>\n\
+             <joint name=\"f\" type=\"{kind}\"><origin xyz=\"1 2 3\" rpy=\"0 0 1.5707963267948966\"/><parent link=\"a\"/>\
+             <child link=\"rotor\"/><axis xyz=\"0 0 1\"/></joint>\
+             <joint name=\"g\" type=\"fixed\"><parent link=\"rotor\"/><child link=\"c\"/></joint></robot>"
+        )
+    };
+    // A quarter turn about z; wherever it is welded on, it has no lever.
+    let robot = load_urdf(&text("fixed", "")).unwrap();
+    let link = &robot.model.links[0];
+    let wanted = Matrix3::from_diagonal(&Vector3::new(1.2, 1.3, 1.1));
+    assert_eq!((link.mass, link.com), (1.0, Vector3::zeros()));
+    // Rounding of the quarter turn.
+    assert!((link.inertia - wanted).amax() < 1e-15, "{}", link.inertia);
+    let told = robot.notices.iter().find(|n| n.message.contains("link `rotor` has inertia but no mass"));
+    assert!(told.is_some_and(|n| n.line == 2 && n.message.ends_with("which count")), "{told:?}");
+    // On a joint of its own, alone and with a mass welded to it.
+    let rotor = Matrix3::from_diagonal(&Vector3::new(0.3, 0.2, 0.1));
+    let alone = load_urdf(&text("continuous", "")).unwrap().model;
+    assert_eq!((alone.links[1].mass, alone.links[1].inertia), (0.0, rotor));
+    let loaded = load_urdf(&text("continuous", BODY)).unwrap().model;
+    assert_eq!((loaded.links[1].com, loaded.links[1].inertia), (Vector3::zeros(), rotor + Matrix3::identity()));
+}
+
 fn world(kind: &str, extra: &str) -> String {
     format!(
         "<robot name=\"r\"><link name=\"world\"/>\n<joint name=\"j\" type=\"{kind}\"><parent link=\"world\"/>\

@@ -258,8 +258,22 @@ const BELOW_ROBOT: &[Broken] = &[
         "[[event]]\nat = 1\nset = { \"floor.friction\" = 0.5 }\n[[event]]\nat = 2\nset = { \"floor.friction.kinetic\" = 1 }",
         (8, 25),
         "`floor.friction` is the number 0.5 and has no `kinetic`",
-        "",
+        "set the whole: \"floor.friction\" = ...",
     ),
+    Broken(
+        "[[event]]\nat = 1\nset = { \"floor.friction.kinetic\" = 0.1 }",
+        (5, 9),
+        "the file has no `floor.friction`",
+        "set the whole: \"floor.friction\" = ...",
+    ),
+    Broken("[[event]]\nat = 1\nset = { \"gravity.2\" = -1 }", (5, 9), "the file has no `gravity`", "\"gravity\" = ..."),
+    Broken(
+        "[[event]]\nat = 1\nset = { \"robot.joint.a.friction.viscous\" = 1 }",
+        (5, 9),
+        "the file has no `robot.joint.a.friction`",
+        "\"robot.joint.a.friction\" = ...",
+    ),
+    Broken("[[event]]\nat = 1\nsave = \"\"", (5, 8), "`event.0.save` must be a name", ""),
     Broken(
         "[[event]]\nat = 1\nset = { \"floor.friction\" = 0.5, \"floor.friction.kinetic\" = 0.2 }",
         (5, 33),

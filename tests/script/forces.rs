@@ -84,6 +84,39 @@ fn joints_are_driven_and_parameters_change_at_corners() {
 }
 
 #[test]
+fn parameters_that_an_event_gives_stay_until_a_later_change() {
+    let script = "
+        local a, b
+        function init(robot, params) a, b = params.a, params.b end
+        function change(robot, params) a, b = params.a, params.b end
+        function run() return { { link = \"block\", force = { a, b, 0 } } } end";
+    let body = Body::new([0.1, 0.1, 0.05], 2.0);
+    let change = "change = [{ at = 0.1, params = { a = 2, b = 3 } }, { at = 0.3, params = { a = 7 } }]";
+    for (set, [x, y]) in [
+        // 0.1 s of 1, 0.1 s of 2, then what the event gives until the change at 0.3 s; to 0.4 s.
+        ("\"force.0.params.a\" = 5", [0.1 + 0.2 + 0.5 + 0.7, 0.1 + 0.9]),
+        ("\"force.0.params\" = { a = 5, b = 4 }", [0.1 + 0.2 + 0.5 + 0.7, 0.1 + 0.3 + 0.8]),
+        // Another value leaves the parameters as they were changed.
+        ("\"force.0.duration\" = 9", [0.1 + 0.2 + 0.2 + 0.7, 0.1 + 0.9]),
+    ] {
+        let events = format!(
+            "[[event]]\nat = 0.2\nset = {{ {set} }}\n[[event]]\nat = 0.35\nset = {{ \"force.0.corners\" = [] }}"
+        );
+        let rest = format!("{FORCE}params = {{ a = 1, b = 1 }}\n{change}\n{events}\n");
+        let text = format!("duration = 0.4\n{}", floating(&body, "position = [0, 0, 1]", &rest));
+        let mut told = Told::default();
+        let mut sim = Beside::new(&text, script).simulation();
+        let (outcome, message) = sim.run(&mut told, &AtomicBool::new(false));
+        assert_eq!(outcome, Outcome::Passed, "{message}");
+        let v = &sim.plant().state.v;
+        // Constant forces between corners, where steps end: rounding.
+        assert!((v[0] * 2.0 - x).abs() + (v[1] * 2.0 - y).abs() < 1e-12, "{set}: {v:?}");
+        let said: Vec<f64> = told.events.iter().filter(|e| e.kind == "force").map(|e| e.time).collect();
+        assert_eq!(said, [0.1, 0.3], "{set}");
+    }
+}
+
+#[test]
 fn forces_are_functions_of_time_and_state() {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
     let force = "return { { link = \"block\", force = { x, 0, 0 } } }";

@@ -19,8 +19,17 @@ enum Value {
     Positive,
     Vector(usize),
     PositiveVector(usize),
+    /// Not negative, kg.
+    Mass,
+    /// Three coordinates, m.
+    Place,
 }
 use Value::*;
+
+/// More than this is no body's mass, kg, and squares of it leave the range of numbers.
+const HEAVIEST: f64 = 1e12;
+/// Further apart, m, inertia about a joint swallows that about the centre of mass by rounding.
+const FURTHEST: f64 = 1e4;
 
 /// One element: attributes (name, value, required) and child elements (name, how many).
 struct Rule {
@@ -53,10 +62,10 @@ const RULES: &[Rule] = &[
     Rule { tag: "inertial", attributes: &[], children: &[("origin", AtMostOnce), ("mass", Once), ("inertia", Once)] },
     Rule {
         tag: "origin",
-        attributes: &[("xyz", Vector(3), false), ("rpy", Vector(3), false), ("quat_xyzw", Vector(4), false)],
+        attributes: &[("xyz", Place, false), ("rpy", Vector(3), false), ("quat_xyzw", Vector(4), false)],
         children: &[],
     },
-    Rule { tag: "mass", attributes: &[("value", NotNegative, true)], children: &[] },
+    Rule { tag: "mass", attributes: &[("value", Mass, true)], children: &[] },
     Rule {
         tag: "inertia",
         attributes: &[
@@ -178,7 +187,7 @@ pub(super) fn has_commas(tag: &str, attribute: &str, text: &str) -> bool {
 }
 
 fn is_list(value: Value) -> bool {
-    matches!(value, Vector(_) | PositiveVector(_))
+    matches!(value, Vector(_) | PositiveVector(_) | Place)
 }
 
 /// Each single comma as a space: `1,,2` is no vector of two.
@@ -256,10 +265,13 @@ fn attribute(
         (_, Some(n)) => {
             let length = match value {
                 Vector(k) | PositiveVector(k) => k,
+                Place => 3,
                 _ => 1,
             };
             let in_range = match value {
                 NotNegative => n.iter().all(|x| *x >= 0.0),
+                Mass => n.iter().all(|x| (0.0..=HEAVIEST).contains(x)),
+                Place => n.iter().all(|x| x.abs() <= FURTHEST),
                 Positive | PositiveVector(_) => n.iter().all(|x| *x > 0.0),
                 _ => true,
             };
@@ -289,6 +301,8 @@ fn describe_value(value: Value) -> String {
         NotNegative => "a finite number, not negative".into(),
         Positive => "a finite number above 0".into(),
         Vector(n) => format!("{n} finite numbers separated by spaces"),
+        Mass => format!("a mass in kg, not negative and at most {HEAVIEST:e}"),
+        Place => format!("3 finite numbers separated by spaces, in m and at most {FURTHEST:e}"),
         PositiveVector(n) => format!("{n} finite numbers above 0 separated by spaces"),
     }
 }

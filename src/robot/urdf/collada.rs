@@ -18,6 +18,9 @@ const DEEPEST: usize = 64;
 const MOST_INSTANCES: usize = 100_000;
 /// Some hundred times what a large mesh has.
 const MOST_VERTICES: usize = 20_000_000;
+const MOST_TRIANGLES: usize = 40_000_000;
+/// Far more columns than lists of corners have.
+const MOST_COLUMNS: usize = 1000;
 
 /// Triangles of the file's scene in m, and the up-axis it claims (`Z_UP` by default here, since nothing is turned).
 pub(super) fn decode(bytes: &[u8]) -> Result<(Soup, String), String> {
@@ -109,13 +112,13 @@ impl<'a> Reader<'a> {
                 continue;
             }
             let inputs = || primitive.children().filter(|n| is(*n, "input"));
-            let offset = |input: Node| input.attribute("offset").and_then(|o| o.parse::<usize>().ok()).unwrap_or(0);
-            let stride = 1 + inputs().map(offset).max().unwrap_or(0);
+            let offsets: Vec<usize> = inputs().map(offset).collect::<Result<_, _>>()?;
+            let stride = 1 + offsets.into_iter().max().unwrap_or(0);
             let vertex = inputs().find(|i| i.attribute("semantic") == Some("VERTEX"));
             let vertex = vertex.ok_or_else(|| format!("<{kind}> without vertices"))?;
             let base = self.positions(vertex, place)?;
             let count = self.soup.vertices.len() - base;
-            let column = offset(vertex);
+            let column = offset(vertex)?;
             let sizes: Vec<usize> = first(primitive, "vcount").map_or(Ok(Vec::new()), numbers)?;
             for list in primitive.children().filter(|n| is(*n, "p")) {
                 let all: Vec<usize> = numbers(list)?;
@@ -125,6 +128,9 @@ impl<'a> Reader<'a> {
                 }
                 let corners: Vec<u32> = corners.iter().map(|c| (base + c) as u32).collect();
                 self.faces(kind, &corners, &sizes, flip);
+                if self.soup.triangles.len() > MOST_TRIANGLES {
+                    return Err(format!("it places more than {MOST_TRIANGLES} triangles"));
+                }
             }
         }
         Ok(())
@@ -174,6 +180,13 @@ impl<'a> Reader<'a> {
             _ => fan(corners),
         }
     }
+}
+
+/// The column of an input in a list of corners.
+fn offset(input: Node) -> Result<usize, String> {
+    let Some(text) = input.attribute("offset") else { return Ok(0) };
+    let column = text.trim().parse().ok().filter(|column| *column < MOST_COLUMNS);
+    column.ok_or_else(|| format!("an <input> with the offset `{text}`"))
 }
 
 /// The product of a node's transformation elements.

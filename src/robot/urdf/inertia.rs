@@ -49,9 +49,6 @@ impl RigidInertia {
     /// Both bodies rigidly together, in the same frame.
     pub fn plus(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
-        if mass == 0.0 {
-            return Self::none();
-        }
         // A massless partner must leave the other untouched to the last bit.
         if other.mass == 0.0 {
             return Self { tensor: self.tensor + other.tensor, ..*self };

@@ -5,7 +5,7 @@ use roxmltree::Node;
 use urdf_rs::JointType;
 
 use super::xml::{Xml, child};
-use crate::robot::error::RobotError;
+use crate::robot::error::{RobotError, nearest};
 use crate::robot::friction::{SLIP_SPEED, STRIBECK_SPEED};
 use crate::robot::model::{Drive, Joint, JointKind};
 use crate::robot::notice::Notices;
@@ -55,6 +55,38 @@ pub(super) fn mimic(xml: &Xml, node: Node, notices: &mut Notices) -> Option<Mimi
     notices.warning(xml.source, at, words);
     let number = |name, default| mimic.attribute(name).and_then(|text| text.trim().parse().ok()).unwrap_or(default);
     Some(Mimic { joint, of, multiplier: number("multiplier", 1.0), offset: number("offset", 0.0) })
+}
+
+/// Leaves out those that cannot be followed, by name: of joints that there are not, and those of a ring.
+pub(super) fn sound_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices: &mut Notices) {
+    let of = |name: &str| mimics.iter().find(|m| m.joint == name).map(|m| m.of.as_str());
+    let place = |joint: &str| xml.named("joint", joint);
+    let mut unsound = Vec::new();
+    for Mimic { joint, of: leader, .. } in &*mimics {
+        let mut chain: Vec<&str> = vec![joint];
+        let mut next = Some(leader.as_str());
+        while let Some(name) = next.filter(|name| !chain.contains(name)) {
+            chain.push(name);
+            next = of(name);
+        }
+        let words = if place(leader) == xml.robot {
+            let help = nearest(
+                leader,
+                xml.robot.children().filter(|n| n.has_tag_name("joint")).filter_map(|n| n.attribute("name")),
+            );
+            let help = help.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+            format!("joint `{joint}` mimics `{leader}`, which is no joint of the robot{help}")
+        } else if next == Some(joint) {
+            let ring: Vec<String> = chain.iter().chain([&next.unwrap_or_default()]).map(|j| format!("`{j}`")).collect();
+            format!("joints mimic each other in a ring: {}", ring.join(", "))
+        } else {
+            continue;
+        };
+        let at = child(place(joint), "mimic").unwrap_or(xml.robot).range().start;
+        notices.warning(xml.source, at, format!("{words}: the home of `{joint}` does not follow"));
+        unsound.push(joint.clone());
+    }
+    mimics.retain(|m| !unsound.contains(&m.joint));
 }
 
 /// A joint without limits, friction or actuator: one motion of a planar or floating joint.

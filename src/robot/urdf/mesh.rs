@@ -9,6 +9,9 @@ use nalgebra::{Point3, Vector3};
 use super::collada;
 use crate::robot::model::Geometry;
 
+/// Coordinates beyond this, m, have squares of squares beyond the range of numbers.
+const LARGEST: f64 = 1e60;
+
 /// Triangles as a file gives them, in m before scaling.
 #[derive(Default)]
 pub(super) struct Soup {
@@ -50,13 +53,17 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Decoded, String> {
 }
 
 impl Decoded {
-    /// The shape at a scale, triangles facing outward as before.
-    pub fn scaled(&self, scale: &Vector3<f64>) -> Geometry {
-        let points = self.soup.vertices.iter().map(|p| Point3::from(p.coords.component_mul(scale))).collect();
+    /// The shape at a scale, triangles facing outward as before; none when a vertex is not finite then.
+    pub fn scaled(&self, scale: &Vector3<f64>) -> Option<Geometry> {
+        let points: Vec<Point3<f64>> =
+            self.soup.vertices.iter().map(|p| Point3::from(p.coords.component_mul(scale))).collect();
+        if !points.iter().all(|p| p.iter().all(|x| x.abs() <= LARGEST)) {
+            return None;
+        }
         // A mirror scale turns triangles inside out.
         let flip = scale.product() < 0.0;
         let turn = |t: &[u32; 3]| if flip { [t[0], t[2], t[1]] } else { *t };
-        Geometry::Mesh(points, self.soup.triangles.iter().map(turn).collect())
+        Some(Geometry::Mesh(points, self.soup.triangles.iter().map(turn).collect()))
     }
 }
 

@@ -71,6 +71,7 @@ pub(super) fn load(
         source.fault(document.root_element().range(), format!("the URDF cannot be read: {e}")).invalid()
     })?;
     agree(&robot, &xml)?;
+    limits::sound_mimics(&mut mimics, &xml, notices);
     let tree = tree::Tree::new(&robot, &xml)?;
     let root = root::choose(&tree, &xml, base, notices)?;
     Ok(Loaded { mimics, ..build::build(&tree, &xml, root, policy, notices)? })

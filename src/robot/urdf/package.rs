@@ -2,12 +2,33 @@
 //!
 //! `package://NAME/REST` names a ROS package. There is no ROS here, so the package is looked for around the URDF: in
 //! every folder from the URDF's own upward, the folder may contain one called NAME, or be the package itself, by its
-//! own name or by that in its `package.xml`. `package:///NAME/REST` and `model://NAME/REST` mean the same.
+//! own name or by that in its `package.xml`. `package:///NAME/REST` and `model://NAME/REST` mean the same. These names are
+//! URIs, so `%20` may stand for a space (RFC 3986, section 2.1); a file that has the name as it is written comes first.
 
 use std::path::{Path, PathBuf};
 
 /// The file a mesh name of a URDF in `folder` stands for; the error lists the places searched.
 pub(super) fn resolve(folder: &Path, filename: &str) -> Result<PathBuf, String> {
+    let found = as_written(folder, filename);
+    let decoded = decoded(filename).filter(|_| found.is_err());
+    decoded.and_then(|name| as_written(folder, &name).ok()).map_or(found, Ok)
+}
+
+/// The name with every `%` and two hexadecimal digits as the byte that they stand for; none where nothing changes, or the
+/// bytes are no text.
+fn decoded(name: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(name.len());
+    let mut rest = name.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        let digits = after.first_chunk().filter(|_| first == b'%');
+        let byte = digits.and_then(|[a, b]| Some(16 * char::from(*a).to_digit(16)? + char::from(*b).to_digit(16)?));
+        bytes.push(byte.map_or(first, |byte| byte as u8));
+        rest = if byte.is_some() { &after[2..] } else { after };
+    }
+    String::from_utf8(bytes).ok().filter(|decoded| decoded != name)
+}
+
+fn as_written(folder: &Path, filename: &str) -> Result<PathBuf, String> {
     if let Some(name) = filename.strip_prefix("package://").or_else(|| filename.strip_prefix("model://")) {
         let Some((package, inside)) = name.trim_start_matches('/').split_once('/') else {
             return Err("the name lacks a path inside the package".into());

@@ -38,12 +38,18 @@ pub(super) fn link_inertia(
     let mass = link.inertial.mass.value;
     let name = &link.name;
     if mass == 0.0 {
-        if tensor != Matrix3::zeros() {
-            let at = child(inertial, "mass").unwrap_or(inertial);
-            let fault = xml.attribute_fault(at, "value", format!("link `{name}` has inertia but no mass"));
-            flawed(Flaw::Singular, fault.wanted("a mass above 0"));
+        if tensor == Matrix3::zeros() {
+            return None;
         }
-        return None;
+        let (moments, flaw) = examine(&tensor);
+        let counts = !matches!(flaw, Some(Flaw::Negative | Flaw::Triangle));
+        let what = if counts { "which count" } else { "which no body can have and which are left out" };
+        let at = child(inertial, "mass").unwrap_or(inertial);
+        let fault = xml.attribute_fault(at, "value", format!("link `{name}` has inertia but no mass"));
+        flawed(Flaw::Singular, fault.seen(format!("{}, {what}", moments_text(moments))).wanted("a mass above 0"));
+        // Where its centre is makes no difference.
+        let body = RigidInertia { mass, com: Vector3::zeros(), tensor };
+        return counts.then(|| body.moved(&isometry(&link.inertial.origin)));
     }
     let at = child(inertial, "inertia").unwrap_or(inertial);
     let (moments, flaw) = examine(&tensor);

@@ -105,7 +105,14 @@ impl<'a> Shapes<'a> {
             self.files.push((path.clone(), bytes));
         }
         match &self.decoded[&path] {
-            Ok(mesh) => Ok((mesh.scaled(&scale), mesh.remark.clone())),
+            // What is left of a mesh without extent in two directions is a line at most.
+            Ok(_) if scale.iter().filter(|s| **s == 0.0).count() > 1 => {
+                Err(format!("nothing is left of it at the scale {} {} {}", scale.x, scale.y, scale.z))
+            }
+            Ok(mesh) => Ok((
+                mesh.scaled(&scale).ok_or("its vertices at this scale are beyond all measure")?,
+                mesh.remark.clone(),
+            )),
             Err(reason) => Err(reason.clone()),
         }
     }

@@ -1,5 +1,6 @@
 //! The XML tree with the source it came from: elements by name, positions of attributes, faults.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use roxmltree::{Document, Node};
@@ -11,6 +12,8 @@ use crate::robot::source::Source;
 pub(super) struct Xml<'a> {
     pub source: &'a Source,
     pub robot: Node<'a, 'a>,
+    /// Elements directly under `<robot>` by tag and name; of those that share both the first.
+    named: HashMap<(&'a str, &'a str), Node<'a, 'a>>,
 }
 
 impl<'a> Xml<'a> {
@@ -20,12 +23,18 @@ impl<'a> Xml<'a> {
             let fault = source.fault(open_tag(source, robot), "this is not a URDF").wanted("<robot name=\"...\">");
             return Err(fault.seen(format!("<{}>", robot.tag_name().name())).invalid());
         }
-        Ok(Self { source, robot })
+        let mut named = HashMap::new();
+        for node in robot.children() {
+            if let Some(name) = node.attribute("name") {
+                named.entry((node.tag_name().name(), name)).or_insert(node);
+            }
+        }
+        Ok(Self { source, robot, named })
     }
 
     /// The `<link>` or `<joint>` of that name directly under `<robot>`; the root element if there is none.
     pub fn named(&self, tag: &str, name: &str) -> Node<'a, 'a> {
-        self.robot.children().find(|n| n.has_tag_name(tag) && n.attribute("name") == Some(name)).unwrap_or(self.robot)
+        self.named.get(&(tag, name)).copied().unwrap_or(self.robot)
     }
 
     /// A fault at an element's opening tag.

@@ -16,6 +16,9 @@ impl Check<'_> {
                 let message = format!("`{path}` is at {} s, but the run ends at {end} s", event.at);
                 self.findings.warning(span, message, None);
             }
+            if event.save.as_deref() == Some("") {
+                self.error(&format!("{path}.save"), "must be a name of at least one character");
+            }
             let Some(name) = &event.restore else { continue };
             // At one instant events happen in the order of the file; within one the state is saved first.
             let saves = |(k, other): (usize, &EventSpec)| {

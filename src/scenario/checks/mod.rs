@@ -102,6 +102,15 @@ impl Check<'_> {
     }
 
     fn payload(&mut self, i: usize, payload: &PayloadSpec) {
+        let path = format!("robot.payload.{i}");
+        if let Some(size) = payload.size {
+            if payload.inertia != [0.0; 6] {
+                self.error(&format!("{path}.size"), "has no meaning beside `inertia`: give one of them");
+            }
+            if !size.iter().all(|edge| *edge > 0.0) {
+                self.error(&format!("{path}.size"), format!("must be three lengths above 0, not {size:?}"));
+            }
+        }
         self.inertia(&format!("robot.payload.{i}.inertia"), payload.inertia);
     }
 

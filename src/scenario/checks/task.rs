@@ -1,6 +1,6 @@
 //! Rules for `[[task]]`.
 
-use super::Check;
+use super::{Check, Path};
 use crate::scenario::spec::change::ChangeSpec;
 use crate::scenario::spec::task::{BalanceControl, BalanceTask, MocapTask, SineTask, TaskSpec};
 use crate::scenario::suggest;
@@ -37,7 +37,7 @@ impl Check<'_> {
                 self.stands(path, balance.soles.as_deref());
                 for (joint, mobility) in balance.position.mobility.iter().filter(|(_, w)| **w < 0.0) {
                     let message = format!("must be 0 or greater, not {mobility}");
-                    self.error(&format!("{path}.position.mobility.{joint}"), message);
+                    self.error(&format!("{path}.position.mobility.{}", Path::segment(joint)), message);
                 }
                 self.balance_changes(path, balance, end);
                 balance.start

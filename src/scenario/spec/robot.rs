@@ -142,6 +142,9 @@ pub struct SoleSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PayloadSpec {
+    /// For people, as in a robot file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Carrying link.
     pub link: String,
     /// Mass, kg.
@@ -155,6 +158,9 @@ pub struct PayloadSpec {
     /// point mass.
     #[serde(default)]
     pub inertia: [f64; 6],
+    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; it is drawn, too.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<[f64; 3]>,
 }
 
 /// Changes to one joint; what is left out stays as the robot's files have it.

@@ -1,8 +1,8 @@
 //! What the events of a run do, from what its scenario is after each of them.
 
-use super::{floor, forces, model};
+use super::{floor, forces, model, pairing};
 use crate::robot::{Model, Robot};
-use crate::scenario::{Diagnostic, Event, ForceSpec, Run};
+use crate::scenario::{Diagnostic, Event, ForceSpec, Run, ScriptForce};
 use crate::sim::change::Change;
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<
     let slot = |name: &Option<String>| name.as_ref().and_then(|name| names.iter().position(|n| n == name));
     let mut model = Arc::new(model.clone());
     let mut changes = Vec::with_capacity(run.events.len());
-    for event in &run.events {
+    for (k, event) in run.events.iter().enumerate() {
         let after = &event.after;
         let touches = |part: &str| event.set.iter().any(|key| key.starts_with(part));
         let mut change = Change {
@@ -28,6 +28,9 @@ pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<
             floor: touches("floor.").then(|| floor(after, errors)),
             ..Change::default()
         };
+        if change.restitution.is_some() {
+            pairing::check_restitution(after, errors);
+        }
         if touches("robot.") {
             let changed = Arc::new(changed(&model, after, robot, errors));
             change.gains = gains(&model, &changed);
@@ -45,7 +48,7 @@ pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<
             }
         }
         if !touched.is_empty() {
-            let made = forces::forces(after, &model, errors).into_iter().enumerate();
+            let made = forces::forces(&present(&run.events[..=k]), &model, errors).into_iter().enumerate();
             change.forces = made.filter(|(i, _)| touched.binary_search(i).is_ok()).collect();
         }
         if !errors.is_empty() {
@@ -59,6 +62,37 @@ pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<
 /// Number of the force that a path leads into.
 fn number(key: &str) -> Option<usize> {
     key.strip_prefix("force.")?.split('.').next()?.parse().ok()
+}
+
+/// The run after the last of these events, its scripts' parameters as they are then.
+fn present(events: &[Event]) -> Run {
+    let last = events.last().expect("there is the one in question");
+    let mut run = (*last.after).clone();
+    for (i, force) in run.scenario.force.iter_mut().enumerate() {
+        if let ForceSpec::Script(script) = force {
+            pass_changes(script, &format!("force.{i}.params"), events, last.at);
+        }
+    }
+    run
+}
+
+/// Takes a script's changes up to a time into its parameters. Those that an event has given later than a change stay.
+fn pass_changes(script: &mut ScriptForce, path: &str, events: &[Event], time: f64) {
+    let sets = |event: &Event, name: &str| {
+        let into = |key: &String| key.strip_prefix(path).is_some_and(|rest| leads_to(rest, name));
+        event.set.iter().any(into)
+    };
+    let over = script.change.iter().take_while(|change| change.at <= time).count();
+    for change in script.change.drain(..over) {
+        let given = |name: &String| events.iter().any(|event| event.at >= change.at && sets(event, name));
+        script.params.extend(change.params.into_iter().filter(|(name, _)| !given(name)));
+    }
+}
+
+/// Does the rest of a path behind `params` lead to all of them, or to this one or into it?
+fn leads_to(rest: &str, name: &str) -> bool {
+    let inner = rest.strip_prefix('.').and_then(|rest| rest.strip_prefix(name));
+    rest.is_empty() || inner.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
 /// The robot after an event. Drives keep their modes, and a gain that the joint's own table does not give beside the other

@@ -1,8 +1,9 @@
 //! The robot of a run.
 
+use crate::robot;
 use crate::robot::adjust::{self, DriveSettings};
 use crate::robot::{DriveMode, Model, Robot};
-use crate::scenario::{Diagnostic, JointMode, Run, SoleSpec};
+use crate::scenario::{Diagnostic, JointMode, Run, SoleSpec, segment};
 
 /// The robot's model with the scenario's changes.
 pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -> Model {
@@ -40,7 +41,7 @@ pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -
             _ => own.or(default),
         };
         if let Err(e) = adjust::set_drive(&mut model, name, &settings) {
-            errors.push(run.error_at_key(&format!("robot.joint.{name}"), e.to_string(), None));
+            errors.push(run.error_at_key(&format!("robot.joint.{}", segment(name)), e.to_string(), None));
         }
     }
     if let Err(e) = adjust::set_default_drive(&mut model, &default) {
@@ -58,7 +59,11 @@ pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -
         }
     }
     for (i, load) in spec.payload.iter().enumerate() {
-        let added = adjust::add_payload(&mut model, &load.link, load.mass, load.position.into(), load.inertia);
+        let position = load.position.into();
+        let added = match load.size {
+            Some(size) => robot::add_box(&mut model, &load.link, load.mass, position, size),
+            None => adjust::add_payload(&mut model, &load.link, load.mass, position, load.inertia),
+        };
         if let Err(e) = added {
             errors.push(run.error_at(&format!("robot.payload.{i}"), e.to_string(), None));
         }

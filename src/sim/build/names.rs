@@ -1,7 +1,7 @@
 //! Where names of a scenario meet what the robot has.
 
-use crate::robot::{JointId, LinkId, Model, SoleId};
-use crate::scenario::{Diagnostic, ForceSpec, Run, suggest};
+use crate::robot::{Base, JointId, LinkId, Model, SoleId};
+use crate::scenario::{Diagnostic, ForceSpec, Run, segment, suggest};
 use nalgebra::Isometry3;
 
 /// Joint numbers of named values; unknown names are errors at their keys under `path`.
@@ -19,7 +19,7 @@ pub(super) fn joints<'a>(
             None => {
                 let help = suggest(name, model.joints.iter().map(|j| j.name.as_str()));
                 let message = format!("the robot `{}` has no joint `{name}`", model.name);
-                errors.push(run.error_at_key(&format!("{path}.{name}"), message, Some(help)));
+                errors.push(run.error_at_key(&format!("{path}.{}", segment(name)), message, Some(help)));
             }
         }
     }
@@ -62,7 +62,7 @@ pub(super) struct Held {
 pub(super) fn held(model: &Model, run: &Run, i: usize, spec: &ForceSpec, errors: &mut Vec<Diagnostic>) -> Option<Held> {
     let grip = spec.grip()?;
     if let Some(name) = grip.link {
-        let (link, pose) = link(model, run, &format!("force.{i}.link"), name, errors)?;
+        let (link, pose) = moving_link(model, run, &format!("force.{i}.link"), name, errors)?;
         return Some(Held { name: name.to_owned(), link, pose });
     }
     let name = grip.end_effector?;
@@ -75,7 +75,34 @@ pub(super) fn held(model: &Model, run: &Run, i: usize, spec: &ForceSpec, errors:
         let message = format!("the robot `{}` has no end effector `{name}`", model.name);
         errors.push(run.error_at(&format!("force.{i}.end_effector"), message, Some(help)));
     }
-    found.map(|e| Held { name: name.to_owned(), link: e.link, pose: e.pose })
+    let found = found?;
+    moves(model, run, &format!("force.{i}.end_effector"), name, found.link, errors)?;
+    Some(Held { name: name.to_owned(), link: found.link, pose: found.pose })
+}
+
+/// As [`link`], of one that a force can move: not the root of a robot that is fixed, nor what is welded to it.
+pub(super) fn moving_link(
+    model: &Model,
+    run: &Run,
+    path: &str,
+    name: &str,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<(LinkId, Isometry3<f64>)> {
+    let found = link(model, run, path, name, errors)?;
+    moves(model, run, path, name, found.0, errors)?;
+    Some(found)
+}
+
+/// None, and an error at `path`, if the link that carries what is called `name` is fixed.
+fn moves(model: &Model, run: &Run, path: &str, name: &str, link: LinkId, errors: &mut Vec<Diagnostic>) -> Option<()> {
+    if model.base == Base::Fixed && link == LinkId(0) {
+        let message = format!("`{name}` of the robot `{}` is fixed: nothing here could move it", model.name);
+        let names = crate::script::links(model).filter(|(_, id, _)| *id != LinkId(0)).map(|(name, ..)| name);
+        let help = format!("links that move: {}", names.collect::<Vec<_>>().join(", "));
+        errors.push(run.error_at(path, message, Some(help)));
+        return None;
+    }
+    Some(())
 }
 
 /// Numbers of named soles; unknown and repeated names are errors at their places under `path`.

@@ -1,5 +1,6 @@
 //! Where the robot starts.
 
+use super::STEEPEST;
 use super::names::joints;
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::robot::{Base, Model};
@@ -28,6 +29,12 @@ pub(super) fn start(run: &Run, model: &Model, floor: &Floor, errors: &mut Vec<Di
     state.position = match spec.base.position {
         Some(p) => p.into(),
         None if model.base == Base::Fixed => Vector3::zeros(),
+        None if floor.rotation[(2, 2)].abs() < STEEPEST => {
+            let message = "the robot cannot be put straight above this floor, which stands upright: see `floor.rpy`";
+            let help = "give `base.position` in `[robot]`".to_owned();
+            errors.push(run.error_at("floor.rpy", message, Some(help)));
+            Vector3::zeros()
+        }
         None => {
             let mut ws = Workspace::new(model);
             kinematics::update(model, &state, &mut ws);

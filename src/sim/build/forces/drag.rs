@@ -3,7 +3,7 @@
 use super::{names, span};
 use crate::force::Force;
 use crate::force::drag::Drag;
-use crate::robot::{LinkId, Model};
+use crate::robot::{Base, LinkId, Model};
 use crate::scenario::{Diagnostic, DragForce, Run};
 use nalgebra::Point3;
 
@@ -17,11 +17,14 @@ pub(super) fn drag(
 ) -> Option<Box<dyn Force>> {
     let points = match &spec.link {
         Some(name) => {
-            let (link, pose) = names::link(model, run, &format!("force.{i}.link"), name, errors)?;
+            let (link, pose) = names::moving_link(model, run, &format!("force.{i}.link"), name, errors)?;
             let given = spec.point.map(|p| (pose * Point3::from(p)).coords);
             vec![(link, given.unwrap_or(model.links[link.0].com))]
         }
-        None => model.links.iter().enumerate().map(|(l, link)| (LinkId(l), link.com)).collect(),
+        None => {
+            let moving = usize::from(model.base == Base::Fixed);
+            model.links.iter().enumerate().skip(moving).map(|(l, link)| (LinkId(l), link.com)).collect()
+        }
     };
     Some(Box::new(Drag {
         points,

@@ -56,6 +56,10 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
                 names::joints(model, run, &format!("force.{i}.joints"), spec.joints.keys().zip(&unused), errors);
                 let of = |(j, joint): (usize, &crate::robot::Joint)| spec.of(&joint.name).map(|f| (j, friction(&f)));
                 let joints = model.joints.iter().enumerate().filter_map(of).collect();
+                if model.joints.is_empty() {
+                    let message = format!("the robot `{}` has no joints that could have friction", model.name);
+                    errors.push(run.error_at(&format!("force.{i}"), message, None));
+                }
                 forces.push(Box::new(JointFriction { joints }));
             }
         }

@@ -22,7 +22,7 @@ pub(super) fn pushes(
 ) -> Option<Box<dyn Force>> {
     let mut targets = Vec::new();
     for (n, name) in spec.links.iter().enumerate() {
-        let (link, pose) = names::link(model, run, &format!("force.{i}.links.{n}"), name, errors)?;
+        let (link, pose) = names::moving_link(model, run, &format!("force.{i}.links.{n}"), name, errors)?;
         targets.push((name.clone(), link, (pose * Point3::from(spec.point)).coords));
     }
     let seconds = spec.duration.unwrap_or(run.scenario.duration - spec.start).max(0.0);
