@@ -257,6 +257,7 @@ impl Plant {
             model: &self.model,
             state: &self.state,
             kinematics: &self.ws,
+            gravity: self.gravity,
             time: self.state.time,
             within: self.within,
         };
@@ -287,6 +288,7 @@ impl Plant {
             model: &self.model,
             state: &self.state,
             kinematics: &self.ws,
+            gravity: self.gravity,
             time: self.state.time,
             within: self.within,
         };
@@ -300,6 +302,7 @@ impl Plant {
             model: &self.model,
             state: &self.state,
             kinematics: &self.ws,
+            gravity: self.gravity,
             time: self.state.time,
             // The piece that begins here.
             within: self.state.time,
