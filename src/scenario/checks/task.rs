@@ -2,8 +2,13 @@
 
 use super::Check;
 use crate::scenario::spec::change::ChangeSpec;
-use crate::scenario::spec::task::{MocapTask, SineTask, TaskSpec};
+use crate::scenario::spec::task::{BalanceControl, MocapTask, SineTask, TaskSpec, WalkTask};
 use crate::scenario::suggest;
+
+/// Shortest step of a walk, s: some samples of its pattern.
+const SHORTEST_STEP: f64 = 0.05;
+/// Longest walk that is planned, s: its pattern takes some hundred MB.
+const LONGEST_WALK: f64 = 1e4;
 
 impl Check<'_> {
     /// `path` is the entry's, `end` the run's, s.
@@ -39,6 +44,14 @@ impl Check<'_> {
                     let message = format!("must be 0 or greater, not {mobility}");
                     self.error(&format!("{path}.position.mobility.{joint}"), message);
                 }
+                let other = match balance.control {
+                    BalanceControl::Force => "position",
+                    BalanceControl::Position => "force",
+                };
+                if self.has(path, other) {
+                    let must = "has no meaning with this `control`: leave it out";
+                    self.error(&format!("{path}.{other}"), must);
+                }
                 balance.start
             }
             TaskSpec::GravityCompensation(task) => {
@@ -47,6 +60,11 @@ impl Check<'_> {
             }
             TaskSpec::Script(script) => {
                 self.changes(path, &script.change);
+                let early = script.change.iter().position(|c| c.at < script.start);
+                if let Some(i) = early {
+                    let must = format!("must not be before `start` = {}, not {}", script.start, script.change[i].at);
+                    self.error(&format!("{path}.change.{i}.at"), must);
+                }
                 script.start
             }
             TaskSpec::Squat(squat) => squat.start,
@@ -56,10 +74,29 @@ impl Check<'_> {
                         format!("must be less than `step_time` = {}, not {}", walk.step_time, walk.double_support);
                     self.error(&format!("{path}.double_support"), message);
                 }
+                self.walk(path, walk, end);
                 walk.start
             }
         };
         self.starts_in_time(path, start, end);
+    }
+
+    /// What is planned when a walk begins has bounds: steps of some periods of the pattern, and its length.
+    fn walk(&mut self, path: &str, walk: &WalkTask, end: f64) {
+        if walk.step_time < SHORTEST_STEP {
+            self.error(
+                &format!("{path}.step_time"),
+                format!("must be at least {SHORTEST_STEP} s, not {}", walk.step_time),
+            );
+        }
+        let whole = 2.0 * walk.wait + f64::from(walk.steps) * walk.step_time + walk.double_support;
+        let planned = whole.min(end - walk.start - walk.settle);
+        if planned > LONGEST_WALK {
+            let key = if 2.0 * walk.wait > LONGEST_WALK { "wait" } else { "steps" };
+            let must =
+                format!("makes a walk of {planned:.0} s within the run; at most {LONGEST_WALK:.0} s can be planned");
+            self.error(&format!("{path}.{key}"), must);
+        }
     }
 
     /// Changes come one after the other.
