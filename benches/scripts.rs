@@ -74,7 +74,14 @@ fn evaluate(bencher: Bencher, force: impl FnOnce(&Model) -> Box<dyn Force>) {
     let model = hoap2();
     let (state, mut ws) = (State::home(&model), Workspace::new(&model));
     kinematics::update(&model, &state, &mut ws);
-    let scene = Scene { model: &model, state: &state, kinematics: &ws, time: 0.0, within: 0.0 };
+    let scene = Scene {
+        model: &model,
+        state: &state,
+        kinematics: &ws,
+        gravity: nalgebra::Vector3::zeros(),
+        time: 0.0,
+        within: 0.0,
+    };
     let mut force = force(&model);
     force.init(&scene).expect("it begins");
     let (mut tau, mut arrows) = (vec![0.0; model.nv()], Vec::with_capacity(16));
@@ -99,6 +106,6 @@ fn force_script(bencher: Bencher) {
         let span = Profile::new(Shape::Always, 0.0, 1.0);
         let plan = Plan { span, corners: Vec::new(), params: Params::new(), changes: Vec::new() };
         let script = script(PUSH, Purpose::Force, model);
-        Box::new(ScriptForce::new("bench".into(), script, Named::new(model), nalgebra::Vector3::zeros(), plan))
+        Box::new(ScriptForce::new("bench".into(), script, Named::new(model), plan))
     });
 }

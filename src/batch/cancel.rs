@@ -1,7 +1,7 @@
 //! Ending runs before their time, and keeping further ones from starting.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// Why a run is ended from outside.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -15,7 +15,7 @@ pub enum Reason {
 /// The flag that ends one run at its next step, and why it was raised.
 #[derive(Debug, Default)]
 pub struct Cancellation {
-    flag: AtomicBool,
+    flag: Arc<AtomicBool>,
     reason: OnceLock<Reason>,
 }
 
@@ -29,6 +29,11 @@ impl Cancellation {
     /// The flag that the simulation looks at.
     pub fn flag(&self) -> &AtomicBool {
         &self.flag
+    }
+
+    /// The same, for scripts.
+    pub(super) fn shared(&self) -> Arc<AtomicBool> {
+        self.flag.clone()
     }
 
     /// Why it was cancelled, if it was.

@@ -9,6 +9,7 @@ use super::{Body, Cancellation, Finished, Job, Options, Reason, Role, Track, Wan
 use crate::record::{
     Comparison, InputHash, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, hash_input, metric,
 };
+use crate::script::stoppable;
 use crate::sim::{Metrics, Outcome, Problems};
 
 /// How the body of a run ended.
@@ -53,7 +54,8 @@ pub(super) fn run(
     let folder = job.folder(&options.output);
     let wanted = wanted(job, options, &folder, against);
     let clock = Clock::start();
-    let mut end = guard::catch(|| body(job, &wanted, cancellation.flag())).unwrap_or_else(End::error);
+    let mut end = guard::catch(|| stoppable(cancellation.shared(), || body(job, &wanted, cancellation.flag())))
+        .unwrap_or_else(End::error);
     let timing = clock.read();
     if end.outcome == Outcome::Cancelled && cancellation.reason() == Some(Reason::TimedOut) {
         end.outcome = Outcome::TimedOut;

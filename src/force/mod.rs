@@ -25,6 +25,8 @@ pub struct Scene<'a> {
     pub state: &'a State,
     /// Kinematics at that state.
     pub kinematics: &'a Workspace,
+    /// Free fall in world axes, m/s^2.
+    pub gravity: Vector3<f64>,
     /// Time, s.
     pub time: f64,
     /// A time inside the smooth piece being integrated: which side of a jump `time` belongs to.

@@ -15,7 +15,6 @@ pub struct ScriptForce {
     name: String,
     script: Script,
     named: Named,
-    gravity: Vector3<f64>,
     span: Profile,
     corners: Vec<f64>,
     params: Params,
@@ -44,8 +43,8 @@ pub struct Plan {
 }
 
 impl ScriptForce {
-    /// A force model called `name`; `gravity` in m/s^2, world axes.
-    pub fn new(name: String, script: Script, named: Named, gravity: Vector3<f64>, plan: Plan) -> Self {
+    /// A force model called `name`.
+    pub fn new(name: String, script: Script, named: Named, plan: Plan) -> Self {
         let mut corners = plan.corners;
         corners.extend(plan.span.corners());
         corners.extend(plan.changes.iter().map(|(at, _)| *at));
@@ -53,7 +52,6 @@ impl ScriptForce {
             name,
             script,
             named,
-            gravity,
             span: plan.span,
             corners,
             params: plan.params,
@@ -81,13 +79,20 @@ impl ScriptForce {
     }
 }
 
-fn view<'a>(scene: &'a Scene, gravity: Vector3<f64>) -> View<'a> {
-    View { time: scene.time, model: scene.model, gravity, state: scene.state, kinematics: scene.kinematics, task: None }
+fn view<'a>(scene: &'a Scene) -> View<'a> {
+    View {
+        time: scene.time,
+        model: scene.model,
+        gravity: scene.gravity,
+        state: scene.state,
+        kinematics: scene.kinematics,
+        task: None,
+    }
 }
 
 impl Force for ScriptForce {
     fn init(&mut self, scene: &Scene) -> Result<(), String> {
-        let goes_on = self.script.init(&view(scene, self.gravity), &self.params);
+        let goes_on = self.script.init(&view(scene), &self.params);
         self.ready = true;
         goes_on.map(|_| ()).map_err(|e| e.to_string())
     }
@@ -97,7 +102,7 @@ impl Force for ScriptForce {
         while let Some((_, params)) = self.changes.get(self.changed).filter(|(at, _)| *at <= scene.time) {
             self.changed += 1;
             tell("force", &self.name, "changes".into());
-            if let Err(error) = self.script.change(&view(scene, self.gravity), params) {
+            if let Err(error) = self.script.change(&view(scene), params) {
                 self.fault.get_or_insert(error.to_string());
             }
         }
@@ -107,7 +112,7 @@ impl Force for ScriptForce {
         if !self.ready || self.fault.is_some() || self.span.factor(scene.time, scene.within) == 0.0 {
             return;
         }
-        if let Err(error) = self.ask(&view(scene, self.gravity)) {
+        if let Err(error) = self.ask(&view(scene)) {
             self.fault = Some(error.to_string());
             return;
         }

@@ -108,7 +108,8 @@ fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
 fn cells(text: &str, line: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let mut at = line.start;
     text[line].split(',').map(move |cell| {
-        let trimmed = cell.trim().trim_matches('"');
+        // A byte order mark, as spreadsheets put before the first cell, is none of it.
+        let trimmed = cell.trim_start_matches('\u{feff}').trim().trim_matches('"');
         let start = at + (trimmed.as_ptr() as usize - cell.as_ptr() as usize);
         at += cell.len() + 1;
         start..start + trimmed.len()

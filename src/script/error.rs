@@ -36,13 +36,24 @@ impl ScriptError {
             mlua::Error::MemoryError(_) => return Self::new(file, None, super::sandbox::out_of_memory()),
             other => other.to_string(),
         };
-        let text = whole.split("\nstack traceback:").next().unwrap_or_default().trim_end();
+        let (text, trace) = whole.split_once("\nstack traceback:").unwrap_or((&whole, ""));
+        let text = text.trim_end();
+        // Where the script was, for what a function of the libraries says without a place, or at one of ours.
+        let called = |line: &str| {
+            let digits =
+                line.trim().strip_prefix(file)?.strip_prefix(':')?.split(|c: char| !c.is_ascii_digit()).next()?;
+            digits.parse().ok()
+        };
+        let caller = || trace.lines().find_map(called);
+        if let Some((_, words)) = text.strip_prefix("prelude:").and_then(|rest| rest.split_once(": ")) {
+            return Self::new(file, caller(), words);
+        }
         let placed = text.strip_prefix(file).and_then(|rest| rest.strip_prefix(':'));
         let split = placed.and_then(|rest| rest.split_once(':'));
         match split.map(|(line, words)| (line.parse().ok(), words)) {
             Some((line @ Some(_), words)) => Self::new(file, line, words.trim_start()),
             _ if text.contains("not enough memory") => Self::new(file, None, super::sandbox::out_of_memory()),
-            _ => Self::new(file, None, text),
+            _ => Self::new(file, caller(), text),
         }
     }
 }

@@ -9,10 +9,12 @@ mod convert;
 mod error;
 pub mod fields;
 mod sandbox;
+mod stop;
 
 pub use convert::{Effect, Named};
 pub use error::ScriptError;
-pub use sandbox::{BUDGET, MEMORY};
+pub use sandbox::{BUDGET, BYTES, MEMORY};
+pub use stop::stoppable;
 
 use crate::random::Stream;
 use crate::robot::{DriveMode, LinkId, Model};
@@ -21,6 +23,7 @@ use fields::{Field, PARTS, Shape, TaskView, View};
 use mlua::{Buffer, Function, Table, Value};
 use nalgebra::Isometry3;
 use sandbox::Sandbox;
+use std::collections::HashSet;
 use std::sync::Mutex;
 
 /// Words for the modes of drives; their places here are their numbers in the buffer.
@@ -61,6 +64,10 @@ pub struct Script {
     run: Function,
     change: Option<Function>,
     needs: Needs,
+    /// Tables that `refill` writes to and nobody else.
+    filled: Vec<Table>,
+    /// Tables that stand still between corners.
+    still: Vec<Table>,
 }
 
 /// How far through its life a script is: what it may do.
@@ -105,9 +112,8 @@ impl Script {
             )),
         };
         let run = function("run")?.ok_or_else(|| ScriptError::new(file, None, "there is no function `run`"))?;
-        // See `freeze`.
-        globals.set_readonly(purpose == Purpose::Force);
-        Ok(Script {
+        let filled = close(&inside).map_err(wrong)?;
+        let mut script = Script {
             init: function("init")?,
             change: function("change")?,
             run,
@@ -123,7 +129,11 @@ impl Script {
             input,
             output,
             needs,
-        })
+            filled,
+            still: Vec::new(),
+        };
+        script.freeze();
+        Ok(script)
     }
 
     /// The parts of the augmented data it reads.
@@ -151,10 +161,10 @@ impl Script {
     fn prepare(&mut self, view: &View, function: Option<Function>, params: &Params) -> Result<bool, ScriptError> {
         let Some(function) = function else { return Ok(true) };
         self.show(view, Stage::Prepare)?;
-        self.freeze(false);
+        self.still.drain(..).for_each(|table| table.set_readonly(false));
         let params = convert::params(&self.sandbox.lua, params).map_err(|e| self.sandbox.error(&e))?;
         let answer: Value = self.sandbox.call(&function, (self.robot.clone(), params))?;
-        self.freeze(self.purpose == Purpose::Force);
+        self.freeze();
         self.goes_on(&function, answer)
     }
 
@@ -194,9 +204,13 @@ impl Script {
         }
     }
 
-    /// Forces are functions of time and state: their globals stand still between corners.
-    fn freeze(&self, still: bool) {
-        self.sandbox.lua.globals().set_readonly(still);
+    /// Forces are functions of time and state: between corners their globals stand still, and all tables in them.
+    fn freeze(&mut self) {
+        if self.purpose == Purpose::Force {
+            self.still = reach([self.sandbox.lua.globals()]);
+            self.still.retain(|table| !table.is_readonly());
+            self.still.iter().for_each(|table| table.set_readonly(true));
+        }
     }
 
     /// Brings the table `robot` up to date.
@@ -215,7 +229,10 @@ impl Script {
         let draws = stage == Stage::Prepare || self.purpose == Purpose::Task;
         let drives = stage == Stage::Run && self.purpose == Purpose::Task;
         self.sandbox.call::<()>(&self.allow, (draws, drives))?;
-        self.sandbox.call(&self.refill, ())
+        self.filled.iter().for_each(|table| table.set_readonly(false));
+        self.sandbox.call::<()>(&self.refill, ())?;
+        self.filled.iter().for_each(|table| table.set_readonly(true));
+        Ok(())
     }
 
     /// Lays what joints are asked into the buffer, row after row.
@@ -279,6 +296,39 @@ fn words(sandbox: &Sandbox, file: &str, list: &str) -> Result<Vec<String>, Scrip
         Value::Table(table) => table.sequence_values().collect::<Result<_, _>>().map_err(|_| shape()),
         _ => Err(shape()),
     }
+}
+
+/// Tables that can be reached from these, themselves included.
+fn reach(from: impl IntoIterator<Item = Table>) -> Vec<Table> {
+    let (mut found, mut seen) = (Vec::new(), HashSet::new());
+    let mut ahead: Vec<Table> = from.into_iter().collect();
+    while let Some(table) = ahead.pop() {
+        if seen.insert(table.to_pointer()) {
+            for (key, value) in table.pairs::<Value, Value>().flatten() {
+                ahead.extend([key, value].into_iter().filter_map(|v| v.as_table().cloned()));
+            }
+            found.push(table);
+        }
+    }
+    found
+}
+
+/// Closes the table `robot` to the script; returns what has to be opened to fill it. The lists of what joints are asked stay
+/// open to the functions that command joints.
+fn close(inside: &Table) -> mlua::Result<Vec<Table>> {
+    let robot: Table = inside.get("robot")?;
+    let desired: Option<Table> = robot.get("desired")?;
+    let lists = desired.iter().flat_map(|d| d.pairs::<Value, Table>().flatten());
+    let open: HashSet<_> = lists.map(|(_, list)| list.to_pointer()).collect();
+    let closed = |table: &Table| !open.contains(&table.to_pointer());
+    let filled: Table = inside.get("filled")?;
+    let mut filled: Vec<Table> = filled.sequence_values().collect::<mlua::Result<_>>()?;
+    let kept: Table = inside.get("kept")?;
+    filled.retain(closed);
+    filled.sort_by_key(Table::to_pointer);
+    filled.dedup_by_key(|table| table.to_pointer());
+    reach([robot, kept]).iter().filter(|t| closed(t)).for_each(|table| table.set_readonly(true));
+    Ok(filled)
 }
 
 fn pack(numbers: &[f64], bytes: &mut [u8]) {

@@ -2,15 +2,18 @@
 //!
 //! There are no files, no network, no clock, no other modules and no code made from strings. Memory is limited, and so
 //! is what one call may do: the interpreter asks at every call and every turn of a loop whether to go on, and what is
-//! counted is these questions, not time, so that a run ends at the same place everywhere.
+//! counted is these questions, not time, so that a run ends at the same place everywhere. Library functions that go through
+//! long data count by its size (`counted.luau`), and so does memory as it is allocated.
 
 use super::error::ScriptError;
+use super::stop;
 use mlua::chunk::ChunkMode;
+use mlua::chunk::Compiler;
 use mlua::{FromLuaMulti, Function, IntoLuaMulti, Lua, LuaOptions, StdLib, VmState};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
-/// Memory of one script, bytes.
+/// Memory that one script may keep, bytes; while it is called it may use twice as much, garbage included.
 pub const MEMORY: usize = 64 << 20;
 /// Calls and turns of loops within one call of a script.
 pub const BUDGET: u64 = 1_000_000;
@@ -30,11 +33,43 @@ const CLOSED: [&str; 11] = [
     "print",
 ];
 
+/// Bytes that a library function goes through, or that are allocated, which count as one call.
+pub const BYTES: u64 = 512;
+/// Bytes of text for which a step of a pattern counts once more.
+const LONG: u64 = 1024;
+
 /// How much the call going on has used.
 #[derive(Default)]
 struct Meter {
     used: AtomicU64,
+    /// How often a question counts.
+    weight: AtomicU64,
+    /// Memory at the last question, and what was left when garbage was collected last, bytes.
+    memory: AtomicUsize,
+    live: AtomicUsize,
     exceeded: AtomicBool,
+}
+
+impl Meter {
+    fn restart(&self, memory: usize) {
+        self.used.store(0, Ordering::Relaxed);
+        self.weight.store(1, Ordering::Relaxed);
+        self.memory.store(memory, Ordering::Relaxed);
+        self.live.store(0, Ordering::Relaxed);
+        self.exceeded.store(false, Ordering::Relaxed);
+    }
+
+    /// Counts; are there any left?
+    fn spend(&self, units: u64) -> bool {
+        self.used.fetch_add(units, Ordering::Relaxed).saturating_add(units) <= BUDGET
+    }
+
+    /// The error of one who has used it up.
+    fn exceed(&self, lua: &Lua, file: &str) -> mlua::Error {
+        self.exceeded.store(true, Ordering::Relaxed);
+        let message = format!("more than {BUDGET} calls and turns of loops in one call: does it ever end?");
+        mlua::Error::RuntimeError(ScriptError::new(file, line_in(lua, file), message).to_string())
+    }
 }
 
 /// See the module.
@@ -72,32 +107,70 @@ impl Sandbox {
 
     /// Closes the libraries to changes and sets the limits.
     pub fn close(&self) -> Result<(), ScriptError> {
-        let (meter, file) = (self.meter.clone(), self.file.clone());
-        let closed = self.lua.sandbox(true).and_then(|()| self.lua.set_memory_limit(MEMORY));
+        self.count().map_err(|e| self.error(&e))?;
+        let (meter, file, stop) = (self.meter.clone(), self.file.clone(), stop::flag());
+        let closed = self.lua.sandbox(true).and_then(|()| self.lua.set_memory_limit(2 * MEMORY));
         closed.map_err(|e| self.error(&e))?;
         self.lua.set_interrupt(move |lua| {
-            if meter.used.fetch_add(1, Ordering::Relaxed) < BUDGET {
+            if stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                return Err(mlua::Error::RuntimeError("interrupted".into()));
+            }
+            let mut memory = lua.used_memory();
+            if memory > MEMORY && memory > meter.live.load(Ordering::Relaxed) / 2 * 3 {
+                // Some functions of the libraries make garbage faster than it is collected by itself.
+                lua.gc_collect()?;
+                memory = lua.used_memory();
+                meter.live.store(memory, Ordering::Relaxed);
+            }
+            let more = memory.saturating_sub(meter.memory.swap(memory, Ordering::Relaxed)) as u64;
+            if meter.spend(meter.weight.load(Ordering::Relaxed) + more / BYTES) {
                 return Ok(VmState::Continue);
             }
-            meter.exceeded.store(true, Ordering::Relaxed);
-            let message = format!("more than {BUDGET} calls and turns of loops in one call: does it ever end?");
-            Err(mlua::Error::RuntimeError(ScriptError::new(&file, line_in(lua, &file), message).to_string()))
+            Err(meter.exceed(lua, &file))
         });
         Ok(())
+    }
+
+    /// Lets library functions count.
+    fn count(&self) -> mlua::Result<()> {
+        let (meter, file) = (self.meter.clone(), self.file.clone());
+        // Sizes are what a script says, so any number.
+        let charge = self.lua.create_function(move |lua, bytes: f64| {
+            if meter.spend((bytes / BYTES as f64) as u64) { Ok(()) } else { Err(meter.exceed(lua, &file)) }
+        })?;
+        let meter = self.meter.clone();
+        let weigh = self.lua.create_function(move |_, bytes: f64| {
+            meter.weight.store(1 + bytes as u64 / LONG, Ordering::Relaxed);
+            Ok(())
+        })?;
+        let chunk = self.lua.load(include_str!("counted.luau")).set_name("=prelude").set_mode(ChunkMode::Text);
+        let tonumber: Function = chunk.call((charge, weigh))?;
+        self.lua.globals().set("tonumber", tonumber)
     }
 
     /// Runs the script's own text.
     pub fn load(&self, text: &str) -> Result<(), ScriptError> {
         let chunk = self.lua.load(text).set_name(format!("={}", self.file)).set_mode(ChunkMode::Text);
-        let function = chunk.into_function().map_err(|e| self.error(&e))?;
+        // Else the compiler knows short cuts to these, past what counts.
+        let function = chunk.set_compiler(Compiler::new().set_mutable_globals(["string", "tonumber"]));
+        let function = function.into_function().map_err(|e| self.error(&e))?;
         self.call(&function, ())
     }
 
     /// Calls a function of the script within its budget.
     pub fn call<R: FromLuaMulti>(&self, function: &Function, arguments: impl IntoLuaMulti) -> Result<R, ScriptError> {
-        self.meter.used.store(0, Ordering::Relaxed);
-        self.meter.exceeded.store(false, Ordering::Relaxed);
+        // Garbage is no reason to refuse anything.
+        if self.lua.used_memory() > MEMORY / 2 {
+            self.collect()?;
+        }
+        self.meter.restart(self.lua.used_memory());
         let result = function.call(arguments).map_err(|e| self.error(&e));
+        if self.lua.used_memory() > MEMORY {
+            self.collect()?;
+            if result.is_ok() && self.lua.used_memory() > MEMORY {
+                return Err(ScriptError::new(&self.file, function.info().line_defined, out_of_memory()));
+            }
+        }
         // The script may have caught the interruption: that does not help it.
         match result {
             Ok(_) if self.meter.exceeded.load(Ordering::Relaxed) => {
@@ -106,6 +179,11 @@ impl Sandbox {
             }
             result => result,
         }
+    }
+
+    fn collect(&self) -> Result<(), ScriptError> {
+        // The first cycle may be one that had begun before.
+        self.lua.gc_collect().and_then(|()| self.lua.gc_collect()).map_err(|e| self.error(&e))
     }
 
     pub fn error(&self, error: &mlua::Error) -> ScriptError {

@@ -284,6 +284,7 @@ impl Plant {
             model: &self.model,
             state: &self.state,
             kinematics: &self.ws,
+            gravity: self.gravity,
             // A velocity-level step takes what changes with time at its middle.
             time: if dt.is_some() { self.within } else { self.state.time },
             within: self.within,
@@ -316,6 +317,7 @@ impl Plant {
             model: &self.model,
             state: &self.state,
             kinematics: &self.ws,
+            gravity: self.gravity,
             time: self.state.time,
             within: self.within,
         };
@@ -329,6 +331,7 @@ impl Plant {
             model: &self.model,
             state: &self.state,
             kinematics: &self.ws,
+            gravity: self.gravity,
             time: self.state.time,
             // The piece that begins here.
             within: self.state.time,

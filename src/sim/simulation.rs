@@ -218,6 +218,8 @@ impl Simulation {
         self.sum_up();
         match end {
             Ok(()) => (Outcome::Passed, String::new()),
+            // A script that was ended from outside fails, but not by its own fault.
+            Err(_) if cancel.load(Ordering::Relaxed) => (Outcome::Cancelled, "interrupted".to_owned()),
             Err(stop) => (stop.outcome, stop.message),
         }
     }

@@ -7,7 +7,7 @@
 //! Position and velocity asked go on from where they were. A motion that begins where the joint is asked to be, with the
 //! velocity it is asked for, is not changed at all.
 
-use super::Command;
+use super::{Command, over};
 use crate::motion::spline::{Point, quintic};
 use crate::robot::JointId;
 
@@ -32,7 +32,7 @@ impl Fade {
 
     /// Is it over `t` seconds after the beginning?
     pub fn is_over(&self, t: f64) -> bool {
-        t >= self.duration
+        over(t, self.duration)
     }
 
     /// What joint number `i` of the task is asked `t` seconds after the beginning, its motion being at `motion`.

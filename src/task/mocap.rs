@@ -17,13 +17,15 @@ pub struct Mocap {
     /// Samples per second.
     rate: f64,
     start: f64,
+    /// Time of the first sample: the first tick.
+    first: f64,
     fade: Fade,
 }
 
 impl Mocap {
-    /// Follows samples taken `rate` times a second; `blend`: s that the command before takes to fade.
+    /// Follows samples taken `rate` times a second, at the ticks from the first on; `blend`: s that the command before takes to fade.
     pub fn new(joints: Vec<(JointId, Vec<f64>)>, rate: f64, blend: f64) -> Self {
-        Mocap { fade: Fade::new(blend, joints.len()), joints, rate, start: 0.0 }
+        Mocap { fade: Fade::new(blend, joints.len()), joints, rate, start: 0.0, first: 0.0 }
     }
 
     fn point(&self, i: usize, at: usize) -> Point {
@@ -36,7 +38,7 @@ impl Mocap {
 
 impl Task for Mocap {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
-        self.start = context.time;
+        (self.start, self.first) = (context.start, context.time);
         for i in 0..self.joints.len() {
             let point = self.point(i, 0);
             self.fade.begin(i, self.joints[i].0, command, &point);
@@ -46,7 +48,7 @@ impl Task for Mocap {
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
-        let at = (t * self.rate).round() as usize;
+        let at = ((context.time - self.first) * self.rate).round() as usize;
         let last = self.joints.first().map_or(0, |(_, samples)| samples.len() - 1);
         let over = at >= last && self.fade.is_over(t);
         for i in 0..self.joints.len() {

@@ -2,7 +2,7 @@
 //!
 //! As in the paper's section II.B a task has an initialisation, a run and a change function. Tasks of a scenario start and
 //! end by time; where several drive the same joint at once, the one later in the file wins. A task that has ended leaves
-//! its joints where it last put them.
+//! its joints where it last put them; what else is left of it, and what an earlier one does then, say [`layers`].
 //!
 //! Besides the state of the robot a task is given [`Augmented`] data: Jacobians, the centre of mass and so on. Each part
 //! is computed only in ticks at which a task asks for it by its [`Needs`].
@@ -14,6 +14,7 @@ pub mod fade;
 pub mod gait;
 pub mod glide;
 pub mod kinematic;
+pub mod layers;
 pub mod mocap;
 pub mod needs;
 pub mod playback;
@@ -40,6 +41,8 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 pub struct Context<'a> {
     /// Simulated time, s.
     pub time: f64,
+    /// When the task was to start, s: at this tick or since the one before the first it is called at.
+    pub start: f64,
     /// The robot.
     pub model: &'a Model,
     /// Free fall in world axes, m/s^2.
@@ -71,6 +74,12 @@ impl Context<'_> {
     }
 }
 
+/// Is something that lasts `duration` seconds over `t` seconds after its start? A tick whose time is the end's but for rounding
+/// is the end.
+pub fn over(t: f64, duration: f64) -> bool {
+    t >= duration - 1e-9
+}
+
 /// Does a task go on?
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Status {
@@ -100,6 +109,11 @@ pub trait Task: Send {
     /// Times at which parameters change, ascending, s.
     fn changes(&self) -> &[f64] {
         &[]
+    }
+
+    /// Do the modes and efforts it sets hold only as long as it lasts? It then sets them at every tick.
+    fn lends(&self) -> bool {
+        false
     }
 
     /// The augmented data it reads. Asked anew before `init` and before every `run`.

@@ -9,7 +9,7 @@
 
 use super::fade::Fade;
 use super::glide::Glide;
-use super::{Command, Context, Status, Task, TaskResult};
+use super::{Command, Context, Status, Task, TaskResult, over};
 use crate::motion::spline::{Point, Spline};
 use crate::robot::JointId;
 
@@ -54,11 +54,11 @@ impl Playback {
         }
     }
 
-    /// The motion's time; where it goes round, that of the first round.
+    /// The motion's time; where it goes round, that of the first round, also before its first posture.
     fn motion_time(&self, time: f64) -> f64 {
         let s = self.passed + self.speed.integral(time);
         let (first, last) = self.span;
-        if self.repeat && s > last { first + (s - first).rem_euclid(last - first) } else { s }
+        if self.repeat && !(first..=last).contains(&s) { first + (s - first).rem_euclid(last - first) } else { s }
     }
 
     /// Joint number `i` at the motion's time `s`, by simulated time.
@@ -70,7 +70,7 @@ impl Playback {
 
 impl Task for Playback {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
-        self.start = context.time;
+        self.start = context.start;
         self.speed = Glide::constant(self.speed.value(0.0), self.start);
         for i in 0..self.joints.len() {
             let point = self.point(i, 0.0, self.start);
@@ -82,8 +82,7 @@ impl Task for Playback {
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
         let s = self.motion_time(context.time);
-        // A tick whose time is the end's but for rounding is the end.
-        let over = !self.repeat && s >= self.span.1 - 1e-9 && self.fade.is_over(t);
+        let over = !self.repeat && over(s, self.span.1) && self.fade.is_over(t);
         for i in 0..self.joints.len() {
             let joint = self.joints[i].0;
             let point = self.point(i, if over { self.span.1 } else { s }, context.time);

@@ -7,7 +7,7 @@
 //! the quintic that starts and ends at rest without acceleration; source: Flash and Hogan, The coordination of arm
 //! movements, J. Neuroscience 5 (1985), equation A9.
 
-use super::{Command, Context, Status, Task, TaskResult};
+use super::{Command, Context, Status, Task, TaskResult, over};
 use crate::robot::JointId;
 
 /// See the module.
@@ -40,7 +40,7 @@ pub fn minimum_jerk(t: f64, duration: f64) -> (f64, f64) {
 
 impl Task for Posture {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
-        self.start = context.time;
+        self.start = context.start;
         for (from, (joint, _)) in self.from.iter_mut().zip(&self.targets) {
             *from = command.position[joint.0];
         }
@@ -49,12 +49,13 @@ impl Task for Posture {
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
-        let (progress, rate) = minimum_jerk(t, self.duration);
+        let done = over(t, self.duration);
+        let (progress, rate) = if done { (1.0, 0.0) } else { minimum_jerk(t, self.duration) };
         for (from, (joint, to)) in self.from.iter().zip(&self.targets) {
             command.position[joint.0] = if progress == 1.0 { *to } else { from + (to - from) * progress };
             command.velocity[joint.0] = (to - from) * rate;
         }
-        Ok(if t >= self.duration { Status::Done } else { Status::Running })
+        Ok(if done { Status::Done } else { Status::Running })
     }
 
     fn name(&self) -> &str {

@@ -1,6 +1,6 @@
 //! `script`: a task written in Luau; see [`crate::script`].
 
-use super::{Command, Context, Needs, Status, Task, TaskResult};
+use super::{Command, Context, Needs, Status, Task, TaskResult, over};
 use crate::script::fields::{TaskView, View};
 use crate::script::{Params, Script, ScriptError};
 
@@ -51,7 +51,7 @@ impl Task for ScriptTask {
     }
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
-        if context.time >= self.end {
+        if over(context.time, self.end) {
             return Ok(Status::Done);
         }
         let kept = self.command.get_or_insert_with(|| command.clone());

@@ -1,5 +1,6 @@
 //! Starts, runs, changes and ends the tasks of a scenario.
 
+use super::layers::{Layers, Loan};
 use super::{Augmented, Command, Context, Needs, Sensed, Status, Task};
 use crate::dynamics::State;
 use crate::geometry::Plane;
@@ -13,6 +14,7 @@ struct Slot {
     ended: bool,
     /// Parameter changes made so far.
     changed: usize,
+    loan: Loan,
 }
 
 /// The tasks of one run and the command they have produced.
@@ -20,6 +22,7 @@ pub struct TaskServer {
     slots: Vec<Slot>,
     /// What the joints are asked now.
     pub command: Command,
+    layers: Layers,
     augmented: Augmented,
     rate: f64,
     tick: u64,
@@ -44,7 +47,15 @@ pub struct Situation<'a> {
 impl TaskServer {
     /// A server that ticks `rate` times a second and starts from `command`.
     pub fn new(rate: f64, model: &Model, command: Command) -> Self {
-        TaskServer { slots: Vec::new(), command, augmented: Augmented::new(model), rate, tick: 0, always: false }
+        TaskServer {
+            slots: Vec::new(),
+            layers: Layers::new(&command),
+            command,
+            augmented: Augmented::new(model),
+            rate,
+            tick: 0,
+            always: false,
+        }
     }
 
     /// Makes it tick whether or not a task is active: for sensors that are to be read.
@@ -57,9 +68,10 @@ impl TaskServer {
         1.0 / self.rate
     }
 
-    /// Adds a task that begins at the first tick at or after `start` seconds. Later ones win where they overlap.
+    /// Adds a task that begins at the first tick at or after `start` seconds, its own time 0. Later ones win where they overlap.
     pub fn add(&mut self, start: f64, task: Box<dyn Task>) {
-        self.slots.push(Slot { start, task, begun: false, ended: false, changed: 0 });
+        let loan = Loan::new(self.command.mode.len());
+        self.slots.push(Slot { start, task, begun: false, ended: false, changed: 0, loan });
     }
 
     /// Time of the next tick that can change anything; none when all tasks have ended. Tick k is at `k / rate`, to the last bit
@@ -72,7 +84,9 @@ impl TaskServer {
             let earliest = if s.begun { 0 } else { (s.start * self.rate - 1e-9).ceil().max(0.0) as u64 };
             earliest.max(self.tick) as f64 / self.rate
         };
-        self.slots.iter().filter(|s| !s.ended).map(due).min_by(f64::total_cmp)
+        let next = self.tick as f64 / self.rate;
+        let fades = (next < self.layers.until() + self.period()).then_some(next);
+        self.slots.iter().filter(|s| !s.ended).map(due).chain(fades).min_by(f64::total_cmp)
     }
 
     /// What the tasks that a tick at `time` would call read.
@@ -93,8 +107,9 @@ impl TaskServer {
         let active = |s: &Slot| !s.ended && s.start <= soon;
         let needs = self.needs(time);
         self.augmented.update(now.model, now.state, now.sensed, &now.gravity, &now.floor, needs);
-        let context = Context {
+        let mut context = Context {
             time,
+            start: time,
             model: now.model,
             gravity: now.gravity,
             floor: now.floor,
@@ -102,13 +117,19 @@ impl TaskServer {
             sensed: now.sensed,
             data: &self.augmented,
         };
+        self.layers.begin(time, &mut self.command);
         for slot in self.slots.iter_mut().filter(|s| active(s)) {
+            context.start = slot.start;
+            self.layers.before(&self.command);
             let ended = slot.call(&context, &mut self.command, soon, &mut report);
             slot.ended = ended.map_err(|why| format!("task {}: {why}", slot.task.name()))?;
+            let loan = slot.task.lends().then_some(&mut slot.loan);
+            self.layers.after(loan, slot.ended, time, &mut self.command);
             if slot.ended {
                 report("ends", slot.task.name());
             }
         }
+        self.layers.end(time, &mut self.command);
         Ok(())
     }
 }

@@ -11,8 +11,8 @@
 
 use super::glide::Glide;
 use super::posture::minimum_jerk;
-use super::{Command, Context, Status, Task, TaskResult};
-use crate::robot::JointId;
+use super::{Command, Context, Status, Task, TaskResult, over};
+use crate::robot::{JointId, JointKind};
 use std::f64::consts::TAU;
 
 /// How one joint swings. Middle: rad or m; none: where the joint is asked to be at the start.
@@ -49,6 +49,8 @@ pub struct Sine {
     ramp: f64,
     times: Vec<f64>,
     changes: Vec<Vec<SwingChange>>,
+    /// Do joints have end stops?
+    limited: bool,
     start: f64,
     now: Vec<Now>,
 }
@@ -65,13 +67,20 @@ struct Now {
 }
 
 impl Sine {
-    /// Swings for `duration` seconds (infinite: without end) with ramps of `ramp` seconds; `changes` by ascending time.
-    pub fn new(joints: Vec<(JointId, Swing)>, duration: f64, ramp: f64, changes: Vec<(f64, Vec<SwingChange>)>) -> Self {
+    /// Swings for `duration` seconds (infinite: without end) with ramps of `ramp` seconds; `changes` by ascending time. If
+    /// joints are `limited`, a swing about where a joint happens to be that leaves its range is refused.
+    pub fn new(
+        joints: Vec<(JointId, Swing)>,
+        duration: f64,
+        ramp: f64,
+        changes: Vec<(f64, Vec<SwingChange>)>,
+        limited: bool,
+    ) -> Self {
         let still = Glide::constant(0.0, 0.0);
         let blank = Now { from: 0.0, amplitude: still, frequency: still, offset: still, phase: 0.0 };
         let now = vec![blank; joints.len()];
         let (times, changes) = changes.into_iter().unzip();
-        Sine { joints, duration, ramp, times, changes, start: 0.0, now }
+        Sine { joints, duration, ramp, times, changes, limited, start: 0.0, now }
     }
 }
 
@@ -90,9 +99,17 @@ impl Now {
 
 impl Task for Sine {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
-        self.start = context.time;
+        self.start = context.start;
         for ((joint, swing), now) in self.joints.iter().zip(&mut self.now) {
             let from = command.position[joint.0];
+            let j = &context.model.joints[joint.0];
+            let reach = swing.amplitude.abs() - 1e-9;
+            let leaves = from - reach < j.lower || from + reach > j.upper;
+            if self.limited && j.kind != JointKind::Continuous && swing.offset.is_none() && leaves {
+                let (name, lower, upper) = (&j.name, j.lower, j.upper);
+                let swing = format!("{:.4} about {from:.4}", swing.amplitude);
+                return Err(format!("a swing of `{name}` of {swing} leaves its range, {lower:.4} to {upper:.4}"));
+            }
             let constant = |value| Glide::constant(value, self.start);
             *now = Now {
                 from,
@@ -108,8 +125,7 @@ impl Task for Sine {
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
         let left = self.duration - t;
-        // A tick whose time is the end's but for rounding is the end.
-        let over = left <= 1e-9;
+        let over = over(t, self.duration);
         let (up, up_rate) = minimum_jerk(t, self.ramp);
         let (down, down_rate) = if left < self.ramp { minimum_jerk(left.max(0.0), self.ramp) } else { (1.0, 0.0) };
         let rise = if left < self.ramp { (down, -down_rate) } else { (up, up_rate) };

@@ -10,7 +10,7 @@
 
 use super::kinematic::{Figure, Poser};
 use super::posture::minimum_jerk;
-use super::{Command, Context, Status, Task, TaskResult};
+use super::{Command, Context, Status, Task, TaskResult, over};
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -74,7 +74,7 @@ impl Squat {
 impl Task for Squat {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
         self.poser.begin(context, command).map_err(|e| e.to_string())?;
-        self.start = context.time;
+        self.start = context.start;
         let figure = &self.poser.figure;
         let support = figure.support();
         self.over = Vector3::new(support.x, support.y, figure.com().z);
@@ -93,7 +93,11 @@ impl Task for Squat {
             let part = minimum_jerk(t, self.shape.settle).0;
             self.poser.support(context, command, &Vector3::new(0.0, 0.0, bend), &self.over.xy(), part);
         }
-        Ok(if t >= self.shape.duration() { Status::Done } else { Status::Running })
+        Ok(if over(t, self.shape.duration()) { Status::Done } else { Status::Running })
+    }
+
+    fn lends(&self) -> bool {
+        true
     }
 
     fn name(&self) -> &str {

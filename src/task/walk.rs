@@ -1,22 +1,22 @@
 //! `walk`: steps along a footstep plan, the centre of mass by preview control of the zero-moment point.
 //!
 //! Feet and reference of the zero-moment point come from [`super::gait::footsteps`], the horizontal motion of the centre of
-//! mass from [`super::gait::preview`], planned whole when the task begins; its height is constant and the root stays
+//! mass from [`super::gait::preview`], planned to the end of walk or run when the task begins; its height is constant and the root stays
 //! upright. Joints follow from all that by [`super::kinematic`] at every tick.
 
 use super::gait::{Footsteps, Preview, Sample, Stride};
 use super::kinematic::{Figure, Poser};
 use super::posture::minimum_jerk;
-use super::{Command, Context, Status, Task, TaskResult};
+use super::{Command, Context, Status, Task, TaskResult, over};
 use crate::dynamics::Motion;
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
 /// Period of the pattern, s; between its samples the motion is exact.
-const PERIOD: f64 = 0.005;
+pub const PERIOD: f64 = 0.005;
 /// How far the zero-moment point is seen ahead, s; Kajita's.
 const HORIZON: f64 = 1.6;
-/// Soles tilted more than this at the start are not walked on, rad.
+/// Soles and gravity tilted more than this at the start are not walked with, rad.
 const LEVEL: f64 = 0.02;
 
 /// See the module.
@@ -27,6 +27,8 @@ pub struct Walk {
     /// Time to come to the starting posture, s.
     settle: f64,
     feed_forward: bool,
+    /// How long it can go on, s: what comes later is not planned.
+    until: f64,
     poser: Poser,
     start: f64,
     over: Vector3<f64>,
@@ -54,13 +56,22 @@ impl Plan {
 }
 
 impl Walk {
-    /// For a robot that [`super::kinematic::figure::check_biped`] has let through.
-    pub fn new(model: &Model, stride: Stride, height: Option<f64>, settle: f64, feed_forward: bool) -> Self {
+    /// For a robot that [`super::kinematic::figure::check_biped`] has let through, in a run that ends `until` seconds after the
+    /// start.
+    pub fn new(
+        model: &Model,
+        stride: Stride,
+        height: Option<f64>,
+        settle: f64,
+        feed_forward: bool,
+        until: f64,
+    ) -> Self {
         Walk {
             stride,
             height,
             settle,
             feed_forward,
+            until,
             poser: Poser::new(model),
             start: 0.0,
             over: Vector3::zeros(),
@@ -73,13 +84,19 @@ impl Walk {
 impl Task for Walk {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
         self.poser.begin(context, command).map_err(|e| e.to_string())?;
-        self.start = context.time;
+        self.start = context.start;
         let figure = &self.poser.figure;
         self.upright = Figure::upright(&figure.state.rotation);
         let lean = |s: usize| figure.normal(context.model, s).map_or(0.0, |n| n.angle(&Vector3::z()));
         if let Some(s) = (0..2).find(|&s| lean(s) > LEVEL) {
             let name = &context.model.soles[s].name;
             return Err(format!("the sole `{name}` is tilted by {:.3} rad; it walks on level soles only", lean(s)));
+        }
+        let down = context.gravity.angle(&-Vector3::z());
+        if down > LEVEL {
+            return Err(format!(
+                "gravity is tilted by {down:.3} rad from the vertical; it walks where that is straight down"
+            ));
         }
         let soles = [0, 1].map(|s| figure.sole(s).translation.vector);
         let support = figure.support();
@@ -89,11 +106,14 @@ impl Task for Walk {
         let preview = Preview::new(height, gravity, PERIOD, HORIZON)
             .filter(|_| gravity > 0.0 && height > 0.0)
             .ok_or(format!("there is no gait for a centre of mass {height} m high under {gravity} m/s^2"))?;
-        let footsteps = Footsteps::new(self.stride, soles, self.upright * Vector3::x());
-        let count = (footsteps.duration() / PERIOD).ceil() as usize + 1;
+        // Of the way beyond the end only what the preview sees.
+        let needed = (self.until - self.settle).max(0.0);
+        let footsteps = Footsteps::new(self.stride, soles, self.upright * Vector3::x(), needed + HORIZON + PERIOD);
+        let samples = |time: f64| (time.min(footsteps.duration()) / PERIOD).ceil() as usize + 1;
+        let (count, seen) = (samples(needed), samples(needed + HORIZON));
         let reference =
-            |axis: usize| -> Vec<f64> { (0..count).map(|k| footsteps.zmp(k as f64 * PERIOD)[axis]).collect() };
-        let samples = [0, 1].map(|axis| preview.follow(&reference(axis)));
+            |axis: usize| -> Vec<f64> { (0..seen).map(|k| footsteps.zmp(k as f64 * PERIOD)[axis]).collect() };
+        let samples = [0, 1].map(|axis| preview.follow(&reference(axis), count));
         self.plan = Some(Plan { footsteps, samples, lag: preview.lag });
         Ok(Status::Running)
     }
@@ -103,7 +123,7 @@ impl Task for Walk {
         let t = context.time - self.start;
         self.poser.settle(t, self.settle, self.over, self.upright);
         let since = t - self.settle;
-        let done = since >= plan.footsteps.duration();
+        let done = over(since, plan.footsteps.duration());
         let (mut acceleration, mut zmp) = (Vector3::zeros(), self.over.xy());
         if since > 0.0 {
             let [x, y] = plan.com(since);
@@ -124,6 +144,10 @@ impl Task for Walk {
             self.poser.support(context, command, &acceleration, &zmp, part);
         }
         Ok(if done { Status::Done } else { Status::Running })
+    }
+
+    fn lends(&self) -> bool {
+        true
     }
 
     fn name(&self) -> &str {

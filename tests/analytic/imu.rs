@@ -163,7 +163,7 @@ fn nodding(imu: &str, more: &str) -> stiction::sim::Metrics {
     let text = text[..text.find("[[expect]]").unwrap()].to_owned();
     run(&format!(
         "{text}\n[[task]]\ntype = \"sine\"
-        joints = {{ head_pan = {{ amplitude = 0.5 }}, head_tilt = {{ amplitude = 0.3, frequency = 1.7 }} }}\n{more}\n"
+        joints = {{ head_pan = {{ amplitude = 0.5 }}, head_tilt = {{ amplitude = 0.25, frequency = 1.7 }} }}\n{more}\n"
     ))
 }
 

@@ -38,12 +38,28 @@ fn tick(model: &Model, task: &mut ForceBalance, begin: &State, state: &State) ->
     let mut data = Augmented::new(model);
     let mut command = Command::hold(model, &begin.joints);
     data.update(model, begin, &sensed, &GRAVITY, &Plane::LEVEL, task.needs());
-    let context =
-        Context { time: 0.0, model, gravity: GRAVITY, floor: Plane::LEVEL, state: begin, sensed: &sensed, data: &data };
+    let context = Context {
+        time: 0.0,
+        start: 0.0,
+        model,
+        gravity: GRAVITY,
+        floor: Plane::LEVEL,
+        state: begin,
+        sensed: &sensed,
+        data: &data,
+    };
     task.init(&context, &command).expect("it begins");
     data.update(model, state, &sensed, &GRAVITY, &Plane::LEVEL, task.needs());
-    let context =
-        Context { time: 0.0, model, gravity: GRAVITY, floor: Plane::LEVEL, state, sensed: &sensed, data: &data };
+    let context = Context {
+        time: 0.0,
+        start: 0.0,
+        model,
+        gravity: GRAVITY,
+        floor: Plane::LEVEL,
+        state,
+        sensed: &sensed,
+        data: &data,
+    };
     let allocations = count(|| {
         task.run(&context, &mut command).expect("it runs");
     });

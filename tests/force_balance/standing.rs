@@ -93,3 +93,17 @@ fn it_ends_when_it_should_and_gives_the_drives_back() {
     // The position servos hold the robot where it was, but for their sag.
     assert!((m.final_base_position[2] - HEIGHT).abs() < 1e-3, "{m:?}");
 }
+
+/// Half the rate that the default gains were made for, and a fifth of it.
+#[test]
+fn it_stands_at_lower_rates() {
+    for rate in [500, 200] {
+        let m = run(&format!(
+            "duration = 5.0\nrobot = {{ model = \"robots/cbi/cbi.toml\" }}\n[control]\nrate = {rate}\n[integrator]\n\
+             method = \"semi-implicit\"\nstep = 1e-3\n{BALANCE}"
+        ));
+        let speed = m.final_base_velocity.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        // Its pelvis stands at 0.80 m and is at rest.
+        assert!((m.final_base_position[2] - 0.802).abs() < 5e-3 && speed < 1e-3, "{rate}: {m:?}");
+    }
+}

@@ -85,8 +85,8 @@ fn speeds_are_limited_and_told() {
     }
     // 5 rad/s for 0.2 s against 2 rad/s: half of what is too much, (1 - 0.4) / 2, whatever the smoothing.
     let (_, _, notes) = folder.watch(&text(0.0).replace("duration = 4.0", "duration = 2.3"));
-    assert_eq!(notes.len(), 1, "{notes:?}");
     assert!(notes[0].contains("speed limit of 2 rad/s of `elbow` took up to 0.3000 rad off"), "{notes:?}");
+    assert!(notes.len() == 2 && notes[1].contains("`elbow` is in mode `passive`"), "{notes:?}");
 }
 
 #[test]
@@ -95,8 +95,9 @@ fn ranges_are_limited_and_told() {
     let folder = Folder::with(&[("m.csv", table)]);
     let text = "duration = 0.1\nrobot = { model = \"ROBOTS/hoap2/hoap2.toml\" }\n[[task]]\ntype = \"mocap\"\nfile = \
                 \"m.csv\"\nblend = 0\nmap = { k = { joint = \"left_knee\" } }\n";
+    // What is asked does not depend on when the run ends.
     let (_, _, notes) = folder.watch(text);
-    assert!(notes.is_empty(), "it ends before: {notes:?}");
+    assert_eq!(notes.len(), 1, "{notes:?}");
     let run = folder.run(&text.replace("duration = 0.1", "duration = 3")).unwrap();
     let setup = stiction::sim::build::setup(&run, &super::robot_of(&run)).unwrap();
     let knee = setup.model.joint("left_knee").unwrap();
@@ -107,6 +108,38 @@ fn ranges_are_limited_and_told() {
     let told = asked(&folder, &text.replace("duration = 0.1", "duration = 3"));
     let most = told.iter().map(|a| a.position[knee.0]).fold(0.0, f64::max);
     assert!(most <= upper && most > upper - 1e-12, "{most} {upper}");
+}
+
+#[test]
+fn what_is_asked_does_not_depend_on_the_end_of_the_run() {
+    // Faster than allowed right after 0.5 s: the nearest motion within the speed begins before that.
+    let folder = Folder::with(&[("m.csv", "time,a\n0,0\n0.51,0\n0.6,2\n2,0\n")]);
+    let text = format!(
+        "{PENDULUM}[[task]]\ntype = \"mocap\"\nfile = \"m.csv\"\nspeed_limit = 3\nmap = {{ a = {{ joint = \"elbow\" }} }}\n"
+    );
+    let (short, long) = (asked(&folder, &text.replace("duration = 4.0", "duration = 0.5")), asked(&folder, &text));
+    assert!(short[500].position[1] > 0.01 && short.len() == 501);
+    assert!(short.iter().zip(&long).all(|(a, b)| a.position == b.position && a.velocity == b.velocity));
+}
+
+#[test]
+fn motions_are_smoothed_at_low_rates_too() {
+    // A corner of 1 rad/s at 1 s, averaged three times over w = smoothing / 3, is rounded by the mean of |x| under three boxes of
+    // width w: 13/32 w (density 3/4 - x^2 up to 1/2, (3/2 - |x|)^2 / 2 up to 3/2, in units of w).
+    let follow = |rate: f64, smoothing: f64| {
+        let task = format!(
+            "blend = 0\nsmoothing = {smoothing}\nmap = {{ a = {{ joint = \"elbow\" }} }}\n[control]\nrate = {rate}"
+        );
+        let told = follow(("m.csv", "time,a\n0,0\n1,1\n2,0\n"), &task);
+        told[rate as usize].position[1]
+    };
+    let closed = 1.0 - 13.0 / 32.0 * 0.2;
+    assert!((follow(1000.0, 0.6) - closed).abs() < 1e-3, "{} {closed}", follow(1000.0, 0.6));
+    for rate in [25.0, 10.0, 5.0] {
+        // Windows of whole samples, 6 or 7 of them.
+        assert!((1.0 - follow(rate, 0.6) - 13.0 / 32.0 * 0.2).abs() < 0.2 * 0.081, "{rate}: {}", follow(rate, 0.6));
+    }
+    assert_eq!(follow(5.0, 0.0), 1.0);
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod broken;
 mod inputs;
 mod mocap;
 mod playback;
+mod ranges;
 mod recorded;
 mod sine;
 
@@ -62,7 +63,8 @@ impl Folder {
     }
 }
 
-fn robot_of(run: &Run) -> robot::Robot {
+/// The robot of a run.
+pub fn robot_of(run: &Run) -> robot::Robot {
     robot::load(&run.resolve(&run.scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"))
 }
 

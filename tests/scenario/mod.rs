@@ -1,5 +1,6 @@
 //! Scenario files as a user writes them: what is understood, what is refused and where.
 
+mod bounds;
 mod broken;
 mod defaults;
 mod expansion;

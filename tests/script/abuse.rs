@@ -38,6 +38,65 @@ fn endless_loops_end() {
 }
 
 #[test]
+fn going_through_long_data_counts() {
+    let words = "more than 1000000 calls and turns of loops in one call";
+    let run = |first: &str, body: &str| format!("{first}\nfunction run()\nfor i = 1, 9e5 do\n{body}\nend\nend");
+    let long = "local s = string.rep(\"x\", 3e6)";
+    let many = "local t = table.create(3e5, 0)";
+    let bytes = "local b = buffer.create(6e6)";
+    for (first, body) in [
+        (bytes, "buffer.fill(b, 0, 1)"),
+        (bytes, "buffer.copy(b, 0, b, 0)"),
+        (bytes, "local x = buffer.tostring(b)"),
+        (long, "utf8.len(s)"),
+        (long, "local x = string.upper(s)"),
+        (long, "local x = s:reverse()"),
+        (long, "local x = string.sub(s, 1, -2)"),
+        (long, "local x = s .. i"),
+        (long, "local x = string.format(\"%s%d\", s, i)"),
+        (long, "string.find(s, \"y\", 1, true)"),
+        (long, "string.match(s, \"x*y\")"),
+        (long, "for w in string.gmatch(s, \"x*y\") do end"),
+        ("local s = string.rep(\"1\", 3e6)", "local x = tonumber(s)"),
+        ("local t = table.create(3e5, \"\")", "table.concat(t)"),
+        (many, "table.sort(t)"),
+        (many, "table.find(t, 1)"),
+        (many, "table.insert(t, 1, 0) table.remove(t, 1)"),
+        (many, "table.move(t, 1, 3e5 - 1, 2)"),
+        (many, "local x = table.clone(t)"),
+        ("", "local x = table.create(3e5, 0)"),
+        ("", "local x = string.rep(\"x\", 3e6)"),
+    ] {
+        // Without it each takes minutes.
+        ends(&run(first, body), words);
+    }
+    refused("local b = buffer.create(6e6) for i = 1, 9e5 do buffer.fill(b, 0, 1) end\nfunction run() end", words);
+    // Short data counts as the few calls that it takes.
+    let script =
+        "function run() for i = 1, 1e4 do local x = string.rep(\"ab\", 8):sub(2, 5):find(\"a\") end return false end";
+    assert_eq!(beside(script).end(&mut Blind).0, Outcome::Passed);
+    // Mistakes in such functions are shown where they were made.
+    ends("function run()\n\nstring.rep()\nend", "s.luau:3: missing argument #1 to 'rep'");
+    ends("function run()\nlocal s = nil\nlocal x = string.upper(s)\nend", "s.luau:3: invalid argument #1 to 'upper'");
+}
+
+#[test]
+fn scripts_are_ended_from_outside() {
+    let flag = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+    let script = "function init()\nfor i = 1, 9e5 do end\nend\nfunction run() end";
+    let beside = beside(script);
+    let mut sim = stiction::script::stoppable(flag.clone(), || beside.simulation());
+    flag.store(true, std::sync::atomic::Ordering::Relaxed);
+    // The run itself knows nothing of it: the script does.
+    let (outcome, message) = sim.run(&mut Blind, &std::sync::atomic::AtomicBool::new(false));
+    assert!(outcome == Outcome::Error && message.contains("interrupted"), "{outcome:?} {message}");
+    flag.store(false, std::sync::atomic::Ordering::Relaxed);
+    let mut sim = stiction::script::stoppable(flag.clone(), || beside.simulation());
+    flag.store(true, std::sync::atomic::Ordering::Relaxed);
+    assert_eq!(sim.run(&mut Blind, &flag).0, Outcome::Cancelled);
+}
+
+#[test]
 fn the_budget_is_of_one_call() {
     // Three ticks of half the budget each.
     let script = "local n = 0\nfunction run() for i = 1, 500000 do end n += 1 return n < 3 end";
@@ -52,8 +111,23 @@ fn memory_is_limited() {
     );
     ends("function run()\nlocal s = string.rep(\"x\", 2^30)\nend", "s.luau");
     ends("function run()\nlocal s = \"x\"\nfor i = 1, 40 do s = s .. s end\nend", "not enough memory");
-    ends("function run()\nlocal b = buffer.create(2^29)\nend", "not enough memory");
+    ends("function run()\nlocal b = buffer.create(2^28)\nend", "not enough memory");
     refused("local s = \"x\"\nfor i = 1, 40 do s = s .. s end\nfunction run() end", "not enough memory");
+}
+
+/// 16 and 24 MB of live data, made anew at each of 50 ticks.
+#[test]
+fn garbage_is_no_memory() {
+    for n in ["1e6", "1.5e6"] {
+        let script = format!("local t\nfunction run() t = table.create({n}, 0) end");
+        let (outcome, message) = beside(&script).end(&mut Blind);
+        assert_eq!(outcome, Outcome::Passed, "{n}: {message}");
+    }
+    // What is kept counts: 10 MB more at every tick.
+    ends(
+        "local all = {}\nfunction run()\nall[#all + 1] = buffer.create(1e7)\nend",
+        "not enough memory: a script may use 64 MiB",
+    );
 }
 
 #[test]
@@ -148,11 +222,43 @@ fn a_script_cannot_spoil_what_the_next_call_sees() {
                 assert(#robot.q == 2 and math.abs(robot.q[1]) < 1, \"filled anew\")
                 assert(robot.joint.elbow == 2)
             end
-            robot.q[1] = 1e9
             robot.desired.position[1] = 1e9
         end";
     let mut sim = beside(script).simulation();
     let (outcome, message) = sim.run(&mut Blind, &std::sync::atomic::AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
     assert_eq!(sim.plant().command.position[0], 0.4, "only the functions command");
+}
+
+#[test]
+fn the_robot_cannot_be_written_into() {
+    for statement in [
+        "robot.q = nil",
+        "robot.q[1] = 1e9",
+        "robot.q[3] = 7",
+        "robot.joint = nil",
+        "robot.joint.elbow = 7",
+        "robot.joints[1] = \"x\"",
+        "robot.base.position = nil",
+        "robot.base.rotation[1][1] = 5",
+        "robot.gravity[3] = 5",
+        "robot.set_position = nil",
+        "robot.mine = (robot.mine or 0) + 1",
+        "robot.desired = {}",
+        "robot.desired.position = nil",
+        "robot.imu = nil",
+        "table.insert(robot.q, 1)",
+        "rawset(robot, \"q\", nil)",
+        "setmetatable(robot, {})",
+    ] {
+        for time in ["true", "robot.time > 0.01"] {
+            let script = format!("function run(robot)\nif {time} then\n{statement}\nend\nend");
+            let (outcome, found) = beside(&script).end(&mut Blind);
+            assert_eq!(outcome, Outcome::Error, "{statement}");
+            assert!(found.contains("s.luau:3: ") && found.contains("readonly table"), "{statement}: {found}");
+        }
+    }
+    // What it is closed to, it may close.
+    let script = "function run(robot) assert(table.isfrozen(robot) and table.isfrozen(robot.q)) end";
+    assert_eq!(beside(script).end(&mut Blind).0, Outcome::Passed);
 }

@@ -166,3 +166,34 @@ fn wrong_answers_end_the_run_at_the_function() {
         assert!(message.starts_with(&format!("s.luau:3: {words}")), "{answer}\n{message}");
     }
 }
+
+#[test]
+fn tables_in_globals_stand_still() {
+    let ends = |script: &str| Beside::new(&pendulum(0.05, "mode = \"passive\"", FORCE), script).end(&mut Blind);
+    let words = "s.luau:3: attempt to modify a readonly table";
+    for (first, body) in [
+        ("memory = { n = 0 }", "memory.n += 1"),
+        ("memory = { deep = { list = {} } }", "table.insert(memory.deep.list, 1)"),
+        ("a = {} b = { [a] = a } a.b = b", "b[a].x = 1"),
+    ] {
+        let (outcome, message) = ends(&format!("{first}\nfunction run()\n{body}\nend"));
+        assert!(outcome == Outcome::Error && message.contains(words), "{body}: {message}");
+    }
+    // `init` and `change` may, and what the script has frozen itself stays so.
+    let script = "memory = { n = 0 } own = table.freeze({})
+        function init() memory.n = 5 assert(table.isfrozen(own)) end
+        function run() assert(memory.n == 5 and table.isfrozen(own)) return {} end";
+    assert_eq!(ends(script).0, Outcome::Passed);
+}
+
+#[test]
+fn gravity_is_the_present_one() {
+    let event = format!("{FORCE}[[event]]\nat = 0.03\nset = {{ gravity = [0, 0, -1.62] }}\n");
+    let script = "function run(robot)
+            local g = robot.gravity[3]
+            assert(if robot.time < 0.03 then g == -9.81 elseif robot.time > 0.031 then g == -1.62 else true, \"g = \" .. g)
+            return {}
+        end";
+    let (outcome, message) = Beside::new(&pendulum(0.05, "mode = \"passive\"", &event), script).end(&mut Blind);
+    assert_eq!(outcome, Outcome::Passed, "{message}");
+}

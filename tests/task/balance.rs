@@ -39,3 +39,15 @@ fn the_centre_of_mass_comes_over_the_point_of_optimal_stability() {
     let com = end(&task);
     assert!((com.x - middle - 0.005).abs() < 1e-4 && (com.y + 0.01).abs() < 1e-4, "{com}");
 }
+
+/// A robot of a person's size with default gains: it comes to rest instead of rocking.
+#[test]
+fn a_tall_robot_comes_to_rest() {
+    let text = "duration = 6\nrobot = { model = \"robots/cbi/cbi.toml\" }\n[integrator]\nmethod = \"semi-implicit\"\n[log]\nrate = 0\n\
+                [[task]]\ntype = \"balance\"\ncontrol = \"position\"\n";
+    let mut sim = simulation(text);
+    let (_, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    let speed = sim.metrics().final_base_velocity.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    // What is left after some seconds decays with leaning, 1.2 1/s.
+    assert!(speed < 2e-3 && sim.metrics().state_changes < 50, "{speed} {} {message}", sim.metrics().state_changes);
+}

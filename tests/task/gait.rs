@@ -78,7 +78,7 @@ fn stride(length: f64) -> Stride {
 
 fn footsteps(length: f64) -> Footsteps {
     let soles = [Vector3::new(0.1, 0.04, 0.0), Vector3::new(0.1, -0.04, 0.0)];
-    Footsteps::new(stride(length), soles, Vector3::x())
+    Footsteps::new(stride(length), soles, Vector3::x(), f64::INFINITY)
 }
 
 #[test]
@@ -114,6 +114,31 @@ fn feet_come_down_where_and_when_the_plan_says() {
     }
 }
 
+/// What is planned of a long walk is the walk.
+#[test]
+fn a_plan_up_to_a_time_is_the_same_up_to_it() {
+    let soles = [Vector3::new(0.1, 0.04, 0.0), Vector3::new(0.1, -0.04, 0.0)];
+    let long = |steps: usize, until: f64| Footsteps::new(Stride { steps, ..stride(0.03) }, soles, Vector3::x(), until);
+    let (whole, part) = (long(40, f64::INFINITY), long(40, 7.3));
+    assert_eq!(whole.duration(), part.duration());
+    for k in 0..=730 {
+        let t = 0.01 * f64::from(k);
+        assert_eq!(
+            (whole.sole(0, t), whole.sole(1, t), whole.zmp(t)),
+            (part.sole(0, t), part.sole(1, t), part.zmp(t)),
+            "{t}"
+        );
+    }
+    // As many as there are seconds, not as many as are asked for.
+    let endless = long(usize::MAX, 7.3);
+    assert_eq!(endless.sole(1, 5.0), whole.sole(1, 5.0));
+    let preview = Preview::new(0.26, 9.81, 0.005, 1.6).unwrap();
+    let reference =
+        |until: f64| (0..(until / 0.005) as usize).map(|k| whole.zmp(k as f64 * 0.005).y).collect::<Vec<_>>();
+    let (all, some) = (preview.follow(&reference(20.0), 4000), preview.follow(&reference(5.0 + 1.61), 1000));
+    assert!(some.len() == 1000 && all[..1000] == some[..]);
+}
+
 #[test]
 fn swings_land_without_speed_or_acceleration() {
     let plan = footsteps(0.03);
@@ -137,7 +162,7 @@ fn the_zero_moment_point_rests_under_the_standing_foot_and_is_followed() {
     let (period, height) = (0.005, 0.26);
     let preview = Preview::new(height, 9.81, period, 1.6).unwrap();
     let reference: Vec<f64> = (0..1240).map(|k| plan.zmp(f64::from(k) * period).y).collect();
-    let samples = preview.follow(&reference);
+    let samples = preview.follow(&reference, reference.len());
     let off = samples.iter().zip(&reference).map(|(s, r)| (preview.zmp(&s.x) - r).abs()).fold(0.0, f64::max);
     // The weight of the jerk leaves some 0.5 mm where the reference turns.
     assert!(off < 1e-3 && off > 0.0, "{off}");
@@ -153,8 +178,8 @@ fn the_zero_moment_point_rests_under_the_standing_foot_and_is_followed() {
 #[test]
 fn from_rest_above_the_reference_nothing_moves() {
     let preview = Preview::new(0.26, 9.81, 0.005, 1.6).unwrap();
-    let samples = preview.follow(&[0.123; 400]);
+    let samples = preview.follow(&[0.123; 400], 400);
     assert!(samples.iter().all(|s| s.x == Vector3::new(0.123, 0.0, 0.0) && s.jerk == 0.0));
-    assert!(preview.follow(&[]).is_empty());
+    assert!(preview.follow(&[], 0).is_empty());
     assert!(Preview::new(0.26, 0.0, 0.005, 1.6).is_none());
 }

@@ -2,6 +2,7 @@
 
 mod balance;
 mod gait;
+mod handing;
 mod inverse;
 mod motion;
 

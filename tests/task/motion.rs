@@ -3,7 +3,7 @@
 use crate::analytic::support::{simulation, watch};
 use std::sync::atomic::AtomicBool;
 use stiction::dynamics::body;
-use stiction::sim::Blind;
+use stiction::sim::{Blind, Outcome};
 
 const HOAP2: &str = "robot = { model = \"robots/hoap2/hoap2.toml\" }\n";
 /// Height of the centre of mass of the home posture above the soles, m.
@@ -39,4 +39,16 @@ fn a_step_lifts_one_foot_after_the_other_and_puts_it_down() {
     assert_eq!(lifted, [false, true]);
     let last = told.snapshots.last().unwrap();
     assert!(last.soles.iter().all(|s| s.positions.iter().all(|p| p.z < 1e-4)));
+}
+
+#[test]
+fn a_walk_wants_gravity_straight_down() {
+    for gravity in ["[0, -1.5, -9.69]", "[0, 0, 9.81]"] {
+        let text = format!(
+            "duration = 0.1\ngravity = {gravity}\nrobot = {{ model = \"robots/hoap2/hoap2.toml\" }}\n[[task]]\ntype = \"walk\"\n"
+        );
+        let (outcome, words) = simulation(&text).run(&mut Blind, &AtomicBool::new(false));
+        assert_eq!(outcome, Outcome::Error);
+        assert!(words.contains("it walks where that is straight down"), "{words}");
+    }
 }

@@ -19,6 +19,9 @@ use super::{
     tree::Node,
 };
 
+/// Most readings of a sensor that are kept until they are seen.
+const MOST_READINGS: f64 = 1e5;
+
 /// A scenario whose single values are sound, its tree, and what is found.
 struct Check<'a> {
     root: &'a Node,
@@ -56,6 +59,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     for (i, force) in scenario.force.iter().enumerate() {
         check.force(&format!("force.{i}"), force, scenario.duration);
     }
+    check.delays(scenario);
     check.events(&scenario.event, scenario.duration);
     for (i, expect) in scenario.expect.iter().enumerate() {
         check.expect(&format!("expect.{i}"), expect);
@@ -67,6 +71,29 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
 }
 
 impl Check<'_> {
+    /// Readings that are still to be seen are kept.
+    fn delays(&mut self, scenario: &Scenario) {
+        let s = &scenario.sensors;
+        let delays = [
+            ("joint_position", s.joint_position.delay),
+            ("joint_velocity", s.joint_velocity.delay),
+            ("joint_load", s.joint_load.delay),
+            ("orientation", s.orientation.delay),
+            ("gyroscope", s.gyroscope.delay),
+            ("accelerometer", s.accelerometer.delay),
+            ("sole_force", s.sole_force.delay),
+            ("sole_moment", s.sole_moment.delay),
+        ];
+        let rate = scenario.control.rate;
+        for (sensor, delay) in delays.into_iter().filter(|(_, delay)| delay * rate > MOST_READINGS) {
+            let must = format!(
+                "must be at most {MOST_READINGS} ticks, that is {} s at `control.rate` = {rate}, not {delay}",
+                MOST_READINGS / rate
+            );
+            self.error(&format!("sensors.{sensor}.delay"), must);
+        }
+    }
+
     fn place(&self, path: &str) -> (Span, Span) {
         Path::internal(path).locate(self.root)
     }

@@ -2,8 +2,15 @@
 
 use super::{Check, Path};
 use crate::scenario::spec::change::ChangeSpec;
-use crate::scenario::spec::task::{BalanceControl, BalanceTask, MocapTask, SineTask, TaskSpec};
+use crate::scenario::spec::task::{
+    BalanceControl, BalanceTask, ForceBalance, MocapTask, PositionBalance, SineTask, TaskSpec, WalkTask,
+};
 use crate::scenario::suggest;
+
+/// Shortest step of a walk, s: some samples of its pattern.
+const SHORTEST_STEP: f64 = 0.05;
+/// Longest walk that is planned, s: its pattern takes some hundred MB.
+const LONGEST_WALK: f64 = 1e4;
 
 impl Check<'_> {
     /// `path` is the entry's, `end` the run's, s.
@@ -40,6 +47,15 @@ impl Check<'_> {
                     self.error(&format!("{path}.position.mobility.{}", Path::segment(joint)), message);
                 }
                 self.balance_changes(path, balance, end);
+                // Written out in full a scenario has both, the other with its defaults.
+                let (other, given) = match balance.control {
+                    BalanceControl::Force => ("position", balance.position != PositionBalance::default()),
+                    BalanceControl::Position => ("force", balance.force != ForceBalance::default()),
+                };
+                if given {
+                    let must = "has no meaning with this `control`: leave it out";
+                    self.error(&format!("{path}.{other}"), must);
+                }
                 balance.start
             }
             TaskSpec::GravityCompensation(task) => {
@@ -50,6 +66,11 @@ impl Check<'_> {
             }
             TaskSpec::Script(script) => {
                 self.changes(path, &script.change);
+                let early = script.change.iter().position(|c| c.at < script.start);
+                if let Some(i) = early {
+                    let must = format!("must not be before `start` = {}, not {}", script.start, script.change[i].at);
+                    self.error(&format!("{path}.change.{i}.at"), must);
+                }
                 script.start
             }
             TaskSpec::Squat(squat) => squat.start,
@@ -59,10 +80,29 @@ impl Check<'_> {
                         format!("must be less than `step_time` = {}, not {}", walk.step_time, walk.double_support);
                     self.error(&format!("{path}.double_support"), message);
                 }
+                self.walk(path, walk, end);
                 walk.start
             }
         };
         self.starts_in_time(path, start, end);
+    }
+
+    /// What is planned when a walk begins has bounds: steps of some periods of the pattern, and its length.
+    fn walk(&mut self, path: &str, walk: &WalkTask, end: f64) {
+        if walk.step_time < SHORTEST_STEP {
+            self.error(
+                &format!("{path}.step_time"),
+                format!("must be at least {SHORTEST_STEP} s, not {}", walk.step_time),
+            );
+        }
+        let whole = 2.0 * walk.wait + f64::from(walk.steps) * walk.step_time + walk.double_support;
+        let planned = whole.min(end - walk.start - walk.settle);
+        if planned > LONGEST_WALK {
+            let key = if 2.0 * walk.wait > LONGEST_WALK { "wait" } else { "steps" };
+            let must =
+                format!("makes a walk of {planned:.0} s within the run; at most {LONGEST_WALK:.0} s can be planned");
+            self.error(&format!("{path}.{key}"), must);
+        }
     }
 
     /// Changes come one after the other.

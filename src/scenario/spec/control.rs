@@ -1,17 +1,29 @@
 //! `[control]`: the task server and what it knows of the base.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use crate::scenario::quantity::{fraction, json, positive};
+
+/// Highest rate, Hz: a microsecond between ticks.
+pub const FASTEST: f64 = 1e6;
+
+fn rate<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
+    let rate = positive(d)?;
+    if rate > FASTEST {
+        return Err(D::Error::custom(format!("must be at most {FASTEST} Hz, not {rate}")));
+    }
+    Ok(rate)
+}
 
 /// The task server.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ControlSpec {
     /// How often tasks run and sensors are read, Hz.
-    #[serde(deserialize_with = "positive")]
-    #[schemars(with = "json::Positive")]
+    /// At most 1e6.
+    #[serde(deserialize_with = "rate")]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = FASTEST))]
     pub rate: f64,
     /// Where tasks have the base's state from.
     pub estimator: Estimator,

@@ -20,13 +20,13 @@ pub(super) fn balance(
     let soles = footing(run, model, path, spec.soles.as_deref(), errors);
     let task: Box<dyn Task> = match spec.control {
         BalanceControl::Force => {
-            let s = &spec.force;
+            let (s, rate) = (&spec.force, run.scenario.control.rate);
             let gains = |g: crate::scenario::Gains| Gains { kp: g.kp, kd: g.kd };
             let settings = Settings {
                 duration: spec.duration.unwrap_or(f64::INFINITY),
                 com: gains(s.com),
-                orientation: gains(s.orientation),
-                joints: gains(s.joints),
+                orientation: s.orientation.map_or_else(|| held(100.0, 20.0, rate / 50.0), gains),
+                joints: s.joints.map_or_else(|| held(25.0, 10.0, rate / 100.0), gains),
                 offset: s.offset.into(),
                 approach: s.approach,
                 friction: s.friction,
@@ -48,7 +48,7 @@ pub(super) fn balance(
             Box::new(ForceBalance::new("balance", model, soles, settings, changes.collect()))
         }
         BalanceControl::Position => {
-            planned::plannable(run, path, figure::check(model), errors)?;
+            planned::plannable(run, path, "a foot", figure::check(model), errors)?;
             let s = &spec.position;
             let mut mobility = vec![0.0; model.nj()];
             figure::carrying_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
@@ -86,6 +86,13 @@ pub(super) fn balance(
         }
     };
     Some(task)
+}
+
+/// Default gains whose damping is at most `most`: efforts are held between ticks, and so are oscillations if they damp faster
+/// than that. Without the damping that it takes a spring is no default either: it stays critically damped or better.
+fn held(kp: f64, kd: f64, most: f64) -> Gains {
+    let kd = kd.min(most);
+    Gains { kp: kp.min(0.25 * kd * kd), kd }
 }
 
 /// The task of the entry at `path`.

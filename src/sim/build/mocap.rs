@@ -1,12 +1,20 @@
 //! `mocap` from its entry: channels are mapped to joints, resampled to the control ticks and brought within ranges and
 //! speeds.
 
+use super::names;
 use super::playback::{shown, text};
 use crate::motion::limit::{self, Limited};
 use crate::motion::{Track, bvh, columns};
 use crate::robot::{JointKind, Model};
 use crate::scenario::{Diagnostic, MocapTarget, MocapTask, Run, suggest};
 use crate::task::mocap::Mocap;
+
+/// Samples within the window of smoothing that its averages want, and how many times finer than ticks they may get for it: a
+/// window shorter than a fifth of a tick does nothing that ticks could show.
+const FINE: f64 = 18.0;
+const MOST_FINER: f64 = 100.0;
+/// Most samples of one joint.
+const MOST_SAMPLES: f64 = 1e7;
 
 /// The task at `path`; none when something is wrong, which then is among the errors. What the limits took away is told in
 /// the notes.
@@ -33,12 +41,27 @@ pub(super) fn mocap(
         }
     };
     let before = errors.len();
-    let rate = run.scenario.control.rate;
+    let ticks = run.scenario.control.rate;
+    // Samples between ticks where the window would else be one of a few samples only.
+    let wanted = (FINE / (spec.smoothing * ticks)).ceil();
+    let finer = if wanted > MOST_FINER { 1.0 } else { wanted.max(1.0) };
+    let rate = finer * ticks;
     // Three averages over 2 half + 1 samples each are as wide as the window.
-    let half = (spec.smoothing * rate / 6.0).round() as usize;
+    let half = (spec.smoothing * rate / 6.0).round();
     let length = motion.span()?.1 / spec.speed;
-    let shown = length.min(run.scenario.duration - spec.start).max(0.0);
-    let samples = (shown * rate).ceil() as usize + 1 + 3 * half;
+    let samples = (length * rate).ceil() + 1.0 + 3.0 * half;
+    if samples > MOST_SAMPLES {
+        let message = format!(
+            "`{path}`: {length:.3} s at `control.rate` = {ticks} with `smoothing` = {} takes {samples:.0} samples; at most \
+             {MOST_SAMPLES:.0} are allowed",
+            spec.smoothing
+        );
+        errors.push(run.error_at(&format!("{path}.file"), message, None));
+        return None;
+    }
+    let (samples, half) = (samples as usize, half as usize);
+    // The first tick comes after the start by this.
+    let late = (spec.start * ticks - 1e-9).ceil().max(0.0) / ticks - spec.start;
     let mut joints = Vec::new();
     for (channel, target) in &spec.map {
         let key = format!("{path}.map.\"{channel}\"");
@@ -55,7 +78,7 @@ pub(super) fn mocap(
             continue;
         };
         let joint = &model.joints[id.0];
-        let mut x = resampled(track, target, spec.speed / rate, samples);
+        let mut x = resampled(track, target, spec.speed, (late, rate), samples);
         let ranged = match joint.kind {
             JointKind::Continuous => Limited::default(),
             JointKind::Revolute | JointKind::Prismatic => limit::range(&mut x, joint.lower, joint.upper),
@@ -74,18 +97,20 @@ pub(super) fn mocap(
                 notes.push(note);
             }
         }
-        joints.push((id, x));
+        joints.push((id, x.into_iter().step_by(finer as usize).collect()));
     }
-    (errors.len() == before).then(|| Mocap::new(joints, rate, spec.blend))
+    let ids: Vec<_> = joints.iter().map(|(id, _)| *id).collect();
+    names::heard(run, model, path, &ids, notes);
+    (errors.len() == before).then(|| Mocap::new(joints, ticks, spec.blend))
 }
 
-/// Joint positions at samples `step` seconds of the recording apart, linear between its frames; before the first and after
-/// the last it stands.
-fn resampled(track: &Track, target: &MocapTarget, step: f64, samples: usize) -> Vec<f64> {
+/// Joint positions at samples taken `rate` times a second, the first one `late` seconds after time 0 of the recording, which
+/// goes by at `speed`; linear between its frames, and before the first and after the last it stands.
+fn resampled(track: &Track, target: &MocapTarget, speed: f64, (late, rate): (f64, f64), samples: usize) -> Vec<f64> {
     let knots = &track.knots;
     let mut at = 0;
     let mut sample = |k: usize| {
-        let t = k as f64 * step;
+        let t = (late + k as f64 / rate) * speed;
         while at + 1 < knots.len() && knots[at + 1].time <= t {
             at += 1;
         }

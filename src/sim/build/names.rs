@@ -1,7 +1,7 @@
 //! Where names of a scenario meet what the robot has.
 
-use crate::robot::{Base, JointId, LinkId, Model, SoleId};
-use crate::scenario::{Diagnostic, ForceSpec, Run, segment, suggest};
+use crate::robot::{Base, DriveMode, JointId, JointKind, LinkId, Model, SoleId};
+use crate::scenario::{BalanceControl, Diagnostic, ForceSpec, JointLimits, Run, TaskSpec, segment, suggest};
 use nalgebra::Isometry3;
 
 /// Joint numbers of named values; unknown names are errors at their keys under `path`.
@@ -24,6 +24,49 @@ pub(super) fn joints<'a>(
         }
     }
     found
+}
+
+/// Refuses to ask a joint for a position outside its range, at `key`: `what` reaches from `low` to `high`.
+pub(super) fn in_range(
+    run: &Run,
+    model: &Model,
+    key: &str,
+    JointId(j): JointId,
+    (what, low, high): (&str, f64, f64),
+    errors: &mut Vec<Diagnostic>,
+) {
+    let joint = &model.joints[j];
+    let limited = run.scenario.robot.joint_limits == JointLimits::Stop && joint.kind != JointKind::Continuous;
+    // A goal at a limit that is written in degrees may lie a rounding beyond it.
+    let rounding = 1e-9;
+    if limited && (low < joint.lower - rounding || high > joint.upper + rounding) {
+        let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+        let worst = if low < joint.lower - rounding { low } else { high };
+        let (name, lower, upper) = (&joint.name, joint.lower, joint.upper);
+        let message =
+            format!("{what} `{name}` = {worst:.4} {unit} is outside its range, {lower:.4} to {upper:.4} {unit}");
+        let help = "`robot.joint_limits = \"ignore\"` takes the end stops away".to_owned();
+        errors.push(run.error_at(key, message, Some(help)));
+    }
+}
+
+/// Notes joints that tasks ask for positions while their drives do not follow any.
+pub(super) fn heard(run: &Run, model: &Model, path: &str, joints: &[JointId], notes: &mut Vec<String>) {
+    let commands = |task: &TaskSpec| match task {
+        TaskSpec::Script(_) => true,
+        TaskSpec::Balance(balance) => balance.control == BalanceControl::Force,
+        _ => false,
+    };
+    let sprung = run.scenario.task.iter().any(commands);
+    for &JointId(j) in joints {
+        let joint = &model.joints[j];
+        let word = match joint.drive.mode {
+            DriveMode::Passive => "passive",
+            DriveMode::Force if !sprung => "force",
+            _ => continue,
+        };
+        notes.push(format!("{path}: `{}` is in mode `{word}` and does not follow positions", joint.name));
+    }
 }
 
 /// The link that stands at `path`, with the pose of its URDF frame in the carrying link's internal frame; an unknown one

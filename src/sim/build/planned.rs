@@ -16,7 +16,7 @@ pub(super) fn squat(
     spec: &SquatTask,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Task>> {
-    plannable(run, path, figure::check(model), errors)?;
+    plannable(run, path, "a foot", figure::check(model), errors)?;
     let shape = Shape { depth: spec.depth, period: spec.period, repetitions: spec.repetitions, settle: spec.settle };
     Some(Box::new(Squat::new(model, shape, spec.feed_forward)))
 }
@@ -29,11 +29,12 @@ pub(super) fn walk(
     spec: &WalkTask,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Task>> {
-    plannable(run, path, figure::check_biped(model), errors)?;
+    plannable(run, path, "two feet", figure::check_biped(model), errors)?;
     let first = match &spec.first {
         None => 0,
         Some(name) => first_foot(run, model, path, name, errors)?,
     };
+    let until = run.scenario.duration - spec.start;
     let stride = Stride {
         steps: spec.steps as usize,
         length: spec.step_length,
@@ -43,18 +44,19 @@ pub(super) fn walk(
         wait: spec.wait,
         first,
     };
-    Some(Box::new(Walk::new(model, stride, spec.com_height, spec.settle, spec.feed_forward)))
+    Some(Box::new(Walk::new(model, stride, spec.com_height, spec.settle, spec.feed_forward, until)))
 }
 
 /// Reports why a robot cannot be planned.
 pub(super) fn plannable(
     run: &Run,
     path: &str,
+    feet: &str,
     result: Result<(), NotPlannable>,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<()> {
     if let Err(e) = result {
-        errors.push(run.error_at(&format!("{path}.type"), format!("this task needs two feet it can place: {e}"), None));
+        errors.push(run.error_at(&format!("{path}.type"), format!("this task needs {feet} it can place: {e}"), None));
         return None;
     }
     Some(())

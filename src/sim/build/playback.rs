@@ -1,5 +1,6 @@
 //! `playback` from its entry: the motion is read, met with the robot's joints and their ranges, and joined by curves.
 
+use super::names;
 use crate::motion::spline::{Ends, Spline};
 use crate::motion::{Fault, Knot, Motion, Track, columns, postures};
 use crate::record::Trajectory;
@@ -36,6 +37,7 @@ pub(super) fn playback(
     model: &Model,
     path: &str,
     spec: &PlaybackTask,
+    notes: &mut Vec<String>,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Playback> {
     let input = run.input(&format!("{path}.file"))?;
@@ -66,6 +68,8 @@ pub(super) fn playback(
             Err(error) => errors.push(*error),
         }
     }
+    let ids: Vec<_> = joints.iter().map(|(id, _)| *id).collect();
+    names::heard(run, model, path, &ids, notes);
     let changes = spec.change.iter().map(|c| (c.at, c.speed)).collect();
     (errors.len() == before).then(|| Playback::new(joints, spec.speed, spec.repeat, spec.blend, changes))
 }

@@ -37,8 +37,7 @@ pub(super) fn force(
     let script = load(run, model, &format!("force.{i}"), &spec.file, Purpose::Force, &spec.change, errors)?;
     let (params, changes) = parameters(&spec.params, &spec.change);
     let plan = Plan { span, corners: spec.corners.clone(), params, changes };
-    let gravity = run.scenario.gravity.into();
-    Some(Box::new(ScriptForce::new(spec.file.clone(), script, Named::new(model), gravity, plan)))
+    Some(Box::new(ScriptForce::new(spec.file.clone(), script, Named::new(model), plan)))
 }
 
 fn load(

@@ -1,7 +1,7 @@
 //! Where the robot starts.
 
 use super::STEEPEST;
-use super::names::joints;
+use super::names::{in_range, joints};
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::robot::{Base, Model};
 use crate::scenario::{Diagnostic, Run};
@@ -14,6 +14,8 @@ pub(super) fn start(run: &Run, model: &Model, floor: &Floor, errors: &mut Vec<Di
     let spec = &run.scenario.robot;
     let mut state = State::home(model);
     for (id, q) in joints(model, run, "robot.posture", spec.posture.iter(), errors) {
+        let key = format!("robot.posture.{}", model.joints[id.0].name);
+        in_range(run, model, &key, id, ("the initial posture", q, q), errors);
         state.joints[id.0] = q;
     }
     let nb = model.nb();

@@ -27,7 +27,7 @@ use super::slack::Slack;
 use super::stance::{Stance, turn_to, upwards};
 use crate::dynamics::{Workspace, body, crba, force, jacobian, kinematics};
 use crate::robot::{DriveMode, JointId, LinkId, Model, SoleId};
-use crate::task::{Command, Context, Needs, Status, Task, TaskResult};
+use crate::task::{Command, Context, Needs, Status, Task, TaskResult, over};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Acceleration per displacement (1/s^2) and per velocity (1/s).
@@ -91,8 +91,6 @@ pub struct ForceBalance {
     /// Inertia that each joint moves at the start, D.
     inertia: Vec<f64>,
     joints: Vec<JointId>,
-    /// Drive modes before the task.
-    modes: Vec<DriveMode>,
     start: f64,
     /// Of the reference of the centre of mass from the centre of the soles, m.
     reference: Course<3>,
@@ -124,7 +122,6 @@ impl ForceBalance {
             slack: Slack::new(0, &[], 0),
             inertia: vec![0.0; model.nj()],
             joints: (0..model.nj()).filter(driven).map(JointId).collect(),
-            modes: vec![DriveMode::Passive; model.nj()],
             start: 0.0,
             reference: Course::new(1 + changes.len()),
             times,
@@ -256,7 +253,7 @@ fn hold_link(slack: &mut Slack, ws: &Workspace, link: LinkId, point: &Vector3<f6
 }
 
 impl Task for ForceBalance {
-    fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
+    fn init(&mut self, context: &Context, _: &Command) -> TaskResult {
         let model = context.model;
         let (nb, nj) = (model.nb(), model.nj());
         let mut ws = Workspace::new(model);
@@ -269,8 +266,7 @@ impl Task for ForceBalance {
         let mut weights = vec![1e6 * self.inertia.iter().fold(0.0, |m: f64, x| m.max(*x)); nj];
         self.joints.iter().for_each(|j| weights[j.0] = self.inertia[j.0]);
         self.slack = Slack::new(nb, &weights, 6 * self.stance.soles().len() + 6);
-        self.modes.copy_from_slice(&command.mode);
-        self.start = context.time;
+        self.start = context.start;
         self.place(context);
         let now = context.data.com - self.stance.centre;
         let up = upwards(&context.gravity);
@@ -283,11 +279,11 @@ impl Task for ForceBalance {
     }
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
-        if context.time - self.start >= self.settings.duration {
+        if over(context.time - self.start, self.settings.duration) {
+            // Servos hold what they find; modes and efforts go back by themselves.
             for &JointId(j) in &self.joints {
-                command.mode[j] = self.modes[j];
-                command.effort[j] = 0.0;
                 command.position[j] = context.q()[j];
+                command.velocity[j] = 0.0;
             }
             return Ok(Status::Done);
         }
@@ -326,6 +322,10 @@ impl Task for ForceBalance {
     fn needs(&self) -> Needs {
         let loads = if self.settings.sensed { Needs::LOADS } else { Needs::NONE };
         Needs::LINKS | Needs::COM | Needs::COM_JACOBIAN | loads
+    }
+
+    fn lends(&self) -> bool {
+        true
     }
 
     fn name(&self) -> &str {

@@ -13,7 +13,7 @@
 //! brings the sensed centre of mass to r whatever sag the servos have; under a lasting push only d tells how far to lean.
 //!
 //! The zero-moment point first goes the wrong way when the centre of mass is accelerated, p = c - c'' h/g, so k_z has to stay
-//! well below sqrt(g/h).
+//! well below sqrt(g/h): by default it is at most a third of that, and k_d at least 3.6 1/s times h/g.
 //!
 //! Sources: Sugihara, Nakamura and Inoue, Realtime humanoid motion generation through ZMP manipulation based on inverted
 //! pendulum control, ICRA 2002 (the centre of mass resolved by its Jacobian, feet kept); the paper of this program's platform, section
@@ -24,8 +24,14 @@ use crate::geometry::{convex_hull, stable_point};
 use crate::robot::{Model, SoleId};
 use crate::task::kinematic::{Figure, Goal, Inverse, Unknowns, feed_forward, figure};
 use crate::task::posture::minimum_jerk;
-use crate::task::{Command, Context, Needs, Status, Task, TaskResult};
+use crate::task::{Command, Context, Needs, Status, Task, TaskResult, over};
 use nalgebra::{Vector2, Vector3};
+
+/// Default k_z as a part of sqrt(g/h), the rate of the inverted pendulum that the robot is, and greatest, 1/s. HOAP-2 has 6 1/s,
+/// robots of a person's size 3.5 1/s.
+const LEANING: (f64, f64) = (1.0 / 3.0, 2.0);
+/// Default k_d over h/g, 1/s, and least, s.
+const DAMPING: (f64, f64) = (3.6, 0.1);
 
 /// What it is asked to be.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,12 +40,12 @@ pub struct Settings {
     pub duration: f64,
     /// k_p, m per m.
     pub proportional: f64,
-    /// k_d, s.
-    pub damping: f64,
+    /// k_d, s; none: 0.1, or [`DAMPING`] times h/g if that is more.
+    pub damping: Option<f64>,
     /// k_i, 1/s.
     pub integral: f64,
-    /// k_z, 1/s.
-    pub leaning: f64,
+    /// k_z, 1/s; none: 2, or [`LEANING`] times sqrt(g/h) if that is less.
+    pub leaning: Option<f64>,
     /// Greatest displacement u per axis, m.
     pub reach: f64,
     /// k_q, 1/s.
@@ -76,6 +82,9 @@ pub struct Change {
 /// See the module.
 pub struct PositionBalance {
     settings: Settings,
+    /// k_d and k_z in force.
+    damping: f64,
+    leaning: f64,
     soles: Vec<SoleId>,
     figure: Figure,
     goal: Goal,
@@ -105,7 +114,7 @@ impl PositionBalance {
     /// For a robot that [`figure::check`] has let through, on these soles, at least one; `changes` by ascending time.
     pub fn new(model: &Model, soles: Vec<SoleId>, settings: Settings, changes: Vec<(f64, Change)>) -> Self {
         let (times, changes): (Vec<f64>, Vec<Change>) = changes.into_iter().unzip();
-        let leans = |leaning: f64| leaning != 0.0;
+        let leans = |leaning: Option<f64>| leaning != Some(0.0);
         let figure = Figure::on(model, &soles);
         let unknowns = Unknowns { mobility: settings.mobility.clone(), com_axes: 2, root: false };
         let inverse = Inverse::new(model, &figure, unknowns);
@@ -121,11 +130,13 @@ impl PositionBalance {
             before: 0.0,
             posture: model.home.clone(),
             reference: Course::new(1 + changes.len()),
-            leans: leans(settings.leaning) || changes.iter().any(|c| c.leaning.is_some_and(leans)),
+            leans: leans(settings.leaning) || changes.iter().any(|c| c.leaning.is_some() && leans(c.leaning)),
             rise: settings.approach,
             times,
             changes,
             memory: Vector2::zeros(),
+            damping: settings.damping.unwrap_or(0.0),
+            leaning: settings.leaning.unwrap_or(0.0),
             settings,
             soles,
             figure,
@@ -158,7 +169,12 @@ impl Task for PositionBalance {
         self.figure.stand(context, command);
         self.goal = self.figure.goal();
         self.posture.copy_from_slice(&command.position);
-        (self.started, self.before) = (context.time, context.time);
+        (self.started, self.before) = (context.start, context.time);
+        let height = (self.figure.com().z - self.figure.support().z).max(f64::MIN_POSITIVE);
+        let rate = (context.gravity.norm() / height).sqrt();
+        self.leaning = self.settings.leaning.unwrap_or((LEANING.0 * rate).min(LEANING.1));
+        let slow = if rate > 0.0 { DAMPING.0 / (rate * rate) } else { 0.0 };
+        self.damping = self.settings.damping.unwrap_or(slow.max(DAMPING.1));
         let support = self.figure.support().xy();
         let from = self.figure.com().xy() - support;
         self.reference.begin(from);
@@ -181,10 +197,10 @@ impl Task for PositionBalance {
         // On its edges a sole hides where the load is, and what is integrated then is missing when it lies flat again.
         let flat = self.soles.iter().all(|s| context.sensed.soles[s.0].clamped.iter().all(|c| *c));
         if flat {
-            self.memory += (error * s.integral + load * s.leaning) * (period * progress);
+            self.memory += (error * s.integral + load * self.leaning) * (period * progress);
         }
         self.memory = self.memory.map(|x| x.clamp(-s.reach, s.reach));
-        let reply = error * s.proportional - context.data.com_velocity.xy() * s.damping;
+        let reply = error * s.proportional - context.data.com_velocity.xy() * self.damping;
         let displacement = (self.memory + reply * progress).map(|x| x.clamp(-s.reach, s.reach));
         let planned = self.figure.support().xy() + wanted + displacement;
         self.goal.com.x = planned.x;
@@ -216,20 +232,20 @@ impl Task for PositionBalance {
             let efforts = &mut self.efforts;
             feed_forward::efforts(model, &mut self.figure, &context.gravity, &still, &com, efforts);
             for &j in &self.carrying {
-                command.effort[j] = progress * self.efforts[j];
+                command.effort[j] = (1.0 - progress) * command.effort[j] + progress * self.efforts[j];
             }
         }
-        Ok(if t >= s.duration { Status::Done } else { Status::Running })
+        Ok(if over(t, s.duration) { Status::Done } else { Status::Running })
     }
 
     fn change(&mut self, context: &Context, number: usize) -> TaskResult {
         let (change, s) = (&self.changes[number], &mut self.settings);
         s.proportional = change.proportional.unwrap_or(s.proportional);
-        s.damping = change.damping.unwrap_or(s.damping);
         s.integral = change.integral.unwrap_or(s.integral);
-        s.leaning = change.leaning.unwrap_or(s.leaning);
         s.posture = change.posture.unwrap_or(s.posture);
         s.approach = change.approach.unwrap_or(s.approach);
+        self.damping = change.damping.unwrap_or(self.damping);
+        self.leaning = change.leaning.unwrap_or(self.leaning);
         if let Some(offset) = change.offset {
             self.reference.add(context.time, s.approach, offset - s.offset);
             s.offset = offset;
@@ -243,6 +259,10 @@ impl Task for PositionBalance {
 
     fn needs(&self) -> Needs {
         Needs::COM | Needs::SOLES | if self.leans { Needs::ZMP } else { Needs::LOADS }
+    }
+
+    fn lends(&self) -> bool {
+        true
     }
 
     fn name(&self) -> &str {

@@ -52,15 +52,20 @@ struct Fall {
 pub struct Footsteps {
     stride: Stride,
     start: [Vector3<f64>; 2],
+    /// Those that begin in time.
     falls: Vec<Fall>,
 }
 
 impl Footsteps {
-    /// Soles whose centroids are at `start` (m), walking along the unit vector `ahead`.
-    pub fn new(stride: Stride, start: [Vector3<f64>; 2], ahead: Vector3<f64>) -> Self {
+    /// Soles whose centroids are at `start` (m), walking along the unit vector `ahead`. Where they are is asked up to `until`
+    /// seconds only.
+    pub fn new(stride: Stride, start: [Vector3<f64>; 2], ahead: Vector3<f64>, until: f64) -> Self {
         let mut places = start;
-        let mut falls = Vec::with_capacity(stride.steps);
-        for i in 1..=stride.steps {
+        // The step under way at the end and the one that it crosses over to.
+        let begun = ((until - stride.wait).max(0.0) / stride.time).ceil() as usize;
+        let known = stride.steps.min(begun.saturating_add(2));
+        let mut falls = Vec::with_capacity(known);
+        for i in 1..=known {
             let foot = (stride.first + i - 1) % 2;
             let advance = if i == stride.steps { i - 1 } else { i };
             let to = start[foot] + ahead * (advance as f64 * stride.length);
@@ -72,7 +77,7 @@ impl Footsteps {
 
     /// How long it all takes, s.
     pub fn duration(&self) -> f64 {
-        2.0 * self.stride.wait + self.falls.len() as f64 * self.stride.time + self.stride.double_support
+        2.0 * self.stride.wait + self.stride.steps as f64 * self.stride.time + self.stride.double_support
     }
 
     /// Step under way at time `t` and the time since it began; those before the first and after the last are `None`.

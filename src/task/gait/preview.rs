@@ -99,14 +99,15 @@ impl Preview {
         x[0] - self.lag * x[2]
     }
 
-    /// Motion from rest at `reference[0]`, one sample per entry; the last entry goes on for ever.
-    pub fn follow(&self, reference: &[f64]) -> Vec<Sample> {
+    /// Motion from rest at `reference[0]`, so many samples, at most one per entry; the last entry goes on for ever.
+    pub fn follow(&self, reference: &[f64], count: usize) -> Vec<Sample> {
         let (Some(first), Some(last)) = (reference.first(), reference.last()) else { return Vec::new() };
         // Relative to the start, so that what the horizon cuts off does not pull from rest.
         let wanted = |k: usize| reference.get(k).unwrap_or(last) - first;
         let (mut x, mut sum) = (Vector3::zeros(), 0.0);
-        let mut samples = Vec::with_capacity(reference.len());
-        for k in 0..reference.len() {
+        let count = count.min(reference.len());
+        let mut samples = Vec::with_capacity(count);
+        for k in 0..count {
             sum += self.zmp(&x) - wanted(k);
             let ahead: f64 = self.preview.iter().enumerate().map(|(j, g)| g * wanted(k + 1 + j)).sum();
             let jerk = -self.integral * sum - (self.state * x)[0] - ahead;

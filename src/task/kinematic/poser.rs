@@ -80,7 +80,8 @@ impl Poser {
         Ok(())
     }
 
-    /// Gives the joints that carry the efforts of the motion, times `part`: see [`feed_forward`]. After [`Poser::pose`].
+    /// Brings the joints that carry over from the efforts that they are given so far to those of the motion, as far as `part`:
+    /// see [`feed_forward`]. After [`Poser::pose`].
     pub fn support(
         &mut self,
         context: &Context,
@@ -93,7 +94,7 @@ impl Poser {
         let (figure, efforts) = (&mut self.figure, &mut self.efforts);
         feed_forward::efforts(context.model, figure, &context.gravity, acceleration, zmp, efforts);
         for &j in &self.carrying {
-            command.effort[j] = part * self.efforts[j];
+            command.effort[j] = (1.0 - part) * command.effort[j] + part * self.efforts[j];
         }
     }
 }

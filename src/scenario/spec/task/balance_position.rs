@@ -11,18 +11,23 @@ use crate::scenario::quantity::{json, non_negative, positive, some_non_negative,
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PositionBalance {
-    /// Displacement asked for per error of the centre of mass, m/m; below zero it gives way.
+    /// Displacement asked for per error of the centre of mass, m/m.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
     pub proportional: f64,
-    /// Displacement asked for against its velocity, s.
-    pub damping: f64,
+    /// Displacement asked for against its velocity, s. Left out: 0.1, or more under a slower pendulum.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub damping: Option<f64>,
     /// Rate of displacement per error, 1/s: takes away what sag is left.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub integral: f64,
     /// Rate of displacement per distance of the zero-moment point from the reference, 1/s: leans against a lasting push.
-    #[serde(deserialize_with = "non_negative")]
-    #[schemars(with = "json::NonNegative")]
-    pub leaning: f64,
+    /// Left out: 2, or a third of sqrt(g/h) if that is less.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
+    #[schemars(with = "Option<json::NonNegative>")]
+    pub leaning: Option<f64>,
     /// Greatest displacement along x and along y, m.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
@@ -47,9 +52,9 @@ impl Default for PositionBalance {
     fn default() -> Self {
         PositionBalance {
             proportional: 0.0,
-            damping: 0.1,
+            damping: None,
             integral: 0.0,
-            leaning: 2.0,
+            leaning: None,
             reach: 0.05,
             posture: 2.0,
             approach: 0.5,

@@ -14,7 +14,7 @@ pub struct MocapTask {
     /// The recording (`.bvh` or `.csv`), relative to this file.
     #[schemars(length(min = 1))]
     pub file: String,
-    /// When its first frame is, s.
+    /// When time 0 of the recording is, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,

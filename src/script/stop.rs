@@ -1,0 +1,28 @@
+//! Ending scripts from outside: a flag that every script loaded on this thread looks at while it runs.
+
+use std::cell::RefCell;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+thread_local! {
+    static FLAG: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
+}
+
+/// Does `body`; the scripts that it loads end with an error once `flag` is raised.
+pub fn stoppable<R>(flag: Arc<AtomicBool>, body: impl FnOnce() -> R) -> R {
+    /// Puts back what was there, however the body ends.
+    struct Before(Option<Arc<AtomicBool>>);
+    impl Drop for Before {
+        fn drop(&mut self) {
+            let before = self.0.take();
+            FLAG.with(|f| *f.borrow_mut() = before);
+        }
+    }
+    let _before = Before(FLAG.with(|f| f.borrow_mut().replace(flag)));
+    body()
+}
+
+/// The flag of this thread, if it has one.
+pub(super) fn flag() -> Option<Arc<AtomicBool>> {
+    FLAG.with(|f| f.borrow().clone())
+}

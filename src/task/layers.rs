@@ -1,0 +1,187 @@
+//! What tasks give back when they end, so that nothing of them acts under whatever follows and nothing jumps.
+//!
+//! - **Modes and efforts** of a task that *lends* them ([`super::Task::lends`]) hold as long as it lasts. Beneath are those
+//!   that the robot, or a script, has set; each tick begins with them.
+//! - **Efforts** that such a task leaves on a joint that follows positions or velocities go over into those beneath within
+//!   [`RETURN`] seconds. On other joints the effort beneath holds at once.
+//! - **Positions**: where a task that ends gives a joint back to an earlier one in the file that is still under way, the
+//!   difference between the two fades within [`RETURN`] seconds on top of what the joint is asked.
+//!
+//! Both fade along the quintic of [`super::fade`].
+
+use super::Command;
+use super::over;
+use crate::motion::spline::{Point, quintic};
+use crate::robot::DriveMode;
+
+/// Time in which what an ended task leaves fades, s.
+pub const RETURN: f64 = 0.5;
+
+/// A difference that fades.
+#[derive(Clone, Copy, Debug)]
+struct Fading {
+    from: Point,
+    since: f64,
+}
+
+impl Fading {
+    const NONE: Fading = Fading { from: Point { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY };
+
+    /// What is left of it; none when it is over.
+    fn at(&self, time: f64) -> Option<Point> {
+        let t = time - self.since;
+        (!over(t, RETURN)).then(|| quintic(&self.from, &Point::default(), RETURN, t))
+    }
+}
+
+/// What one task has lent.
+#[derive(Clone, Debug, Default)]
+pub struct Loan {
+    /// By joint: the last effort, if it has set the joint's effort or mode.
+    efforts: Vec<Option<f64>>,
+}
+
+impl Loan {
+    /// Of a robot with so many joints.
+    pub fn new(joints: usize) -> Self {
+        Loan { efforts: vec![None; joints] }
+    }
+}
+
+/// Position and velocity beneath a task that has just ended, and how far that task had the joint from them.
+#[derive(Clone, Copy, Debug)]
+struct Returned {
+    beneath: (f64, f64),
+    apart: Point,
+}
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Layers {
+    mode: Vec<DriveMode>,
+    effort: Vec<f64>,
+    efforts: Vec<Fading>,
+    positions: Vec<Fading>,
+    /// Position and velocity without what fades on top, where something does.
+    plain: Vec<Option<(f64, f64)>>,
+    /// The command before the task at hand.
+    before: Command,
+    /// Which joints a task of this tick has moved.
+    moved: Vec<bool>,
+    returned: Vec<Option<Returned>>,
+    /// When all has faded, s.
+    until: f64,
+}
+
+impl Layers {
+    /// Beneath all tasks is `command`.
+    pub fn new(command: &Command) -> Self {
+        let n = command.position.len();
+        Layers {
+            mode: command.mode.clone(),
+            effort: command.effort.clone(),
+            efforts: vec![Fading::NONE; n],
+            positions: vec![Fading::NONE; n],
+            plain: vec![None; n],
+            before: command.clone(),
+            moved: vec![false; n],
+            returned: vec![None; n],
+            until: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Until when something fades, s.
+    pub fn until(&self) -> f64 {
+        self.until
+    }
+
+    /// Beginning of a tick: `command` is what lies beneath the tasks.
+    pub fn begin(&mut self, time: f64, command: &mut Command) {
+        self.moved.fill(false);
+        command.mode.copy_from_slice(&self.mode);
+        for j in 0..self.mode.len() {
+            command.effort[j] = self.beneath(j, time);
+            if let Some(plain) = self.plain[j].take() {
+                (command.position[j], command.velocity[j]) = plain;
+            }
+        }
+    }
+
+    fn beneath(&self, j: usize, time: f64) -> f64 {
+        self.effort[j] + self.efforts[j].at(time).map_or(0.0, |p| p.q)
+    }
+
+    /// Before a task is called.
+    pub fn before(&mut self, command: &Command) {
+        self.before.copy_from(command);
+    }
+
+    /// After a task was called that lends what it sets, by `loan`, or sets it for good; has it ended?
+    pub fn after(&mut self, loan: Option<&mut Loan>, ended: bool, time: f64, command: &mut Command) {
+        match loan {
+            None => self.keep(command),
+            Some(loan) => self.lend(loan, ended, time, command),
+        }
+        for j in 0..self.mode.len() {
+            let before = (self.before.position[j], self.before.velocity[j]);
+            let now = (command.position[j], command.velocity[j]);
+            if now == before {
+                continue;
+            }
+            let apart = Point { q: now.0 - before.0, v: now.1 - before.1, a: 0.0 };
+            self.returned[j] = (ended && self.moved[j]).then_some(Returned { beneath: before, apart });
+            self.moved[j] = true;
+        }
+    }
+
+    fn keep(&mut self, command: &Command) {
+        for j in 0..self.mode.len() {
+            if command.mode[j] != self.before.mode[j] {
+                self.mode[j] = command.mode[j];
+            }
+            if command.effort[j] != self.before.effort[j] {
+                self.effort[j] = command.effort[j];
+                self.efforts[j] = Fading::NONE;
+            }
+        }
+    }
+
+    fn lend(&mut self, loan: &mut Loan, ended: bool, time: f64, command: &mut Command) {
+        for j in 0..self.mode.len() {
+            let set = command.effort[j] != self.before.effort[j] || command.mode[j] != self.before.mode[j];
+            if set {
+                loan.efforts[j] = Some(command.effort[j]);
+            }
+            let Some(last) = loan.efforts[j].filter(|_| ended) else { continue };
+            // Is what lies beneath not that of an earlier task that goes on?
+            let bottom = self.before.mode[j] == self.mode[j] && self.before.effort[j] == self.beneath(j, time);
+            let fades = matches!(self.mode[j], DriveMode::Position | DriveMode::Velocity);
+            self.efforts[j] = Fading::NONE;
+            if fades {
+                self.efforts[j] = Fading { from: Point { q: last - self.effort[j], v: 0.0, a: 0.0 }, since: time };
+                self.until = time + RETURN;
+            }
+            if bottom {
+                command.effort[j] = self.beneath(j, time);
+            }
+        }
+    }
+
+    /// End of a tick.
+    pub fn end(&mut self, time: f64, command: &mut Command) {
+        for j in 0..self.mode.len() {
+            let fading = self.positions[j].at(time);
+            if let Some(Returned { beneath, apart }) = self.returned[j].take() {
+                (command.position[j], command.velocity[j]) = beneath;
+                let e = fading.unwrap_or_default();
+                self.positions[j] = Fading { from: Point { q: e.q + apart.q, v: e.v + apart.v, a: e.a }, since: time };
+                self.until = time + RETURN;
+            }
+            if let Some(e) = self.positions[j].at(time) {
+                self.plain[j] = Some((command.position[j], command.velocity[j]));
+                command.position[j] += e.q;
+                command.velocity[j] += e.v;
+            }
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! What tasks hand over to one another: modes, efforts, positions, and the instants at which they begin and end.
+
+use super::super::motion::{Folder, robot_of};
+use stiction::dynamics::State;
+use stiction::robot::DriveMode;
+use stiction::sim::build;
+use stiction::task::server::Situation;
+use stiction::task::{Command, Sensed};
+
+const CBI: &str = "duration = 1.0
+robot = { model = \"ROBOTS/cbi/cbi.toml\", joint_default = { mode = \"position\", kp = 500, kd = 20 } }
+";
+const HOAP: &str = "duration = 1.5\nrobot = { model = \"ROBOTS/hoap2/hoap2.toml\" }\n";
+
+/// What the joints are asked at ticks up to `end` seconds, and when which task ended. The robot stays where it starts.
+fn ticks(folder: &Folder, text: &str, end: f64) -> (Vec<(f64, Command)>, Vec<(String, f64)>) {
+    let run = folder.run(text).unwrap_or_else(|e| panic!("{e}"));
+    let mut setup = build::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
+    let mut state = State::home(&setup.model);
+    (state.position, state.rotation) = (setup.start.position, setup.start.rotation);
+    state.joints.copy_from_slice(&setup.start.joints);
+    let sensed = Sensed::blank(&setup.model);
+    let (mut told, mut ended) = (Vec::new(), Vec::new());
+    while let Some(time) = setup.tasks.next_tick().filter(|t| *t <= end + 1e-9) {
+        state.time = time;
+        let now = Situation {
+            model: &setup.model,
+            gravity: setup.gravity,
+            floor: setup.floor.plane(),
+            state: &state,
+            sensed: &sensed,
+        };
+        let hear = |what: &str, name: &str| {
+            if what == "ends" {
+                ended.push((name.to_owned(), time));
+            }
+        };
+        setup.tasks.run(&now, hear).unwrap_or_else(|e| panic!("{e}"));
+        told.push((time, setup.tasks.command.clone()));
+    }
+    (told, ended)
+}
+
+fn force(kind: &str, start: f64, duration: f64) -> String {
+    let control = if kind == "balance" { "control = \"force\"\n" } else { "" };
+    format!("[[task]]\ntype = \"{kind}\"\n{control}start = {start}\nduration = {duration}\n")
+}
+
+#[test]
+fn modes_and_efforts_come_back_whatever_the_order() {
+    let compensate = |start, duration| force("gravity-compensation", start, duration);
+    let balance = |start, duration| force("balance", start, duration);
+    let folder = Folder::with(&[]);
+    for tasks in [
+        format!("{}{}", balance(0.0, 0.04), compensate(0.03, 0.03)),
+        format!("{}{}", balance(0.0, 0.06), compensate(0.02, 0.02)),
+        format!("{}{}", compensate(0.03, 0.03), balance(0.0, 0.03)),
+        format!("{}{}", compensate(0.0, 0.03), balance(0.03, 0.03)),
+    ] {
+        let (told, _) = ticks(&folder, &format!("{CBI}{tasks}"), 1.0);
+        let own = &told.last().unwrap().1.mode;
+        assert!(own.iter().filter(|m| **m == DriveMode::Position).count() > 20 && !own.contains(&DriveMode::Force));
+        for (time, command) in &told {
+            // Joints that are moved kinematically stay so.
+            let lent = |m: &DriveMode| if *m == DriveMode::Position { DriveMode::Force } else { *m };
+            let wanted = own.iter().map(|m| if *time < 0.06 - 1e-9 { lent(m) } else { *m });
+            assert!(command.mode.iter().copied().eq(wanted), "{time}:\n{tasks}");
+        }
+        let last = |before: f64| &told.iter().rev().find(|(t, _)| *t < before - 1e-9).unwrap().1;
+        let (first, end) = (&told.iter().find(|(t, _)| *t > 0.06 - 1e-9).unwrap().1, &told.last().unwrap().1);
+        // The efforts go on as feed-forward and fade: servos at the position that they find would let the robot sag.
+        assert_eq!(first.effort, last(0.06).effort, "{tasks}");
+        assert!(first.effort.iter().any(|e| e.abs() > 1.0));
+        assert!(end.effort.iter().all(|e| *e == 0.0), "{tasks}");
+        assert!((told.last().unwrap().0 - 0.56).abs() < 1e-9, "it ticks on until they have faded");
+    }
+}
+
+#[test]
+fn efforts_of_a_squat_fade_after_it() {
+    let task = "[[task]]\ntype = \"squat\"\ndepth = 0.005\nperiod = 0.2\nsettle = 0.1\n";
+    let follows = "[[task]]\ntype = \"posture\"\nstart = 0.3\njoints = { left_elbow = -0.5 }\n";
+    let (told, ended) = ticks(&Folder::with(&[]), &format!("{HOAP}{task}{follows}"), 1.5);
+    assert_eq!(ended[0].0, "squat");
+    let most = |c: &Command| c.effort.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
+    let at = |time: f64| &told.iter().find(|(t, _)| (t - time).abs() < 1e-9).unwrap().1;
+    assert!(most(at(0.3)) > 0.5 && most(at(0.8)) == 0.0, "{} {}", most(at(0.3)), most(at(0.8)));
+    // A quintic falls at most 15/8 of the mean: over 0.5 s and ticks of 1 ms.
+    for pair in told.windows(2).filter(|w| w[0].0 > 0.3 - 1e-9) {
+        let steps = pair[0].1.effort.iter().zip(&pair[1].1.effort).map(|(a, b)| (a - b).abs());
+        assert!(steps.fold(0.0, f64::max) < 1.01 * 15.0 / 8.0 / 500.0 * most(at(0.3)), "{}", pair[0].0);
+    }
+}
+
+const PENDULUM: &str = "duration = 4.0
+robot = { model = \"ROBOTS/pendulum/pendulum.urdf\", posture = { shoulder = 0.3, elbow = -0.2 } }
+";
+
+#[test]
+fn an_earlier_task_has_its_joint_back_without_a_jump() {
+    let tasks = "[[task]]\ntype = \"posture\"\nstart = 0.1\nduration = 0.7\njoints = { shoulder = -1.3, elbow = 6 }
+        [[task]]\ntype = \"posture\"\nstart = 0.5\nduration = 0.2\njoints = { elbow = 0.5 }\n";
+    let (told, _) = ticks(&Folder::with(&[]), &format!("{PENDULUM}{tasks}"), 2.0);
+    // The later one gives the joint back at 0.7 s, some 5 rad from where the earlier one is. Both and the fade have speeds of at
+    // most 15/8 of 6.2 rad in 0.7 s, of 3 rad in 0.2 s and of 5.5 rad in 0.5 s, with the difference of speeds in it.
+    let moving = |w: &&[(f64, Command)]| w[0].0 > 0.5 + 1e-9;
+    let steps = told.windows(2).filter(moving).map(|w| (w[1].1.position[1] - w[0].1.position[1]).abs());
+    assert!(steps.clone().fold(0.0, f64::max) < 0.06, "{}", steps.fold(0.0, f64::max));
+    // Velocities belong to positions, through both ends.
+    for w in told.windows(3).filter(|w| w[0].0 > 0.503) {
+        let slope = (w[2].1.position[1] - w[0].1.position[1]) / 2e-3;
+        // Second differences of a path with accelerations of some 10 / 0.2^2 rad/s^2.
+        assert!((slope - w[1].1.velocity[1]).abs() < 0.15, "{}: {slope} {}", w[1].0, w[1].1.velocity[1]);
+    }
+    let (time, last) = told.last().unwrap();
+    assert!((last.position[1] - 6.0).abs() < 1e-12 && last.velocity[1] == 0.0, "{time} {last:?}");
+    assert!((time - 1.2).abs() < 1e-9, "{time}");
+}
+
+#[test]
+fn tasks_end_at_their_ends() {
+    let script = "function run() end";
+    let folder = Folder::with(&[("s.luau", script), ("m.csv", "time,left_elbow\n0,0\n0.2,-0.1\n")]);
+    let span = "start = 0.5\nduration = 0.2\n";
+    let tasks = [
+        format!("type = \"posture\"\njoints = {{ left_elbow = -0.3 }}\n{span}"),
+        format!("type = \"sine\"\njoints = {{ head_pan = {{ amplitude = 0.1 }} }}\nramp = 0.05\n{span}"),
+        format!("type = \"script\"\nfile = \"s.luau\"\n{span}"),
+        format!("type = \"balance\"\ncontrol = \"force\"\n{span}"),
+        format!("type = \"gravity-compensation\"\n{span}"),
+        format!("type = \"balance\"\ncontrol = \"position\"\n{span}"),
+        "type = \"squat\"\ndepth = 0.001\nperiod = 0.1\nsettle = 0.1\nstart = 0.5\n".to_owned(),
+        "type = \"playback\"\nfile = \"m.csv\"\nblend = 0.2\nstart = 0.5\n".to_owned(),
+        "type = \"mocap\"\nfile = \"m.csv\"\nblend = 0.2\nsmoothing = 0\nmap = { left_elbow = { joint = \"left_elbow\" } }\n\
+         start = 0.5\n"
+            .to_owned(),
+    ];
+    for task in tasks {
+        let (_, ended) = ticks(&folder, &format!("{HOAP}[[task]]\n{task}"), 1.0);
+        assert_eq!(ended.len(), 1, "{task}");
+        // 0.5 + 0.2 is not 0.7 to the last bit; the tick at 0.7 s is the end all the same.
+        assert!((ended[0].1 - 0.7).abs() < 1e-9, "{task}{ended:?}");
+    }
+}
+
+#[test]
+fn a_start_between_two_ticks_is_time_0() {
+    let folder = Folder::with(&[("m.csv", "time,elbow\n0,-0.2\n1,0.8\n")]);
+    let quintic = |s: f64| s * s * s * (10.0 + s * (6.0 * s - 15.0));
+    for (task, path) in [
+        ("type = \"posture\"\njoints = { elbow = 0.8 }\n", &quintic as &dyn Fn(f64) -> f64),
+        ("type = \"playback\"\nfile = \"m.csv\"\nblend = 0\n", &quintic),
+        (
+            "type = \"mocap\"\nfile = \"m.csv\"\nblend = 0\nsmoothing = 0\nmap = { elbow = { joint = \"elbow\" } }\n",
+            &|t| t,
+        ),
+    ] {
+        let text = format!("{PENDULUM}[control]\nrate = 100\n[[task]]\n{task}start = 0.5037\n");
+        let (told, _) = ticks(&folder, &text, 2.0);
+        assert!((told[0].0 - 0.51).abs() < 1e-12);
+        for (time, command) in told.iter().filter(|(t, _)| *t < 1.5) {
+            let wanted = -0.2 + path(time - 0.5037);
+            // Rounding, of the curve of least jerk too.
+            assert!((command.position[1] - wanted).abs() < 1e-12, "{task}{time}: {} {wanted}", command.position[1]);
+        }
+    }
+}
