@@ -240,13 +240,6 @@ fn not_used_yet(file: &RobotFile, source: &Source, model: &Model, notices: &mut 
         sensors.get_ref().force.iter().try_for_each(|f| frame(f, "force sensor"))?;
         notices.info(source, sensors.span().start, "[sensors] is checked but not used yet");
     }
-    if let Some(entry) = &file.self_collision {
-        let bodies = entry.get_ref().bodies.iter().flatten();
-        for name in bodies.chain(entry.get_ref().ignore.iter().flatten()) {
-            known_link(name, "self_collision", source, model)?;
-        }
-        notices.info(source, entry.span().start, "[self_collision] is checked but not used yet");
-    }
     Ok(())
 }
 
