@@ -129,3 +129,20 @@ fn work_is_counted() {
     assert!(detector.counts.boxes == n && detector.counts.exact < n / 2, "{:?}", detector.counts);
     assert_eq!(detector.counts.depths, 0);
 }
+
+#[test]
+fn a_posture_that_is_not_finite_counts_as_a_collision() {
+    let robot = cbi();
+    let model = CollisionModel::every_pair(&robot.model, &robot.self_collision);
+    let mut poses = vec![LinkPose::IDENTITY; robot.model.links.len()];
+    let mut detector = Detector::new(&model);
+    poses.iter_mut().for_each(|p| p.origin.fill(f64::NAN));
+    detector.place(&model, &poses);
+    assert!(detector.intersects(&model, 0.0));
+    assert_eq!(detector.colliding(&model, 0.0).len(), model.pairs.len());
+    assert_eq!(detector.distances(&model).len(), model.pairs.len());
+    // It leaves no trace.
+    place(&robot.model, &robot.model.home, &mut poses);
+    detector.place(&model, &poses);
+    assert!(!detector.intersects(&model, 0.0));
+}

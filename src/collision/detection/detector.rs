@@ -41,7 +41,11 @@ pub struct Counts {
     pub depths: u64,
 }
 
-/// Workspace: [`Detector::place`] a posture, then ask. Nothing is allocated after construction.
+/// Workspace: [`Detector::place`] a posture, then ask. Nothing is allocated after construction. A posture that is not finite
+/// counts as a collision.
+///
+/// # Panics
+/// Its functions may, when they are given another model than the one it was made for.
 #[derive(Clone, Debug)]
 pub struct Detector {
     scene: Scene,

@@ -13,4 +13,4 @@ pub use body::{Body, DroppedBody, WhyBody};
 pub use model::{CollisionModel, DroppedPair, Pair, WhyPair};
 pub use oriented_box::OrientedBox;
 pub use polytope::Polytope;
-pub use reach::{Search, closest_found};
+pub use reach::Search;

@@ -40,7 +40,7 @@ impl Default for Search {
 }
 
 /// The least distance found for each pair of bodies, m; for a pair that comes within the margin, the first one below it.
-pub fn closest_found(model: &Model, bodies: &[Body], pairs: &[[usize; 2]], search: &Search) -> Vec<f64> {
+pub(super) fn closest_found(model: &Model, bodies: &[Body], pairs: &[[usize; 2]], search: &Search) -> Vec<f64> {
     let mut sampler = Sampler::new(model, search.seed, "reach");
     let mut trial =
         Trial { model, bodies, poses: vec![LinkPose::IDENTITY; model.links.len()], near: Nearness::new(bodies) };
