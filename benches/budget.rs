@@ -4,6 +4,7 @@
 
 use divan::{Bencher, black_box};
 
+mod collision;
 mod dynamics;
 mod scripts;
 mod stepping;

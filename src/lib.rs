@@ -4,6 +4,7 @@
 //! `task` into one run; `record` keeps what it tells; `batch` drives many runs; `cli` only translates.
 
 pub mod batch;
+pub mod collision;
 pub mod contact;
 pub mod dynamics;
 pub mod force;

@@ -3,6 +3,7 @@
 mod actuation;
 mod analytic;
 mod cli;
+mod collision;
 mod contact;
 mod determinism;
 mod force;

@@ -73,21 +73,21 @@ SIDE = [
 SPEED = 10
 
 # Shapes, all estimates from the lengths: ("box", size, centre), ("sphere", radius, centre), ("rod", radius, from, to).
-# A shape of a side link is mirrored. Coarse ones marked True are collision shapes as well.
+# A shape of a side link is mirrored. Those marked True are collision shapes as well.
 SHAPES = {
     "pelvis": [("box", (0.16, 0.15, 0.15), (-0.075, 0, 0.045), "dark", True),
-               ("rod", 0.045, (0, -0.06, 0), (0, 0.06, 0), "silver", False)],
+               ("rod", 0.045, (0, -0.06, 0), (0, 0.06, 0), "silver", True)],
     "torso_twist": [("rod", 0.075, (-0.01, 0, -0.08), (-0.01, 0, -0.02), "silver", False)],
     "torso_lean": [("box", (0.13, 0.16, 0.07), (-0.01, 0, 0.02), "dark", False)],
     "torso": [("box", (0.21, 0.29, 0.21), (0, 0, 0.155), "silver", True),
-              ("box", (0.01, 0.16, 0.10), (0.11, 0, 0.175), "blue", False)],
+              ("box", (0.01, 0.16, 0.10), (0.11, 0, 0.175), "blue", True)],
     "neck_nod": [("rod", 0.036, (0, 0, -0.06), (0, 0, -0.01), "dark", False)],
     "neck_tilt": [("sphere", 0.038, (0, 0, 0), "dark", False)],
     "head": [("rod", 0.03, (0, 0, 0.01), (0, 0, 0.07), "dark", False),
              ("box", (0.15, 0.145, 0.22), (-0.014, 0, 0.17), "silver", True)],
-    "eye_pan": [("rod", 0.012, (0, 0, -0.03), (0, 0, -0.012), "dark", False)],
-    "eye": [("sphere", 0.021, (0, 0, 0), "white", False), ("sphere", 0.009, (0.0145, 0, 0), "black", False)],
-    "shoulder": [("rod", 0.045, (0, 0.11, 0.11), (0, 0.1957, 0.1957), "silver", False)],
+    "eye_pan": [("rod", 0.012, (0, 0, -0.03), (0, 0, -0.012), "dark", True)],
+    "eye": [("sphere", 0.021, (0, 0, 0), "white", True), ("sphere", 0.009, (0.0145, 0, 0), "black", True)],
+    "shoulder": [("rod", 0.045, (0, 0.11, 0.11), (0, 0.1957, 0.1957), "silver", True)],
     "shoulder_roll": [("sphere", 0.052, (0, 0, 0), "dark", False)],
     "upper_arm": [("rod", 0.048, (0, 0, -0.04), (0, 0, -0.22), "silver", True)],
     "elbow": [("rod", 0.04, (0, -0.045, 0), (0, 0.045, 0), "dark", False)],
@@ -101,7 +101,20 @@ SHAPES = {
     "shank": [("rod", 0.046, (0, 0, -0.05), (0, 0, -0.34), "silver", True)],
     "ankle": [("sphere", 0.035, (0, 0, 0), "dark", False)],
     "foot": [("box", (0.30, 0.10, 0.025), (0.05, 0, -0.0387), "black", True),
-             ("box", (0.09, 0.07, 0.03), (0, 0, -0.0112), "silver", False)],
+             ("box", (0.09, 0.07, 0.03), (0, 0, -0.0112), "silver", True)],
+}
+# Collision shapes only: joint housings drawn on the next link stand here on the one before, where they are just as well
+# (a ball in its centre, a rod along the joint's axis), so that the hull of a limb reaches over its joints; the hips on the
+# pelvis and the lower torso on the upper, where they are at zero; and around the eyes, the front of the head.
+COVERS = {
+    "pelvis": [("box", (0.10, 0.2378, 0.08), (-0.06, 0, 0.01))],
+    "torso": [("box", (0.13, 0.16, 0.07), (-0.01, 0, 0.02)), ("sphere", 0.038, (0, 0, 0.3068))],
+    "head": [("box", (0.032, 0.125, 0.06), (0.076, 0, 0.135))],
+    "shoulder": [("sphere", 0.052, (0, 0.1957, 0.1957))],
+    "upper_arm": [("rod", 0.04, (0, -0.045, -0.2577), (0, 0.045, -0.2577))],
+    "forearm": [("sphere", 0.028, (0, 0.0038, -0.2408))],
+    "thigh": [("rod", 0.05, (0.0396, -0.055, -0.3851), (0.0396, 0.055, -0.3851))],
+    "shank": [("sphere", 0.035, (0, 0, -0.381))],
 }
 COLOURS = {"silver": "0.74 0.75 0.78 1", "dark": "0.27 0.28 0.31 1", "blue": "0.16 0.30 0.55 1", "black": "0.08 0.08 0.09 1",
            "white": "0.95 0.95 0.95 1"}
@@ -157,7 +170,7 @@ def link(name, mass, com, tensor):
     for shape in SHAPES[kind]:
         origin, solid = geometry(shape, side)
         print(f'    <visual>{origin}<geometry>{solid}</geometry><material name="{shape[-2]}"/></visual>')
-    for shape in (s for s in SHAPES[kind] if s[-1]):
+    for shape in [s for s in SHAPES[kind] if s[-1]] + COVERS.get(kind, []):
         origin, solid = geometry(shape, side)
         print(f"    <collision>{origin}<geometry>{solid}</geometry></collision>")
     print("  </link>")

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use stiction::collision::{self, CollisionModel};
 use stiction::robot::{self, InertiaPolicy};
 
 use super::{Exit, terminal};
@@ -27,6 +28,8 @@ impl Inspect {
             Exit::Invalid
         })?;
         terminal::print(&robot::inspect(&robot))?;
+        let bodies = CollisionModel::new(&robot.model, &robot.self_collision);
+        terminal::print(&collision::inspect(&bodies))?;
         Ok(Exit::Success)
     }
 }

@@ -27,8 +27,7 @@ pub(super) fn apply(
         given_soles(soles, source, model, notices)?;
     }
     end_effectors(file, source, model)?;
-    sensors(file, source, model)?;
-    not_used_yet(file, source, model, notices)
+    sensors(file, source, model)
 }
 
 fn end_effectors(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
@@ -273,18 +272,6 @@ pub(super) fn unread_force_sensors(file: &RobotFile, source: &Source, model: &Mo
         };
         notices.info(source, entry.span().start, format!("force sensor `{}` is not read: {why}", sensor.name));
     }
-}
-
-/// Parts of the file that are checked but that nothing reads yet.
-fn not_used_yet(file: &RobotFile, source: &Source, model: &Model, notices: &mut Notices) -> Result<(), RobotError> {
-    if let Some(entry) = &file.self_collision {
-        let bodies = entry.get_ref().bodies.iter().flatten();
-        for name in bodies.chain(entry.get_ref().ignore.iter().flatten()) {
-            known_link(name, "self_collision", source, model)?;
-        }
-        notices.info(source, entry.span().start, "[self_collision] is checked but not used yet");
-    }
-    Ok(())
 }
 
 fn joint_index(name: &Spanned<String>, source: &Source, model: &Model) -> Result<usize, RobotError> {

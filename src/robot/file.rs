@@ -239,13 +239,20 @@ pub struct Sensors {
 #[derive(Deserialize, JsonSchema, Debug)]
 #[serde(deny_unknown_fields)]
 pub struct SelfCollision {
-    /// Links that are watched; all when absent.
+    /// Links that are watched; all when absent, but those always inside another one.
     #[schemars(with = "Option<Vec<String>>")]
     pub bodies: Option<Vec<Spanned<String>>>,
     /// Pairs that are not.
     #[serde(default)]
     #[schemars(with = "Vec<[String; 2]>")]
     pub ignore: Vec<[Spanned<String>; 2]>,
+    /// Pairs that are, even where they are adjacent, overlap at home or were never found to meet.
+    #[serde(default)]
+    #[schemars(with = "Vec<[String; 2]>")]
+    pub watch: Vec<[Spanned<String>; 2]>,
+    /// Corners of the polygon around a circle of a cylinder, capsule or sphere, 8 to 128; 16.
+    #[schemars(with = "Option<u32>")]
+    pub resolution: Option<Spanned<u32>>,
 }
 
 /// The JSON Schema of a robot file.

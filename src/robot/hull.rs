@@ -67,11 +67,19 @@ pub(super) fn outermost(points: &[Vector3<f64>], directions: &[Vector3<f64>]) ->
     chosen.into_iter().map(|i| points[i]).collect()
 }
 
-fn hull(points: &[Vector3<f64>]) -> Option<Geometry> {
+pub(crate) type VerticesAndTriangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
+
+/// Vertices and triangles of the convex hull, triangles counter-clockwise seen from outside; `None` for flat bodies.
+pub(crate) fn convex_hull(points: &[Point3<f64>]) -> Option<VerticesAndTriangles> {
     let input: Vec<ParryVector> = points.iter().map(|p| ParryVector::new(p.x, p.y, p.z)).collect();
     let (vertices, triangles) = try_convex_hull(&input).ok()?;
     let finite = vertices.iter().all(|p| p.x.is_finite() && p.y.is_finite() && p.z.is_finite());
-    finite.then(|| Geometry::Mesh(vertices.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect(), triangles))
+    finite.then(|| (vertices.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect(), triangles))
+}
+
+fn hull(points: &[Vector3<f64>]) -> Option<Geometry> {
+    let points: Vec<Point3<f64>> = points.iter().map(|p| Point3::from(*p)).collect();
+    convex_hull(&points).map(|(vertices, triangles)| Geometry::Mesh(vertices, triangles))
 }
 
 #[cfg(test)]

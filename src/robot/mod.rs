@@ -19,6 +19,7 @@ mod outline;
 mod payload;
 mod polygon;
 mod posture;
+mod self_collision;
 mod source;
 mod urdf;
 
@@ -27,10 +28,12 @@ use std::path::{Path, PathBuf};
 pub use error::{Fault, RobotError};
 pub use file::schema;
 pub use friction::Friction;
+pub(crate) use hull::convex_hull;
 pub use inspect::inspect;
 pub use model::*;
 pub use notice::{Notice, Severity};
 pub use payload::add_box;
+pub use self_collision::SelfCollision;
 pub use source::Source;
 pub use urdf::{InertiaPolicy, RigidInertia};
 
@@ -49,6 +52,8 @@ pub struct Robot {
     pub urdf_text: String,
     /// What was ignored, assumed or found.
     pub notices: Vec<Notice>,
+    /// Which links must not touch each other.
+    pub self_collision: SelfCollision,
 }
 
 /// Loads a robot file (`.toml`) or a bare URDF (`.urdf`). Errors: see [`RobotError`]; the first one found is returned.
@@ -100,8 +105,10 @@ fn assemble(
     home_within_limits(&mut model, &urdf, named, &mut notices);
     let mut files = Vec::new();
     let mut soles_given = false;
+    let mut self_collision = SelfCollision::default();
     if let Some((source, file)) = &file {
         apply::apply(file, source, &mut model, &mut notices)?;
+        self_collision = self_collision::read(file, source, &model)?;
         soles_given = file.sole.is_some();
         files.push((source.path().to_owned(), source.text().as_bytes().to_vec()));
     }
@@ -117,7 +124,7 @@ fn assemble(
     hull::simplify_meshes(&mut model, &urdf, &mut notices);
     files.push((urdf.path().to_owned(), urdf.text().as_bytes().to_vec()));
     files.extend(meshes);
-    Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.0 })
+    Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.0, self_collision })
 }
 
 /// A mimic joint is at home where it would be if it followed, as far as its limits let it.

@@ -1,5 +1,6 @@
 //! Comparison with independent libraries. Each `make_*.py` writes the JSON beside it and is run by hand.
 
+mod collision;
 mod contact;
 mod context;
 mod dynamics;

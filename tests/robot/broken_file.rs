@@ -83,6 +83,14 @@ const CASES: &[(&str, &str, usize, &str)] = &[
     ),
     (
         "mode = \"passive\"",
+        "mode = \"passive\"\n[self_collision]\nbodies = [\"foot\"]",
+        16,
+        "link `foot` has no collision shapes",
+    ),
+    ("mode = \"passive\"", "mode = \"passive\"\n[self_collision]\nwatch = [[\"foot\", \"foot\"]]", 16, "are one body"),
+    ("mode = \"passive\"", "mode = \"passive\"\n[self_collision]\nresolution = 7", 16, "8 to 128"),
+    (
+        "mode = \"passive\"",
         "mode = \"passive\"\n[sensors]\nimu = [{ name = \"i\", link = \"torso\" }]",
         16,
         "unknown link",
@@ -182,15 +190,6 @@ fn imus_are_frames_of_their_links_and_are_shown() {
     let shown = stiction::robot::inspect(&robot);
     assert!(shown.contains("frames (2)") && shown.contains("IMU leg"), "{shown}");
     assert!(shown.contains("on foot: [0.1 0.2 0.3], rpy [1.5708 0 0.5]"), "{shown}");
-}
-
-#[test]
-fn parts_not_used_yet_are_told() {
-    let more = "[[end_effector]]\nname = \"tip\"\nlink = \"foot\"\n[self_collision]\nbodies = [\"foot\"]\n";
-    let robot = load_toml(&format!("{GOOD}{more}"), &urdf()).unwrap();
-    let part = "[self_collision]";
-    let notice = robot.notices.iter().find(|n| n.message.contains(part)).unwrap_or_else(|| panic!("{part} is silent"));
-    assert!(notice.message.contains("not used yet") && notice.line > 14, "{notice}");
 }
 
 #[test]

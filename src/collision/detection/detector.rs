@@ -1,0 +1,201 @@
+//! Questions about one posture after another.
+//!
+//! Two layers: first boxes along the axes, then the exact distance of the polyhedra. Coherence: each pair begins at the
+//! vertices of its last answer. It changes the time only: each answer proves itself ([`super::gjk`]), so it is the same
+//! from any start but for rounding.
+
+use nalgebra::Vector3;
+
+use super::epa::Epa;
+use super::gjk::{self, Nearest, Outcome, Warm};
+use super::placed::Placed;
+use super::scene::Scene;
+use crate::collision::CollisionModel;
+use crate::collision::kinematics::LinkPose;
+
+/// How near the bodies of a pair are.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Proximity {
+    /// Index into [`CollisionModel::pairs`].
+    pub pair: usize,
+    /// Distance, m; below 0 the bodies overlap, and its size is the shortest translation that parts them.
+    pub distance: f64,
+    /// Unit vector from the first body to the second, along which moving the second changes the distance at rate 1.
+    pub normal: Vector3<f64>,
+    /// The first body's nearest (or deepest) point, in the frame of the poses, m.
+    pub on_a: Vector3<f64>,
+    /// The second body's: `on_a + distance * normal`.
+    pub on_b: Vector3<f64>,
+}
+
+/// Work done since it was last set to zero.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Counts {
+    /// Postures placed.
+    pub postures: u64,
+    /// Pairs of boxes compared.
+    pub boxes: u64,
+    /// Pairs of polyhedra compared.
+    pub exact: u64,
+    /// Of these, overlapping ones whose depth was found.
+    pub depths: u64,
+}
+
+/// Workspace: [`Detector::place`] a posture, then ask. Nothing is allocated after construction. A posture that is not finite
+/// counts as a collision.
+///
+/// # Panics
+/// Its functions may, when they are given another model than the one it was made for.
+#[derive(Clone, Debug)]
+pub struct Detector {
+    scene: Scene,
+    warm: Vec<Warm>,
+    epa: Epa,
+    /// The pairs' bodies.
+    pairs: Vec<[usize; 2]>,
+    /// Squares of the box gaps of the pairs, for the query at hand.
+    gaps: Vec<f32>,
+    /// The pair that was nearest when last asked: likely still so.
+    nearest: usize,
+    /// The pair that collided when last asked.
+    hit: usize,
+    found: Vec<Proximity>,
+    colliding: Vec<usize>,
+    /// Work done.
+    pub counts: Counts,
+}
+
+impl Detector {
+    /// Room for a model's pairs.
+    pub fn new(model: &CollisionModel) -> Self {
+        let n = model.pairs.len();
+        Self {
+            scene: Scene::new(&model.bodies),
+            warm: vec![Warm::COLD; n],
+            epa: Epa::default(),
+            pairs: model.pairs.iter().map(|p| p.bodies).collect(),
+            gaps: vec![0.0; n],
+            nearest: 0,
+            hit: 0,
+            found: Vec::with_capacity(n),
+            colliding: Vec::with_capacity(n),
+            counts: Counts::default(),
+        }
+    }
+
+    /// Forgets earlier answers, so that what follows does not depend on them, not even in the last bits.
+    pub fn forget(&mut self) {
+        self.warm.fill(Warm::COLD);
+        (self.nearest, self.hit) = (0, 0);
+    }
+
+    /// Moves the bodies to the posture that the next queries are about. `poses` has one entry per link of the robot, in any
+    /// frame they share.
+    pub fn place(&mut self, model: &CollisionModel, poses: &[LinkPose]) {
+        self.counts.postures += 1;
+        self.scene.place(&model.bodies, poses);
+    }
+
+    /// Distances and nearest points of all pairs, in the pairs' order.
+    pub fn distances(&mut self, model: &CollisionModel) -> &[Proximity] {
+        self.found.clear();
+        self.scene.move_vertices(&model.bodies);
+        for pair in 0..model.pairs.len() {
+            // Nothing is farther than infinity.
+            let [a, b] = self.scene.moved(&model.bodies, self.pairs[pair]);
+            let work = (&mut self.warm[pair], &mut self.epa, &mut self.counts);
+            self.found.extend(exact(pair, &a, &b, f64::INFINITY, work));
+        }
+        &self.found
+    }
+
+    /// The nearest pair (or the one that overlaps most) if it is nearer than `limit`, m.
+    pub fn closest(&mut self, model: &CollisionModel, limit: f64) -> Option<Proximity> {
+        let mut first = 0;
+        for (i, pair) in self.pairs.iter().enumerate() {
+            self.gaps[i] = self.scene.gap_squared(*pair);
+            if self.gaps[i] < self.gaps[first] {
+                first = i;
+            }
+        }
+        self.counts.boxes += model.pairs.len() as u64;
+        // The likely ones first: the sooner a small distance is known, the fewer pairs are compared exactly.
+        let likely = [self.nearest, first];
+        let mut best = None;
+        let mut least = limit;
+        for pair in likely.into_iter().chain(0..model.pairs.len()).take_while(|_| !model.pairs.is_empty()) {
+            let reach = least.max(0.0);
+            if f64::from(self.gaps[pair]) > reach * reach {
+                continue;
+            }
+            // Not again.
+            self.gaps[pair] = f32::INFINITY;
+            let [a, b] = self.scene.posed(&model.bodies, self.pairs[pair]);
+            let work = (&mut self.warm[pair], &mut self.epa, &mut self.counts);
+            if let Some(found) = exact(pair, &a, &b, reach, work)
+                && found.distance < least
+            {
+                (least, self.nearest) = (found.distance, pair);
+                best = Some(found);
+            }
+        }
+        best
+    }
+
+    /// Is any pair nearer than `margin`, m (0: does any overlap)? Stops at the first.
+    pub fn intersects(&mut self, model: &CollisionModel, margin: f64) -> bool {
+        // What collided last likely does again.
+        let (n, last) = (model.pairs.len(), self.hit);
+        let hit =
+            (last..n.min(last + 1)).chain((0..n).filter(|i| *i != last)).find(|&i| self.is_within(model, i, margin));
+        self.hit = hit.unwrap_or(last);
+        hit.is_some()
+    }
+
+    /// All pairs nearer than `margin`, m (0: those that overlap), in ascending order.
+    pub fn colliding(&mut self, model: &CollisionModel, margin: f64) -> &[usize] {
+        self.colliding.clear();
+        for pair in 0..model.pairs.len() {
+            if self.is_within(model, pair, margin) {
+                self.colliding.push(pair);
+            }
+        }
+        &self.colliding
+    }
+
+    /// Is one pair nearer than `margin`, m? A pair that is not proven to be farther counts as nearer.
+    pub fn is_within(&mut self, model: &CollisionModel, pair: usize, margin: f64) -> bool {
+        self.counts.boxes += 1;
+        let bodies = self.pairs[pair];
+        if f64::from(self.scene.gap_squared(bodies)) > margin * margin {
+            return false;
+        }
+        self.counts.exact += 1;
+        let [a, b] = self.scene.posed(&model.bodies, bodies);
+        !matches!(gjk::distance(&a, &b, &mut self.warm[pair], margin), Outcome::Beyond)
+    }
+}
+
+/// The exact layer for one pair; `None` when it is farther apart than `beyond`.
+fn exact(
+    pair: usize,
+    a: &impl Placed,
+    b: &impl Placed,
+    beyond: f64,
+    (warm, epa, counts): (&mut Warm, &mut Epa, &mut Counts),
+) -> Option<Proximity> {
+    counts.exact += 1;
+    match gjk::distance(a, b, warm, beyond) {
+        Outcome::Beyond => None,
+        Outcome::Apart { v, simplex } => {
+            let Nearest { distance, normal, on_a, on_b } = gjk::nearest(a, b, &v, &simplex);
+            Some(Proximity { pair, distance, normal, on_a, on_b })
+        }
+        Outcome::Overlap { simplex } => {
+            counts.depths += 1;
+            let depth = epa.depth(a, b, &simplex);
+            let (on_a, on_b) = (depth.on_a, depth.on_b);
+            Some(Proximity { pair, distance: -depth.depth, normal: depth.normal, on_a, on_b })
+        }
+    }
+}

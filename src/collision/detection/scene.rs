@@ -1,0 +1,80 @@
+//! The bodies in one posture.
+
+use nalgebra::Vector3;
+
+use super::boxes::AxisBox;
+use super::placed::{Moved, Posed};
+use crate::collision::kinematics::LinkPose;
+use crate::collision::spatial::Body;
+
+/// Poses, boxes and vertices of all bodies.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    poses: Vec<LinkPose>,
+    boxes: Vec<AxisBox>,
+    /// Vertices of all bodies one after the other.
+    points: Vec<Vector3<f64>>,
+    /// The vertices of body i are `points[first[i]..first[i + 1]]`.
+    first: Vec<usize>,
+}
+
+impl Scene {
+    /// Room for bodies.
+    pub fn new(bodies: &[Body]) -> Self {
+        let mut first = vec![0];
+        first.extend(bodies.iter().scan(0, |sum, b| {
+            *sum += b.polytope.vertices.len();
+            Some(*sum)
+        }));
+        let n = bodies.len();
+        Self {
+            poses: vec![LinkPose::IDENTITY; n],
+            boxes: vec![AxisBox::NOWHERE; n],
+            points: vec![Vector3::zeros(); first[n]],
+            first,
+        }
+    }
+
+    /// Moves all bodies; `poses` has one entry per link.
+    pub fn place(&mut self, bodies: &[Body], poses: &[LinkPose]) {
+        for i in 0..bodies.len() {
+            self.place_body(bodies, i, poses);
+        }
+    }
+
+    /// Moves one body.
+    #[inline]
+    pub fn place_body(&mut self, bodies: &[Body], i: usize, poses: &[LinkPose]) {
+        self.poses[i] = poses[bodies[i].link.0];
+        self.boxes[i] = AxisBox::around(&bodies[i].polytope.bounds, &self.poses[i]);
+    }
+
+    /// Square of the distance of two bodies' boxes, m^2: not above that of the bodies.
+    #[inline]
+    pub fn gap_squared(&self, [i, k]: [usize; 2]) -> f32 {
+        self.boxes[i].gap_squared(&self.boxes[k])
+    }
+
+    /// Two bodies by their poses.
+    #[inline]
+    pub fn posed<'a>(&'a self, bodies: &'a [Body], pair: [usize; 2]) -> [Posed<'a>; 2] {
+        pair.map(|i| Posed { polytope: &bodies[i].polytope, pose: &self.poses[i] })
+    }
+
+    /// Two bodies by their vertices; [`Self::move_vertices`] comes first.
+    #[inline]
+    pub fn moved<'a>(&'a self, bodies: &'a [Body], pair: [usize; 2]) -> [Moved<'a>; 2] {
+        pair.map(|i| Moved { polytope: &bodies[i].polytope, points: &self.points[self.first[i]..self.first[i + 1]] })
+    }
+
+    /// Moves the vertices of all bodies.
+    pub fn move_vertices(&mut self, bodies: &[Body]) {
+        for (i, body) in bodies.iter().enumerate() {
+            let pose = self.poses[i];
+            let moved = &mut self.points[self.first[i]..self.first[i + 1]];
+            for (to, from) in moved.iter_mut().zip(&body.polytope.vertices) {
+                *to = pose.point(from);
+            }
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! Where the links are, and where they will be.
+
+mod extrapolate;
+mod place;
+
+pub use extrapolate::extrapolate;
+pub(crate) use place::place_link;
+pub use place::{LinkPose, place};

@@ -1,0 +1,18 @@
+//! Does the robot touch itself: the links as convex polyhedra, and how near they are in a posture.
+//!
+//! - [`spatial`]: [`CollisionModel`], the bodies of a robot and the pairs of them that are watched; immutable.
+//! - [`kinematics`]: poses of the links for joint positions, and joint positions ahead in time.
+//! - [`detection`]: [`Detector`], distances, nearest points and collisions of a posture; the workspace.
+//!
+//! These are three of the four components of the paper's section IV. Everything is in the root link's frame or any other
+//! that the given poses share, in m.
+
+pub mod detection;
+mod inspect;
+pub mod kinematics;
+pub mod spatial;
+
+pub use detection::{Counts, Detector, Proximity};
+pub use inspect::inspect;
+pub use kinematics::{LinkPose, extrapolate, place};
+pub use spatial::{Body, CollisionModel, Pair};

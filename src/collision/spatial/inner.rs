@@ -1,0 +1,53 @@
+//! Bodies inside others: nothing can touch them first.
+
+use super::body::{Body, DroppedBody, WhyBody};
+use super::paths::joints_between;
+use super::reach::Sampler;
+use crate::collision::kinematics::{LinkPose, place};
+use crate::robot::Model;
+
+/// Postures looked at, beside home; a quarter of the joints is at either end of its range in each.
+const POSTURES: usize = 200;
+/// A body may stick out by this much and still count as inside, m: rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Takes out bodies that are inside another one in all postures tried.
+pub(super) fn drop_inner(model: &Model, bodies: Vec<Body>, seed: u64) -> (Vec<Body>, Vec<DroppedBody>) {
+    let mut postures = vec![model.home.clone()];
+    let mut sampler = Sampler::new(model, seed, "inner");
+    postures.extend((0..POSTURES).map(|_| sampler.posture(model)));
+    let mut poses = vec![vec![LinkPose::IDENTITY; model.links.len()]; postures.len()];
+    postures.iter().zip(&mut poses).for_each(|(q, poses)| place(model, q, poses));
+
+    let outside = |inner: &Body, outer: &Body, poses: &[LinkPose]| {
+        let (i, o) = (&poses[inner.link.0], &poses[outer.link.0]);
+        let (turn, shift) = (o.rotation.tr_mul(&i.rotation), o.rotation.tr_mul(&(i.origin - o.origin)));
+        let mut top = 0;
+        outer.polytope.triangles.iter().any(|t| {
+            let [a, b, c] = t.map(|k| outer.polytope.vertices[k as usize]);
+            let normal = (b - a).cross(&(c - a)).normalize();
+            top = inner.polytope.support(&inner.polytope.vertices, &turn.tr_mul(&normal), top);
+            let highest = turn * inner.polytope.vertices[top as usize] + shift;
+            normal.dot(&(highest - a)) > ROUNDING
+        })
+    };
+    let holds = |outer: &Body, inner: &Body| {
+        // Without a joint between them one posture tells all.
+        let fixed = joints_between(model, inner.link, outer.link).is_empty();
+        !poses.iter().take(if fixed { 1 } else { poses.len() }).any(|p| outside(inner, outer, p))
+    };
+    let mut dropped: Vec<Option<usize>> = vec![None; bodies.len()];
+    for i in 0..bodies.len() {
+        // Of two equal bodies one stays.
+        let outer = |o: &usize| *o != i && dropped[*o].is_none() && holds(&bodies[*o], &bodies[i]);
+        dropped[i] = (0..bodies.len()).find(outer);
+    }
+    let words = |i: usize, outer: usize| DroppedBody {
+        link: bodies[i].link,
+        name: bodies[i].name.clone(),
+        why: WhyBody::Inside(bodies[outer].name.clone()),
+    };
+    let gone = dropped.iter().enumerate().filter_map(|(i, o)| o.map(|o| words(i, o))).collect();
+    let kept = bodies.into_iter().zip(&dropped).filter(|(_, o)| o.is_none()).map(|(b, _)| b).collect();
+    (kept, gone)
+}

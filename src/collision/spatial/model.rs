@@ -1,0 +1,171 @@
+//! The bodies of a robot and the pairs of them that are watched.
+
+use super::body::{Body, DroppedBody, WhyBody};
+use super::inner::drop_inner;
+use super::paths::{carriers, joints_between};
+use super::reach::{Search, closest_found};
+use crate::collision::detection::Nearness;
+use crate::collision::kinematics::{LinkPose, place};
+use crate::robot::{JointId, LinkId, Model, SelfCollision};
+
+/// Two bodies that are watched.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Pair {
+    /// Indices into [`CollisionModel::bodies`], ascending.
+    pub bodies: [usize; 2],
+    /// The joints between them: only these change their distance.
+    pub joints: Vec<JointId>,
+}
+
+/// Two bodies that are not.
+#[derive(Clone, PartialEq, Debug)]
+pub struct DroppedPair {
+    /// Indices into [`CollisionModel::bodies`], ascending.
+    pub bodies: [usize; 2],
+    /// Why.
+    pub why: WhyPair,
+}
+
+/// Why a pair is not watched.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum WhyPair {
+    /// The robot file says so.
+    Ignored,
+    /// One hangs on the other, by a joint or through links without bodies.
+    Adjacent,
+    /// They overlap at home, by this depth, m.
+    OverlapAtHome(f64),
+    /// They cannot meet within the joint ranges: this is the least distance found, m.
+    CannotMeet(f64),
+}
+
+/// A robot for collision tests: immutable, shared by all threads.
+#[derive(Clone, Debug)]
+pub struct CollisionModel {
+    /// Convex bodies, at most one per link, in the links' order.
+    pub bodies: Vec<Body>,
+    /// Watched pairs.
+    pub pairs: Vec<Pair>,
+    /// Links with shapes that are no bodies.
+    pub dropped_bodies: Vec<DroppedBody>,
+    /// Pairs that are not watched.
+    pub dropped_pairs: Vec<DroppedPair>,
+    /// How the pairs that cannot meet were found.
+    pub search: Search,
+}
+
+impl CollisionModel {
+    /// Bodies and pairs of a robot. The pairs that cannot meet are searched for by random postures; the answer depends on
+    /// nothing but the arguments.
+    pub fn new(model: &Model, settings: &SelfCollision) -> Self {
+        Self::searched(model, settings, Search::default())
+    }
+
+    /// As [`Self::new`], with another search.
+    pub fn searched(model: &Model, settings: &SelfCollision, search: Search) -> Self {
+        let mut this = Self::every_pair(model, settings);
+        this.search = search;
+        let candidates: Vec<[usize; 2]> = this.pairs.iter().map(|p| p.bodies).collect();
+        let is_kept = |bodies: [usize; 2]| contains(&settings.watch, bodies.map(|b| this.bodies[b].link));
+        let at_home = depths_at_home(model, &this.bodies, &candidates);
+        let open: Vec<[usize; 2]> = candidates
+            .iter()
+            .zip(&at_home)
+            .filter(|(bodies, depth)| depth.is_none() && !is_kept(**bodies))
+            .map(|(bodies, _)| *bodies)
+            .collect();
+        let least = closest_found(model, &this.bodies, &open, &search);
+        let why = |bodies: [usize; 2], depth: Option<f64>| {
+            if is_kept(bodies) {
+                return None;
+            }
+            let distance = open.iter().position(|o| *o == bodies).map(|i| least[i]);
+            let far = distance.filter(|d| *d > search.margin).map(WhyPair::CannotMeet);
+            depth.map(WhyPair::OverlapAtHome).or(far)
+        };
+        let reasons: Vec<Option<WhyPair>> = candidates.iter().zip(&at_home).map(|(b, d)| why(*b, *d)).collect();
+        let mut reasons = reasons.into_iter();
+        let dropped = candidates.iter().zip(reasons.clone());
+        this.dropped_pairs.extend(dropped.filter_map(|(&bodies, why)| why.map(|why| DroppedPair { bodies, why })));
+        this.dropped_pairs.sort_by_key(|p| p.bodies);
+        this.pairs.retain(|_| reasons.next().flatten().is_none());
+        this
+    }
+
+    /// Bodies of a robot and every pair of them but adjacent and ignored ones: without looking at any posture, except for
+    /// bodies inside others.
+    pub fn every_pair(model: &Model, settings: &SelfCollision) -> Self {
+        let (bodies, dropped_bodies) = bodies(model, settings);
+        let carriers = carriers(model, |link| bodies.iter().any(|b| b.link == link));
+        let above = |link: LinkId| model.links[link.0].parent.and_then(|p| carriers[p.0]);
+        let mut this = Self {
+            bodies: Vec::new(),
+            pairs: Vec::new(),
+            dropped_bodies,
+            dropped_pairs: Vec::new(),
+            search: Search::default(),
+        };
+        for i in 0..bodies.len() {
+            for k in i + 1..bodies.len() {
+                let links = [bodies[i].link, bodies[k].link];
+                let why = if contains(&settings.ignore, links) {
+                    Some(WhyPair::Ignored)
+                } else if (above(links[1]) == Some(links[0])) && !contains(&settings.watch, links) {
+                    Some(WhyPair::Adjacent)
+                } else {
+                    None
+                };
+                match why {
+                    Some(why) => this.dropped_pairs.push(DroppedPair { bodies: [i, k], why }),
+                    None => {
+                        let joints = joints_between(model, links[0], links[1]);
+                        this.pairs.push(Pair { bodies: [i, k], joints });
+                    }
+                }
+            }
+        }
+        this.bodies = bodies;
+        this
+    }
+
+    /// Triangles of all bodies.
+    pub fn triangles(&self) -> usize {
+        self.bodies.iter().map(|b| b.polytope.triangles.len()).sum()
+    }
+}
+
+fn contains(pairs: &[[LinkId; 2]], [a, b]: [LinkId; 2]) -> bool {
+    pairs.contains(&[a, b]) || pairs.contains(&[b, a])
+}
+
+fn bodies(model: &Model, settings: &SelfCollision) -> (Vec<Body>, Vec<DroppedBody>) {
+    let (mut bodies, mut dropped) = (Vec::new(), Vec::new());
+    for (i, link) in model.links.iter().enumerate() {
+        let Some(made) = Body::new(link, LinkId(i), settings.resolution) else { continue };
+        if settings.bodies.as_ref().is_some_and(|listed| !listed.contains(&LinkId(i))) {
+            dropped.push(DroppedBody { link: LinkId(i), name: link.name.clone(), why: WhyBody::NotListed });
+            continue;
+        }
+        match made {
+            Ok(body) => bodies.push(body),
+            Err(why) => dropped.push(why),
+        }
+    }
+    // What the robot file lists is watched, inside another body or not.
+    if settings.bodies.is_none() {
+        let (kept, inner) = drop_inner(model, bodies, Search::default().seed);
+        bodies = kept;
+        dropped.extend(inner);
+    }
+    dropped.sort_by_key(|d| d.link);
+    (bodies, dropped)
+}
+
+/// For every pair how deep it overlaps at home, m.
+fn depths_at_home(model: &Model, bodies: &[Body], pairs: &[[usize; 2]]) -> Vec<Option<f64>> {
+    let mut poses = vec![LinkPose::IDENTITY; model.links.len()];
+    place(model, &model.home, &mut poses);
+    let mut near = Nearness::new(bodies);
+    near.place(bodies, &poses);
+    pairs.iter().map(|pair| near.depth(bodies, *pair)).collect()
+}

@@ -1,0 +1,211 @@
+//! Which pairs of bodies can meet within the joint ranges, by trying.
+//!
+//! Postures are drawn at random, each joint uniformly over its range, but in one of four at its lower end and in one of four
+//! at its upper one, since bodies far apart come nearest at the ends. From the nearest posture found for a pair, and from
+//! further random ones, descents follow along the gradient of the distance d with normal n from a, A's nearest point, to b,
+//! B's, within the ranges:
+//!
+//! ```text
+//! dd/dq_k = n . (z_k x (b - o_k))  for a joint above B,   - n . (z_k x (a - o_k))  for one above A      (sliding: n . z_k)
+//! ```
+//!
+//! A pair that never comes within [`Search::margin`] is taken as unable to meet. That is evidence, not proof.
+
+use super::body::Body;
+use super::paths::joints_between;
+use crate::collision::detection::{Nearest, Nearness, Warm};
+use crate::collision::kinematics::{LinkPose, place, place_link};
+use crate::random::Stream;
+use crate::robot::{JointId, JointKind, LinkId, Model};
+
+/// How hard is tried.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Search {
+    /// Random postures.
+    pub postures: usize,
+    /// Descents for each pair left.
+    pub descents: usize,
+    /// Steps in each.
+    pub steps: usize,
+    /// Pairs that come this near can meet, m.
+    pub margin: f64,
+    /// Of the random numbers.
+    pub seed: u64,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self { postures: 1000, descents: 20, steps: 60, margin: 0.01, seed: 1 }
+    }
+}
+
+/// The least distance found for each pair of bodies, m; for a pair that comes within the margin, the first one below it.
+pub(super) fn closest_found(model: &Model, bodies: &[Body], pairs: &[[usize; 2]], search: &Search) -> Vec<f64> {
+    let mut sampler = Sampler::new(model, search.seed, "reach");
+    let mut trial =
+        Trial { model, bodies, poses: vec![LinkPose::IDENTITY; model.links.len()], near: Nearness::new(bodies) };
+    let mut found: Vec<Found> = pairs
+        .iter()
+        .map(|&bodies| Found { bodies, distance: f64::INFINITY, posture: model.home.clone(), warm: Warm::COLD })
+        .collect();
+    for k in 0..=search.postures {
+        let q = if k == 0 { model.home.clone() } else { sampler.posture(model) };
+        trial.place(&q);
+        for f in found.iter_mut().filter(|f| f.distance > search.margin) {
+            if trial.improves(f) {
+                f.posture.copy_from_slice(&q);
+            }
+        }
+    }
+    for f in found.iter_mut().filter(|f| f.distance > search.margin) {
+        // What is above both stays where it is: any place will do.
+        trial.poses.fill(LinkPose::IDENTITY);
+        let way = Way::new(model, f.bodies.map(|b| bodies[b].link));
+        for k in 0..search.descents {
+            let start = if k == 0 { f.posture.clone() } else { sampler.posture(model) };
+            descend(&mut trial, &sampler.ranges, f, start, &way, search);
+        }
+    }
+    found.iter().map(|f| f.distance).collect()
+}
+
+/// The joints between two links.
+struct Way {
+    joints: Vec<JointId>,
+    /// For each: 1 when it moves the second link, -1 when it moves the first.
+    sign: Vec<f64>,
+}
+
+impl Way {
+    fn new(model: &Model, [a, b]: [LinkId; 2]) -> Self {
+        let joints = joints_between(model, a, b);
+        let above_b = joints_between(model, LinkId(0), b);
+        let sign = joints.iter().map(|j| if above_b.contains(j) { 1.0 } else { -1.0 }).collect();
+        Self { joints, sign }
+    }
+}
+
+struct Found {
+    bodies: [usize; 2],
+    distance: f64,
+    posture: Vec<f64>,
+    warm: Warm,
+}
+
+/// One posture under trial.
+struct Trial<'a> {
+    model: &'a Model,
+    bodies: &'a [Body],
+    poses: Vec<LinkPose>,
+    near: Nearness,
+}
+
+impl Trial<'_> {
+    fn place(&mut self, q: &[f64]) {
+        place(self.model, q, &mut self.poses);
+        self.near.place(self.bodies, &self.poses);
+    }
+
+    fn place_way(&mut self, way: &Way, q: &[f64]) {
+        for joint in &way.joints {
+            place_link(self.model, joint.0 + 1, q[joint.0], &mut self.poses);
+        }
+    }
+
+    /// The nearest points of a pair with the joints between its bodies at `q`; `None` when they overlap.
+    fn nearest_points(&mut self, f: &mut Found, way: &Way, q: &[f64]) -> Option<Nearest> {
+        self.place_way(way, q);
+        self.near.place_pair(self.bodies, f.bodies, &self.poses);
+        self.near.points(self.bodies, f.bodies, &mut f.warm)
+    }
+
+    /// Is the pair nearer than found so far? Then that is the new distance.
+    fn improves(&mut self, f: &mut Found) -> bool {
+        match self.near.below(self.bodies, f.bodies, &mut f.warm, f.distance) {
+            Some(distance) => {
+                f.distance = distance;
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+/// Moves the joints between the two bodies to bring them nearer, beginning at `q`.
+fn descend(trial: &mut Trial, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec<f64>, way: &Way, search: &Search) {
+    let mut next = q.clone();
+    let Some(mut here) = trial.nearest_points(f, way, &q) else { return f.distance = 0.0 };
+    let mut step = 0.3;
+    for _ in 0..search.steps {
+        f.distance = f.distance.min(here.distance);
+        if f.distance <= search.margin || step < 1e-4 {
+            return;
+        }
+        // Each joint's part of its range, the steepest by `step` of it.
+        let slopes = way.joints.iter().zip(&way.sign).map(|(joint, sign)| {
+            let pose = &trial.poses[joint.0 + 1];
+            let (z, point) = (pose.rotation.column(2).into_owned(), if *sign > 0.0 { here.on_b } else { here.on_a });
+            let rate = match trial.model.joints[joint.0].kind {
+                JointKind::Prismatic => here.normal.dot(&z),
+                _ => here.normal.dot(&z.cross(&(point - pose.origin))),
+            };
+            sign * rate * (ranges[joint.0][1] - ranges[joint.0][0])
+        });
+        let slopes: Vec<f64> = slopes.collect();
+        let can_move = |(joint, slope): (&JointId, &f64)| {
+            let end = ranges[joint.0][usize::from(*slope < 0.0)];
+            if q[joint.0] == end { 0.0 } else { slope.abs() }
+        };
+        let steepest = way.joints.iter().zip(&slopes).map(can_move).fold(0.0, f64::max);
+        if steepest == 0.0 {
+            return;
+        }
+        for (joint, slope) in way.joints.iter().zip(&slopes) {
+            let [lower, upper] = ranges[joint.0];
+            next[joint.0] = (q[joint.0] - step * (upper - lower) * slope / steepest).clamp(lower, upper);
+        }
+        match trial.nearest_points(f, way, &next) {
+            None => return f.distance = 0.0,
+            Some(there) if there.distance < here.distance => {
+                (here, step) = (there, (1.5 * step).min(0.5));
+                q.copy_from_slice(&next);
+            }
+            Some(_) => {
+                step *= 0.4;
+                // The poses are those of the posture it stays in.
+                trial.place_way(way, &q);
+            }
+        }
+    }
+}
+
+/// Draws postures within the joint ranges.
+pub(super) struct Sampler {
+    stream: Stream,
+    ranges: Vec<[f64; 2]>,
+}
+
+impl Sampler {
+    pub(super) fn new(model: &Model, seed: u64, purpose: &str) -> Self {
+        let ranges = model.joints.iter().zip(&model.home).map(|(joint, home)| {
+            // A joint that turns without end is anywhere within a turn; one that slides without end, within a metre of home.
+            let reach = if joint.kind == JointKind::Prismatic { 1.0 } else { std::f64::consts::PI };
+            let end = |limit: f64, otherwise: f64| if limit.is_finite() { limit } else { otherwise };
+            [end(joint.lower, home - reach), end(joint.upper, home + reach)]
+        });
+        Self { stream: Stream::new(seed, &["collision", purpose]), ranges: ranges.collect() }
+    }
+
+    /// A random posture.
+    pub(super) fn posture(&mut self, model: &Model) -> Vec<f64> {
+        let mut q = model.home.clone();
+        for (q, [lower, upper]) in q.iter_mut().zip(&self.ranges) {
+            *q = match self.stream.below(4) {
+                0 => *lower,
+                1 => *upper,
+                _ => lower + (upper - lower) * self.stream.unit(),
+            };
+        }
+        q
+    }
+}

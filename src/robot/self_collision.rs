@@ -1,0 +1,73 @@
+//! What the robot file says of self-collision.
+
+use std::ops::RangeInclusive;
+
+use toml::Spanned;
+
+use super::apply::known_link;
+use super::error::RobotError;
+use super::file::RobotFile;
+use super::model::{LinkId, Model};
+use super::source::Source;
+
+/// Fewer corners make prisms of cylinders; more only cost time.
+const RESOLUTION: RangeInclusive<u32> = 8..=128;
+
+/// Which links are watched for touching each other, and how their shapes become polyhedra.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SelfCollision {
+    /// Links that are watched; `None`: all that have collision shapes.
+    pub bodies: Option<Vec<LinkId>>,
+    /// Pairs that are not watched.
+    pub ignore: Vec<[LinkId; 2]>,
+    /// Pairs that are watched in any case.
+    pub watch: Vec<[LinkId; 2]>,
+    /// Corners of the polygon around a circle.
+    pub resolution: usize,
+}
+
+impl Default for SelfCollision {
+    fn default() -> Self {
+        Self { bodies: None, ignore: Vec::new(), watch: Vec::new(), resolution: 16 }
+    }
+}
+
+/// Reads `[self_collision]`. A link that is welded to another one stands for that one.
+pub(super) fn read(file: &RobotFile, source: &Source, model: &Model) -> Result<SelfCollision, RobotError> {
+    let mut settings = SelfCollision::default();
+    let Some(entry) = &file.self_collision else { return Ok(settings) };
+    let entry = entry.get_ref();
+    let link = |name: &Spanned<String>| known_link(name, "self_collision", source, model).map(|(link, _)| link);
+    let listed = |name: &Spanned<String>| {
+        let id = link(name)?;
+        if model.links[id.0].collisions.is_empty() {
+            let words = format!("link `{}` has no collision shapes", name.get_ref());
+            let fault = source.fault(name.span(), words).element("self_collision.bodies");
+            return Err(fault.wanted("a link with a <collision>").invalid());
+        }
+        Ok(id)
+    };
+    let pair = |names: &[Spanned<String>; 2]| {
+        let pair = [link(&names[0])?, link(&names[1])?];
+        if pair[0] == pair[1] {
+            let words = format!("`{}` and `{}` are one body", names[0].get_ref(), names[1].get_ref());
+            let fault = source.fault(names[1].span(), words).element("self_collision");
+            return Err(fault.wanted("two links that move against each other").invalid());
+        }
+        Ok(pair)
+    };
+    if let Some(bodies) = &entry.bodies {
+        settings.bodies = Some(bodies.iter().map(listed).collect::<Result<_, _>>()?);
+    }
+    settings.ignore = entry.ignore.iter().map(pair).collect::<Result<_, _>>()?;
+    settings.watch = entry.watch.iter().map(pair).collect::<Result<_, _>>()?;
+    if let Some(resolution) = &entry.resolution {
+        if !RESOLUTION.contains(resolution.get_ref()) {
+            let fault = source.fault(resolution.span(), "self_collision.resolution cannot be used");
+            let wanted = format!("{} to {}", RESOLUTION.start(), RESOLUTION.end());
+            return Err(fault.element("self_collision").seen(resolution.get_ref()).wanted(wanted).invalid());
+        }
+        settings.resolution = *resolution.get_ref() as usize;
+    }
+    Ok(settings)
+}

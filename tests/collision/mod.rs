@@ -1,0 +1,20 @@
+//! Self-collision: distances that prove themselves, pairs that are watched, answers that do not depend on what was asked
+//! before.
+
+mod coherence;
+mod depth;
+mod distance;
+mod inspect;
+mod kinematics;
+mod pairs;
+mod random_bodies;
+
+use std::path::Path;
+
+use stiction::robot::Robot;
+
+/// CB-i as shipped.
+pub fn cbi() -> Robot {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/cbi/cbi.toml");
+    stiction::robot::load(&path).expect("our own robot")
+}
