@@ -56,6 +56,8 @@ macro_rules! tagged {
         $(#[$doc])*
         #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
         #[serde(tag = "type")]
+        // A scenario has a handful of these.
+        #[allow(clippy::large_enum_variant)]
         pub enum $enum {
             $($(#[$variant_doc])* #[serde(rename = $name)] $variant($spec),)*
         }
