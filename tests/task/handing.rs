@@ -12,8 +12,11 @@ robot = { model = \"ROBOTS/cbi/cbi.toml\", joint_default = { mode = \"position\"
 ";
 const HOAP: &str = "duration = 1.5\nrobot = { model = \"ROBOTS/hoap2/hoap2.toml\" }\n";
 
+/// What the joints are asked at a time.
+type Told = Vec<(f64, Command)>;
+
 /// What the joints are asked at ticks up to `end` seconds, and when which task ended. The robot stays where it starts.
-fn ticks(folder: &Folder, text: &str, end: f64) -> (Vec<(f64, Command)>, Vec<(String, f64)>) {
+fn ticks(folder: &Folder, text: &str, end: f64) -> (Told, Vec<(String, f64)>) {
     let run = folder.run(text).unwrap_or_else(|e| panic!("{e}"));
     let mut setup = build::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let mut state = State::home(&setup.model);
