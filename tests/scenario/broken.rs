@@ -1,4 +1,4 @@
-//! Broken scenarios: each is refused at the right line and column with the right words.
+//! Broken scenarios: each is refused at the right line and column with the right words. One table, so it is long.
 
 use stiction::scenario::{Severity, load};
 
