@@ -80,11 +80,7 @@ pub(super) fn link(
 ) -> Option<(LinkId, Isometry3<f64>)> {
     let found = model.link(name);
     if found.is_none() {
-        let names = model
-            .links
-            .iter()
-            .flat_map(|l| std::iter::once(l.name.as_str()).chain(l.merged.iter().map(|m| m.name.as_str())));
-        let help = suggest(name, names.collect::<Vec<_>>());
+        let help = suggest(name, crate::script::links(model).map(|(name, ..)| name).collect::<Vec<_>>());
         let message = format!("the robot `{}` has no link `{name}`", model.name);
         errors.push(run.error_at(path, message, Some(help)));
     }

@@ -205,3 +205,28 @@ impl Faulty {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_sensors_share_their_noise() {
+        let mut s = Streams::new(1);
+        let all = [
+            &mut s.joint_position,
+            &mut s.joint_velocity,
+            &mut s.joint_load,
+            &mut s.orientation,
+            &mut s.gyroscope,
+            &mut s.accelerometer,
+            &mut s.sole_force,
+            &mut s.mean_force,
+            &mut s.sole_moment,
+        ];
+        let first: Vec<f64> = all.into_iter().map(|stream| stream.normal()).collect();
+        for (i, x) in first.iter().enumerate() {
+            assert!(!first[..i].contains(x), "{i}: {first:?}");
+        }
+    }
+}
