@@ -11,6 +11,7 @@ pub mod force;
 pub mod geometry;
 pub mod integrate;
 pub mod motion;
+mod pattern;
 pub mod random;
 pub mod record;
 pub mod robot;

@@ -6,7 +6,8 @@ use clap::Parser;
 use cli::{Arguments, Command, Exit};
 
 fn main() -> Exit {
-    let done = match Arguments::parse().command() {
+    cli::decide_colours();
+    let done = match Arguments::parse().into_command() {
         Command::Run(run) => run.execute(),
         Command::Check(check) => check.execute(),
         Command::List(list) => list.execute(),
@@ -15,6 +16,8 @@ fn main() -> Exit {
         Command::Compare(compare) => compare.execute(),
         Command::Export(export) => export.execute(),
         Command::Schema(schema) => schema.execute(),
+        Command::Completions(completions) => completions.execute(),
+        Command::Man(manual) => manual.execute(),
     };
     done.unwrap_or_else(|failed| failed)
 }

@@ -2,6 +2,7 @@
 
 mod actuation;
 mod analytic;
+mod batch;
 mod cli;
 mod collision;
 mod contact;

@@ -1,6 +1,7 @@
 //! Ending runs before their time, and keeping further ones from starting.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::num::NonZero;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// Why a run is ended from outside.
@@ -44,15 +45,26 @@ impl Cancellation {
 
 /// Stands before the jobs that have not started.
 #[derive(Debug, Default)]
-pub(super) struct Gate(AtomicBool);
+pub(super) struct Gate {
+    closed: AtomicBool,
+    failures: AtomicUsize,
+}
 
 impl Gate {
     /// Lets no further run start.
     pub fn close(&self) {
-        self.0.store(true, Ordering::Release);
+        self.closed.store(true, Ordering::Release);
+    }
+
+    /// Counts a run that did not end as it should; the last one that is allowed closes the gate.
+    pub fn count_failure(&self, most: Option<NonZero<usize>>) {
+        let failures = self.failures.fetch_add(1, Ordering::AcqRel) + 1;
+        if most.is_some_and(|most| failures >= most.get()) {
+            self.close();
+        }
     }
 
     pub fn is_closed(&self) -> bool {
-        self.0.load(Ordering::Acquire)
+        self.closed.load(Ordering::Acquire)
     }
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::cancel::Gate;
 use super::clock::{self, Lap};
 use super::event::{Event, Work};
-use super::{Cancellation, Finished, Job, Options, Plan, Progress, Reason};
+use super::{Cancellation, Finished, Job, Listener, Options, Plan, Progress, Reason};
 use crate::record::{RecordError, RunRecord, RunsLog};
 use crate::sim::Outcome;
 
@@ -17,6 +17,8 @@ struct Active {
     cancellation: Arc<Cancellation>,
     /// When its time is up; none: never, or it has been told already.
     deadline: Option<Instant>,
+    /// The same for telling that it is slow.
+    slow: Option<Instant>,
 }
 
 /// What was collected.
@@ -35,6 +37,7 @@ pub(super) struct Dispatcher<'a> {
     gate: &'a Gate,
     runs_log: &'a mut RunsLog,
     progress: Progress,
+    listener: &'a mut dyn Listener,
     active: BTreeMap<Work, Active>,
     finished: BTreeMap<usize, Finished>,
     references: BTreeMap<usize, Finished>,
@@ -50,6 +53,7 @@ impl<'a> Dispatcher<'a> {
         gate: &'a Gate,
         runs_log: &'a mut RunsLog,
         progress: Progress,
+        listener: &'a mut dyn Listener,
     ) -> Self {
         Self {
             plan,
@@ -57,6 +61,7 @@ impl<'a> Dispatcher<'a> {
             gate,
             runs_log,
             progress,
+            listener,
             active: BTreeMap::new(),
             finished: BTreeMap::new(),
             references: BTreeMap::new(),
@@ -83,6 +88,7 @@ impl<'a> Dispatcher<'a> {
                 Err(RecvTimeoutError::Timeout) => self.progress.tick(),
             }
             self.end_overdue();
+            self.tell_slow();
         }
     }
 
@@ -124,7 +130,7 @@ impl<'a> Dispatcher<'a> {
     /// How long nothing needs to be done unless something happens.
     fn patience(&self) -> Option<Duration> {
         let now = Instant::now();
-        let deadlines = self.active.values().filter_map(|a| a.deadline);
+        let deadlines = self.active.values().flat_map(|a| [a.deadline, a.slow]).flatten();
         let next = deadlines.map(|at| at.saturating_duration_since(now)).min();
         next.into_iter().chain(self.progress.tick_interval()).min()
     }
@@ -133,19 +139,20 @@ impl<'a> Dispatcher<'a> {
         if self.interruptions > 1 {
             cancellation.cancel(Reason::Interrupted);
         }
-        let deadline = self.options.timeout.and_then(|limit| at.checked_add(limit));
-        self.active.insert(work, Active { cancellation, deadline });
-        if !matches!(work, Work::Repetition(_)) {
+        let after = |limit: Option<Duration>| limit.and_then(|limit| at.checked_add(limit));
+        let deadline = after(self.options.timeout);
+        let is_repetition = matches!(work, Work::Repetition(_));
+        let slow = after(self.options.slow.filter(|_| !is_repetition));
+        self.active.insert(work, Active { cancellation, deadline, slow });
+        if !is_repetition {
             self.progress.started(self.active.len());
+            self.listener.started(self.job(work));
         }
     }
 
     fn finished(&mut self, work: Work, finished: Finished) {
         self.active.remove(&work);
-        let (job, index) = match work {
-            Work::Reference(index) => (&self.plan.references[index], index),
-            Work::Run(index) | Work::Repetition(index) => (&self.plan.jobs[index], index),
-        };
+        let job = self.job(work);
         let is_run = matches!(work, Work::Run(_));
         if is_run && let Err(error) = self.runs_log.push(&finished.row) {
             // Results that leave no trace are not worth computing.
@@ -154,7 +161,8 @@ impl<'a> Dispatcher<'a> {
         }
         let done = self.finished.len() + self.references.len() + 1;
         self.progress.finished(job, &finished, done, self.plan.jobs.len() + self.plan.references.len());
-        if is_run { &mut self.finished } else { &mut self.references }.insert(index, finished);
+        self.listener.finished(job, &finished);
+        if is_run { &mut self.finished } else { &mut self.references }.insert(job.index, finished);
     }
 
     fn timed(&mut self, index: usize, lap: Result<Lap, String>) {
@@ -186,6 +194,26 @@ impl<'a> Dispatcher<'a> {
                 self.active.values().for_each(|a| a.cancellation.cancel(Reason::Interrupted));
             }
             _ => {}
+        }
+    }
+
+    fn tell_slow(&mut self) {
+        let Some(limit) = self.options.slow else { return };
+        let now = Instant::now();
+        let overdue: Vec<Work> =
+            self.active.iter().filter(|(_, a)| a.slow.is_some_and(|at| at <= now)).map(|(work, _)| *work).collect();
+        for work in overdue {
+            self.active.entry(work).and_modify(|a| a.slow = None);
+            let job = self.job(work);
+            self.progress.slow(job, limit);
+            self.listener.slow(job, limit);
+        }
+    }
+
+    fn job(&self, work: Work) -> &'a Job {
+        match work {
+            Work::Reference(index) => &self.plan.references[index],
+            Work::Run(index) | Work::Repetition(index) => &self.plan.jobs[index],
         }
     }
 

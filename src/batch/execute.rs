@@ -34,9 +34,9 @@ pub(super) fn execute(
             let (finished, trajectory) = run::run(job, options, &cancellation, body, against.as_ref());
             waited_for.result = Some(trajectory);
             drop(waited_for);
-            if options.fail_fast && !finished.accepted {
+            if !finished.accepted {
                 // Here and not by the dispatcher, which would hear of it when this thread has long taken its next job.
-                gate.close();
+                gate.count_failure(options.max_fail);
             }
             let _ = events.send(Event::Finished { work, finished: Box::new(finished) });
         }

@@ -15,10 +15,14 @@ mod clock;
 mod dispatch;
 mod event;
 mod execute;
+mod filter;
 mod finding;
 mod guard;
 mod judge;
+mod junit;
 mod keys;
+mod listen;
+mod message;
 mod plan;
 mod progress;
 mod repeat;
@@ -27,6 +31,7 @@ mod run;
 mod schedule;
 mod simulate;
 
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -39,7 +44,13 @@ use crate::record::{
 use crate::sim::{Outcome, Problems};
 
 pub use cancel::{Cancellation, Reason};
+pub use filter::{Filter, Selection};
 pub use finding::{Finding, Findings, Severity};
+pub use junit::{Junit, is_slow};
+pub use listen::{Listener, Nobody};
+pub use message::{
+    BatchFinished, BatchStarted, CheckFinished, DiagnosticMessage, MESSAGE_SCHEMA, Message, Teller, message_schema,
+};
 pub use plan::{Job, Plan, Role, prepare};
 pub use progress::Progress;
 pub use run::End;
@@ -58,8 +69,10 @@ pub struct Options {
     pub log: bool,
     /// Wall-clock limit of each run.
     pub timeout: Option<Duration>,
-    /// Start no more runs after the first that failed or did not finish?
-    pub fail_fast: bool,
+    /// Start no more runs once so many failed or did not finish; none: start all.
+    pub max_fail: Option<NonZero<usize>>,
+    /// Wall-clock time after which a run that is still going is told of as slow.
+    pub slow: Option<Duration>,
     /// Contact problems to write below each run's folder.
     pub problems: Problems,
     /// Repeat runs whose scenarios ask for it, to time them?
@@ -182,14 +195,28 @@ impl Batch {
     ///
     /// # Errors
     /// Threads cannot be started, or a file of the batch cannot be written. Runs that finished keep their records.
-    pub fn run(mut self, progress: Progress, body: &Body<'_>) -> Result<Report, BatchError> {
+    pub fn run(self, progress: Progress, body: &Body<'_>) -> Result<Report, BatchError> {
+        self.run_told(progress, &mut Nobody, body)
+    }
+
+    /// The same, and `listener` is told what happens.
+    ///
+    /// # Errors
+    /// See [`Batch::run`].
+    pub fn run_told(
+        mut self,
+        progress: Progress,
+        listener: &mut dyn Listener,
+        body: &Body<'_>,
+    ) -> Result<Report, BatchError> {
         let gate = cancel::Gate::default();
         let (sender, inbox) = self.events;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.options.jobs.clamp(1, (self.plan.jobs.len() + self.plan.references.len()).max(1)))
             .thread_name(|i| format!("run-{i}"))
             .build()?;
-        let mut dispatcher = dispatch::Dispatcher::new(&self.plan, &self.options, &gate, &mut self.runs_log, progress);
+        let mut dispatcher =
+            dispatch::Dispatcher::new(&self.plan, &self.options, &gate, &mut self.runs_log, progress, listener);
         std::thread::scope(|scope| {
             scope.spawn(|| execute::execute(&pool, &self.plan, &self.options, &gate, &sender, body));
             dispatcher.receive(&inbox);

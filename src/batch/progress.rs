@@ -21,9 +21,10 @@ pub enum Progress {
 }
 
 impl Progress {
-    /// A bar if standard error is a terminal, else lines.
+    /// A bar if standard error is a terminal that can move back, else lines.
     pub fn on_stderr(runs: usize) -> Self {
-        if !std::io::stderr().is_terminal() {
+        let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        if dumb || !std::io::stderr().is_terminal() {
             return Progress::Lines;
         }
         let bar = ProgressBar::with_draw_target(Some(runs as u64), ProgressDrawTarget::stderr());
@@ -63,6 +64,11 @@ impl Progress {
             Progress::Lines => say(&line),
             Progress::Silent => {}
         }
+    }
+
+    /// A run has been going for longer than that and is not at its end.
+    pub(super) fn slow(&self, job: &Job, limit: Duration) {
+        self.say(&format!("slow: {} has been running for {} s", named(job), limit.as_secs_f64()));
     }
 
     /// A round of repetitions for timing begins.
@@ -106,12 +112,17 @@ fn say(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
+/// `push contact.method=exact`
+fn named(job: &Job) -> String {
+    let label = if job.label.is_empty() { String::new() } else { format!(" {}", job.label) };
+    format!("{}{label}", job.run.name)
+}
+
 /// `[ 3/25] push contact.method=exact: passed, 5.000 s in 0.812 s`
 fn line(job: &Job, finished: &Finished, done: usize, runs: usize) -> String {
     let row = &finished.row;
     let width = runs.to_string().len();
-    let label = if job.label.is_empty() { String::new() } else { format!(" {}", job.label) };
-    let name = format!("[{done:>width$}/{runs}] {}{label}", row.scenario);
+    let name = format!("[{done:>width$}/{runs}] {}", named(job));
     let times = format!("{:.3} s in {:.3} s", row.metrics.duration_s, row.wall_s);
     let words = row.message.split_whitespace().collect::<Vec<_>>().join(" ");
     let message = if words.is_empty() { String::new() } else { format!(": {words}") };

@@ -1,9 +1,10 @@
 //! `runner check`: everything that happens before the first step.
 
 use clap::Args;
-use stiction::batch::Severity;
+use stiction::batch::{CheckFinished, Message, Plan, Severity};
 
 use super::Exit;
+use super::machine::{Format, MessageFormat};
 use super::prepare::Scenarios;
 use super::terminal::{counted, plural, print};
 
@@ -12,20 +13,35 @@ use super::terminal::{counted, plural, print};
 pub struct Check {
     #[command(flatten)]
     scenarios: Scenarios,
+    #[command(flatten)]
+    format: Format,
 }
 
 impl Check {
     /// Says what is wrong, else what there is.
     pub fn execute(self) -> Result<Exit, Exit> {
-        let plan = self.scenarios.prepare(Severity::Note)?;
-        let mut text = String::new();
-        for file in &plan.files {
-            let runs = plan.jobs.iter().filter(|j| j.run.file == *file).count();
-            text += &format!("{}: {}\n", file.display(), plural(runs, "run"));
+        let format = self.format.message_format;
+        let plan = self.scenarios.prepare(Severity::Note, format);
+        let exit = plan.as_ref().map_or_else(|exit| *exit, |_| Exit::Success);
+        let mut last = CheckFinished { exit_code: exit as u8, ..CheckFinished::default() };
+        if let Ok(plan) = &plan {
+            last.files = plan.files.iter().map(|file| file.display().to_string()).collect();
+            (last.runs, last.references) = (plan.jobs.len(), plan.references.len());
         }
-        let runs = counted(plan.jobs.len(), plan.references.len());
-        text += &format!("all good: {}, {runs}\n", plural(plan.files.len(), "scenario"));
-        print(&text)?;
-        Ok(Exit::Success)
+        format.tell(Message::CheckFinished(last))?;
+        if format == MessageFormat::Human {
+            print(&summary(&plan?))?;
+        }
+        Ok(exit)
     }
+}
+
+fn summary(plan: &Plan) -> String {
+    let mut text = String::new();
+    for file in &plan.files {
+        let runs = plan.jobs.iter().filter(|j| j.run.file == *file).count();
+        text += &format!("{}: {}\n", file.display(), plural(runs, "run"));
+    }
+    let runs = counted(plan.jobs.len(), plan.references.len());
+    text + &format!("all good: {}, {runs}\n", plural(plan.files.len(), "scenario"))
 }

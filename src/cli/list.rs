@@ -6,6 +6,7 @@ use stiction::batch::{Job, Plan, Severity};
 use stiction::record::ParamValue;
 
 use super::Exit;
+use super::machine::MessageFormat;
 use super::prepare::Scenarios;
 use super::terminal::{complain, counted, print};
 
@@ -33,7 +34,7 @@ enum Format {
 impl List {
     /// Prints the runs in the order in which they would start.
     pub fn execute(self) -> Result<Exit, Exit> {
-        let plan = self.scenarios.prepare(Severity::Warning)?;
+        let plan = self.scenarios.prepare(Severity::Warning, MessageFormat::Human)?;
         if !plan.references.is_empty() {
             complain(&counted(plan.jobs.len(), plan.references.len()));
         }

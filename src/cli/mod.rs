@@ -1,12 +1,16 @@
 //! What is typed, and what is shown for it: one file per command.
 
 mod check;
+mod colour;
 mod compare;
+mod completions;
 mod exit;
 mod export;
 mod inputs;
 mod inspect;
 mod list;
+mod machine;
+mod man;
 mod prepare;
 mod report;
 mod run;
@@ -28,6 +32,15 @@ pub struct Arguments {
     command: Option<Command>,
     #[command(flatten)]
     run: run::Run,
+    /// When errors and help have colours
+    // Read before the command line is parsed, see `colour`; here it is checked and described.
+    #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t = colour::Colour::Auto)]
+    color: colour::Colour,
+}
+
+/// Decides about colours from what was typed and from the environment.
+pub fn decide_colours() {
+    colour::decide(std::env::args_os().skip(1));
 }
 
 /// What can be done.
@@ -49,13 +62,17 @@ pub enum Command {
     Compare(compare::Compare),
     /// Write a log's time series as CSV, Parquet or columns of text
     Export(export::Export),
-    /// Print the JSON Schema of a file format
+    /// Print the JSON Schema of a file format or of the messages
     Schema(schema::Schema),
+    /// Print a script that completes command lines in a shell
+    Completions(completions::Completions),
+    /// Print the manual page, or write one for each command
+    Man(man::Manual),
 }
 
 impl Arguments {
     /// The command that was typed; `run` when none was.
-    pub fn command(self) -> Command {
+    pub fn into_command(self) -> Command {
         self.command.unwrap_or(Command::Run(self.run))
     }
 }

@@ -2,21 +2,25 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
-use stiction::batch::{self, Plan, Severity};
-use stiction::scenario::{DEFAULT_MAX_RUNS, parse_override};
+use clap::{Args, ValueHint};
+use stiction::batch::{self, Filter, Finding, Findings, Plan, Severity};
+use stiction::scenario::{DEFAULT_MAX_RUNS, Diagnostic, parse_override};
 
+use super::machine::MessageFormat;
 use super::{Exit, inputs, terminal};
 
 /// Scenarios and what is changed in all of them.
 #[derive(Args, Debug)]
 pub struct Scenarios {
     /// Scenario files; a folder means every .toml file in it
-    #[arg(required = true, value_name = "SCENARIO")]
+    #[arg(required = true, value_name = "SCENARIO", value_hint = ValueHint::AnyPath)]
     files: Vec<PathBuf>,
     /// Replace a value of every scenario, such as contact.method=one-step; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides: Vec<(String, toml::Value)>,
+    /// Only runs of which this holds, such as 'name ~ "push*" and floor.friction.static < 0.5' (docs/ci.md)
+    #[arg(long, value_name = "EXPR")]
+    filter: Option<String>,
     /// Refuse to expand to more runs than this
     #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_RUNS)]
     max_runs: usize,
@@ -26,17 +30,28 @@ pub struct Scenarios {
 }
 
 impl Scenarios {
-    /// Loads, expands and checks everything; shows what there is to say from this severity on.
-    pub fn prepare(&self, least: Severity) -> Result<Plan, Exit> {
+    /// Loads, expands and checks everything; shows what there is to say from this severity on, as messages too if
+    /// these are wanted.
+    pub fn prepare(&self, least: Severity, format: MessageFormat) -> Result<Plan, Exit> {
+        let say = |findings: &Findings| {
+            terminal::show(findings, least);
+            format.tell_findings(findings, least)
+        };
+        let refused = |wrong: Box<Diagnostic>| {
+            let mut findings = Findings::default();
+            findings.push(Finding::Scenario(wrong));
+            say(&findings).err().unwrap_or(Exit::Invalid)
+        };
+        let filter = self.filter.as_deref().map(Filter::parse).transpose().map_err(refused)?;
         let files = inputs::scenario_files(&self.files)?;
-        let (plan, findings) = match batch::prepare(&files, &self.overrides, self.max_runs) {
+        let (mut plan, findings) = match batch::prepare(&files, &self.overrides, self.max_runs) {
             Ok(prepared) => prepared,
             Err(findings) => {
-                terminal::show(&findings, least);
+                say(&findings)?;
                 return Err(Exit::Invalid);
             }
         };
-        terminal::show(&findings, least);
+        say(&findings)?;
         if self.strict && findings.count(Severity::Warning) > 0 {
             terminal::complain("error: with --strict, warnings are errors");
             return Err(Exit::Invalid);
@@ -44,6 +59,17 @@ impl Scenarios {
         if plan.jobs.is_empty() {
             terminal::complain("nothing selected: the scenarios expand to no runs");
             return Err(Exit::Nothing);
+        }
+        if let Some(filter) = &filter {
+            let all = plan.jobs.len();
+            plan.select(filter).map_err(refused)?;
+            if plan.jobs.is_empty() {
+                terminal::complain(&format!(
+                    "nothing selected: the filter holds for none of {}",
+                    terminal::plural(all, "run")
+                ));
+                return Err(Exit::Nothing);
+            }
         }
         Ok(plan)
     }

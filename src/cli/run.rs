@@ -2,16 +2,20 @@
 
 use std::fmt::Write;
 use std::num::NonZero;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use clap::{Args, ValueEnum};
-use stiction::batch::{Batch, Options, Progress, Report, Severity, simulate};
+use clap::{Args, ValueEnum, ValueHint};
+use stiction::batch::{
+    Batch, BatchFinished, BatchStarted, Listener, Message, Options, Progress, Report, Severity, Teller, is_slow,
+    simulate,
+};
 use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{Shown, table, verdicts};
 use stiction::sim::Problems;
 
 use super::Exit;
+use super::machine::{Format, MessageFormat, TestResults};
 use super::prepare::Scenarios;
 use super::terminal::{complain, counted, plural, print};
 
@@ -38,7 +42,7 @@ pub struct Run {
     #[command(flatten)]
     scenarios: Scenarios,
     /// Folder of the results
-    #[arg(short, long, value_name = "DIR", default_value = "results")]
+    #[arg(short, long, value_name = "DIR", default_value = "results", value_hint = ValueHint::DirPath)]
     output: PathBuf,
     /// Runs side by side [default: one per processor]
     #[arg(short, long, value_name = "N")]
@@ -50,17 +54,27 @@ pub struct Run {
     #[arg(long)]
     no_log: bool,
     /// Start no more runs after the first that fails or does not finish
-    #[arg(long)]
+    #[arg(long, conflicts_with = "max_fail")]
     fail_fast: bool,
+    /// Start no more runs once so many failed or did not finish
+    #[arg(long, value_name = "N")]
+    max_fail: Option<NonZero<usize>>,
     /// Wall-clock limit of each run
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<Duration>,
+    /// Name runs that take longer than this, while they run and at the end
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    slow: Option<Duration>,
     /// Write contact problems as JSON: those without a valid state, or all; at most 100 of each run
     #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "inconsistent")]
     dump_problems: Option<Which>,
     /// Expectations to show, with measured value, wanted value and error [default: values, failed when there are too many]
     #[arg(long, value_name = "WHICH")]
     verdicts: Option<Verdicts>,
+    #[command(flatten)]
+    junit: TestResults,
+    #[command(flatten)]
+    format: Format,
 }
 
 /// Contact problems to write.
@@ -83,7 +97,18 @@ fn seconds(text: &str) -> Result<Duration, String> {
 impl Run {
     /// Checks everything, runs everything, and shows what came of it.
     pub fn execute(self) -> Result<Exit, Exit> {
-        let plan = self.scenarios.prepare(Severity::Note)?;
+        let format = self.format.message_format;
+        let mut last = BatchFinished::default();
+        let done = self.batch(&mut last);
+        last.exit_code = done.unwrap_or_else(|exit| exit) as u8;
+        format.tell(Message::BatchFinished(last))?;
+        done
+    }
+
+    /// Does all of this, and leaves what there is to tell of it at the end.
+    fn batch(self, last: &mut BatchFinished) -> Result<Exit, Exit> {
+        let format = self.format.message_format;
+        let plan = self.scenarios.prepare(Severity::Note, format)?;
         let (runs, references) = (plan.jobs.len(), plan.references.len());
         let repetitions = if self.no_timing { 0 } else { plan.repetitions() };
         let options = Options {
@@ -91,7 +116,8 @@ impl Run {
             jobs: self.jobs.or(std::thread::available_parallelism().ok()).map_or(1, NonZero::get),
             log: !self.no_log,
             timeout: self.timeout,
-            fail_fast: self.fail_fast,
+            max_fail: if self.fail_fast { Some(NonZero::<usize>::MIN) } else { self.max_fail },
+            slow: self.slow,
             problems: match self.dump_problems {
                 None => Problems::None,
                 Some(Which::Inconsistent) => Problems::Inconsistent,
@@ -100,10 +126,11 @@ impl Run {
             timing: !self.no_timing,
         };
         let side_by_side = options.jobs.min(runs + references);
-        let batch = Batch::new(plan, options).map_err(|error| {
-            complain(&format!("error: {error}"));
-            Exit::Invalid
-        })?;
+        let started = BatchStarted { jobs: side_by_side, ..BatchStarted::new(&plan, &options) };
+        let mut junit = self.junit.listener(&plan, &options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
+        let mut is_heard = format == MessageFormat::Json;
+        let mut teller = Teller::new(&options, |line| is_heard = is_heard && print(&line).is_ok());
+        let batch = Batch::new(plan, options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
         let interrupter = batch.interrupter();
         if let Err(error) = ctrlc::set_handler(move || interrupter.interrupt()) {
             complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
@@ -113,17 +140,31 @@ impl Run {
             n => format!(", then {} one at a time for timing", plural(n, "repetition")),
         };
         complain(&format!("{}, {side_by_side} side by side{then}", counted(runs, references)));
-        let report = batch.run(Progress::on_stderr(runs + references), &simulate).map_err(|error| {
-            complain(&format!("error: {error}"));
-            Exit::Unfinished
-        })?;
-        print(&summary(&report, self.verdicts))?;
+        format.tell(Message::BatchStarted(started))?;
+        let mut listeners: Vec<&mut dyn Listener> = vec![&mut teller];
+        listeners.extend(junit.as_mut().map(|junit| junit as &mut dyn Listener));
+        let report = batch.run_told(Progress::on_stderr(runs + references), &mut listeners, &simulate);
+        // Also when the batch came to a bad end: what finished is known.
+        let junit = junit.map(|junit| junit.write().map_err(|error| refuse(&error, last, Exit::Unfinished)));
+        let report = report.map_err(|error| refuse(&error, last, Exit::Unfinished))?;
+        let junit = junit.transpose()?;
+        *last = BatchFinished::new(&report, junit.as_deref());
+        if format == MessageFormat::Human {
+            print(&summary(&report, self.verdicts, self.slow, junit.as_deref()))?;
+        }
         Ok(exit(&report))
     }
 }
 
+/// Tells what went wrong with the batch as a whole, now and in the last message.
+fn refuse(error: &dyn std::error::Error, last: &mut BatchFinished, exit: Exit) -> Exit {
+    complain(&format!("error: {error}"));
+    last.error = Some(error.to_string());
+    exit
+}
+
 /// The table, the verdicts and the paths written.
-fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
+fn summary(report: &Report, wanted: Option<Verdicts>, slow: Option<Duration>, junit: Option<&Path>) -> String {
     let rows = report.rows();
     let mut out = table(&rows);
     let works: Vec<Work> = rows.iter().map(Work::of).collect();
@@ -138,6 +179,10 @@ fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
     if report.not_started > 0 {
         // A String takes every write.
         let _ = writeln!(out, "{} not started", plural(report.not_started, "run"));
+    }
+    for run in report.references.iter().chain(&report.finished).filter(|r| is_slow(slow, r.row.wall_s)) {
+        let row = &run.row;
+        let _ = writeln!(out, "slow: {} {} took {:.3} s", row.scenario, row.key, row.wall_s);
     }
     for run in report.references.iter().filter(|r| !r.accepted) {
         let (row, name) = (&run.row, run.row.outcome.name());
@@ -155,7 +200,8 @@ fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
     }
     let Some(files) = &report.summary else { return out };
     out += "\nwritten:\n";
-    for path in [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page) {
+    let own = [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page).map(PathBuf::as_path);
+    for path in own.chain(junit) {
         let _ = writeln!(out, "  {}", path.display());
     }
     for file in report.references.iter().take(MOST_NAMED).flat_map(|f| &f.files) {

@@ -1,7 +1,7 @@
-//! `runner schema`: file formats for editors and other programs.
+//! `runner schema`: formats for editors and other programs.
 
 use clap::{Args, ValueEnum};
-use stiction::{robot, scenario};
+use stiction::{batch, robot, scenario};
 
 use super::{Exit, terminal};
 
@@ -13,13 +13,15 @@ pub struct Schema {
     format: Format,
 }
 
-/// A file format.
+/// A format.
 #[derive(ValueEnum, Clone, Copy, Debug)]
 enum Format {
     /// A scenario file
     Scenario,
     /// A robot file
     Robot,
+    /// Messages of `--message-format json`, each line
+    Messages,
 }
 
 impl Schema {
@@ -28,6 +30,7 @@ impl Schema {
         let schema = match self.format {
             Format::Scenario => scenario::schema(),
             Format::Robot => robot::schema(),
+            Format::Messages => batch::message_schema(),
         };
         terminal::print(&format!("{schema:#}\n"))?;
         Ok(Exit::Success)

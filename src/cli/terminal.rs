@@ -1,10 +1,10 @@
 //! Standard output and standard error, which may be pipes that nobody reads any more.
 
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{ErrorKind, Write};
 
 use stiction::batch::{Findings, Severity};
 
-use super::Exit;
+use super::{Exit, colour};
 
 /// Writes results to standard output. A pipe that was closed has had all it wanted; any other trouble is an error.
 pub fn print(text: &str) -> Result<(), Exit> {
@@ -23,16 +23,9 @@ pub fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Are colours wanted on standard error?
-pub fn colour() -> bool {
-    let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-    let dumb = std::env::var_os("TERM").is_some_and(|v| v == "dumb");
-    std::io::stderr().is_terminal() && !no_color && !dumb
-}
-
 /// Says all findings of at least this severity, and below them how many errors and warnings there are, if any.
 pub fn show(findings: &Findings, least: Severity) {
-    let colour = colour();
+    let colour = colour::on_stderr();
     for finding in findings.iter().filter(|f| f.severity() >= least) {
         // Diagnostics with a piece of source need air between them.
         let air = if finding.is_block() { "\n" } else { "" };

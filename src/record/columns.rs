@@ -1,6 +1,6 @@
 //! The columns of the summary: names, order and where each value comes from. These names are the user's contract.
 
-use super::{Comparison, ParamValue, Repeats, Verdict};
+use super::{Comparison, Measure, ParamValue, Repeats, Verdict};
 use crate::sim::{Metrics, Outcome};
 
 /// One run in the summary.
@@ -189,6 +189,15 @@ pub fn metric(row: &SummaryRow, column: &str) -> Option<f64> {
     match (fixed.get)(row) {
         Number::Count(n) => Some(n as f64),
         Number::Real(x) => x,
+    }
+}
+
+/// The same as other programs are told it.
+pub fn measure(row: &SummaryRow, column: &str) -> Measure {
+    match COLUMNS.iter().find(|c| c.name == column).map(|c| (c.get)(row)) {
+        Some(Number::Count(n)) => Measure::Count(n),
+        Some(Number::Real(x)) => x.map_or(Measure::Nothing, Measure::Real),
+        None => truth_error(row, column).map_or(Measure::Nothing, Measure::Real),
     }
 }
 

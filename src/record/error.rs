@@ -83,6 +83,14 @@ pub enum RecordError {
         /// The cause.
         reason: String,
     },
+    /// Test results could not be written as JUnit XML.
+    #[error("{path}: cannot write test results: {source}")]
+    Junit {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: quick_junit::SerializeError,
+    },
     /// The report could not be put together.
     #[error("{path}: cannot write the report: {source}")]
     Report {

@@ -8,6 +8,7 @@
 //! | `runs.jsonl` | [`RunsLog`], one line as each run ends |
 //! | `summary.csv`, `summary.parquet` | [`write_summary`] |
 //! | `report.html` | [`write_report`] |
+//! | `--junit FILE` | [`write_junit`] |
 //!
 //! [`export`] writes what a log holds as tables. [`table`], [`verdicts`] and [`pareto::pareto_table`] are what a person sees of all this. Every file
 //! but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is whole. Simulated
@@ -19,6 +20,7 @@ mod columns;
 mod comparison;
 mod error;
 pub mod export;
+mod junit;
 mod log;
 mod number;
 mod parameter;
@@ -33,13 +35,15 @@ mod summary;
 mod table;
 mod verdict;
 
-pub use columns::{NUMERIC_COLUMNS, SummaryRow, metric, truth_columns};
+pub use columns::{NUMERIC_COLUMNS, SummaryRow, measure, metric, truth_columns};
 pub use comparison::{Comparison, Repeats, TruthError};
 pub use error::RecordError;
+pub use junit::{JunitCase, JunitStatus, write_junit};
 pub use log::messages;
 pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
 pub use log::{EstimateSeries, JointReadings, SoleReadings};
+pub use number::Measure;
 pub use parameter::{ParamValue, is_truth};
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
 pub use rebuild::{FoundRun, Records, read_records};

@@ -1,6 +1,7 @@
 //! Real numbers in JSON, which has no word for infinities and NaN: those become `"inf"`, `"-inf"` and `"NaN"`, so the
 //! record of a diverged run says what it saw and reads back.
 
+use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -11,6 +12,31 @@ pub(super) struct Real(pub f64);
 impl Serialize for Real {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if self.0.is_finite() { serializer.serialize_f64(self.0) } else { serializer.collect_str(&self.0) }
+    }
+}
+
+/// What was measured, for other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Measure {
+    /// A whole number.
+    Count(u64),
+    /// A real number; `"inf"`, `"-inf"` or `"NaN"` where it is none.
+    Real(#[serde(serialize_with = "real::serialize")] f64),
+    /// Nothing.
+    Nothing,
+}
+
+impl JsonSchema for Measure {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Measure".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({
+            "description": "A number; a word where it is infinite or none; null where there is nothing.",
+            "anyOf": [{ "type": "number" }, { "enum": ["inf", "-inf", "NaN"] }, { "type": "null" }]
+        })
     }
 }
 

@@ -166,24 +166,13 @@ impl RunRecord {
 mod outcome {
     use super::*;
 
-    const ALL: [Outcome; 8] = [
-        Outcome::Passed,
-        Outcome::Failed,
-        Outcome::Fallen,
-        Outcome::Diverged,
-        Outcome::Stalled,
-        Outcome::TimedOut,
-        Outcome::Error,
-        Outcome::Cancelled,
-    ];
-
     pub fn serialize<S: Serializer>(value: &Outcome, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(value.name())
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Outcome, D::Error> {
         let word = String::deserialize(deserializer)?;
-        let found = ALL.into_iter().find(|o| o.name() == word);
+        let found = Outcome::ALL.into_iter().find(|o| o.name() == word);
         found.ok_or_else(|| D::Error::custom(format!("unknown outcome `{word}`")))
     }
 }

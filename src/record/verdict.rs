@@ -4,6 +4,7 @@ use super::number;
 use super::parameter::is_truth;
 use super::table::{align, clip};
 use super::{ParamValue, SummaryRow};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
@@ -11,12 +12,13 @@ use std::fmt::Write;
 const WIDEST: usize = 48;
 
 /// One expectation held against a run. Numbers are in the metric's unit.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Verdict {
     /// A numeric column of the summary, or `outcome`.
     pub metric: String,
     /// What was measured; none for an outcome, and for what never happened.
     #[serde(with = "number::some_real")]
+    #[schemars(with = "super::Measure")]
     pub measured: Option<f64>,
     /// What was wanted; none where there are only limits.
     pub truth: Option<f64>,
@@ -28,6 +30,7 @@ pub struct Verdict {
     pub max: Option<f64>,
     /// Measured less wanted; with limits what lies beyond them, 0 between.
     #[serde(with = "number::some_real")]
+    #[schemars(with = "super::Measure")]
     pub error: Option<f64>,
     /// Did it hold?
     pub held: bool,

@@ -37,7 +37,7 @@ pub struct Diagnostic {
     pub message: String,
     /// What to do about it.
     pub help: Option<String>,
-    snippet: Option<(Arc<Source>, Range<usize>)>,
+    pub(super) snippet: Option<(Arc<Source>, Range<usize>)>,
 }
 
 impl Diagnostic {

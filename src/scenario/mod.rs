@@ -20,6 +20,7 @@ mod file;
 mod grid;
 mod inputs;
 mod key;
+mod locate;
 mod overrides;
 mod path;
 mod polygon;

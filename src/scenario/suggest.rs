@@ -19,7 +19,7 @@ pub fn help<'a>(word: &str, known: impl IntoIterator<Item = &'a str> + Clone) ->
     }
     let all: Vec<_> = known.into_iter().map(|k| format!("`{k}`")).collect();
     match all.len() {
-        0 => "no key is known here".into(),
+        0 => "there are none here".into(),
         1 => format!("only {} is known here", all[0]),
         _ => format!("known here: {}", all.join(", ")),
     }

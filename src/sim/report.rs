@@ -152,6 +152,18 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// All there are.
+    pub const ALL: [Outcome; 8] = [
+        Outcome::Passed,
+        Outcome::Failed,
+        Outcome::Fallen,
+        Outcome::Diverged,
+        Outcome::Stalled,
+        Outcome::TimedOut,
+        Outcome::Error,
+        Outcome::Cancelled,
+    ];
+
     /// The word in the summary.
     pub fn name(self) -> &'static str {
         match self {

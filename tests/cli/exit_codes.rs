@@ -119,6 +119,29 @@ fn after_the_first_failure_fail_fast_starts_nothing() {
 }
 
 #[test]
+fn max_fail_stops_after_so_many() {
+    let place = Place::new();
+    place.block(
+        "sweep.toml",
+        "[[expect]]\nmetric = \"duration_s\"\nmax = 0.01\n[sweep]\ngrid = { duration = [0.02, 0.005, 0.03, 0.04, 0.05] }\n",
+    );
+    let outcomes = |most: &str| {
+        let done = place.runner(&["sweep.toml", "--max-fail", most, "-j", "1", "-o", most]).exits(1);
+        let outcomes: Vec<String> = place.summary(most).column("outcome").into_iter().map(str::to_owned).collect();
+        (outcomes, done.stdout.lines().find(|line| line.ends_with("not started")).map(str::to_owned))
+    };
+    let said = |text: &str| Some(text.to_owned());
+    assert_eq!(outcomes("1"), (vec!["failed".into()], said("4 runs not started")));
+    assert_eq!(
+        outcomes("3"),
+        (["failed", "passed", "failed", "failed"].map(String::from).into(), said("1 run not started"))
+    );
+    assert_eq!(outcomes("4").1, None, "the last one was running already");
+    place.runner(&["sweep.toml", "--max-fail", "0"]).exits(2);
+    place.runner(&["sweep.toml", "--max-fail", "2", "--fail-fast"]).exits(2);
+}
+
+#[test]
 fn strict_takes_warnings_for_errors() {
     let place = Place::new();
     // A push that begins after the run's end is legal and hardly meant.

@@ -50,7 +50,8 @@ fn the_first_lets_running_runs_finish_and_keeps_the_rows() {
     let place = Place::new();
     // Thousands of runs of which each takes its time: no batch is over before the signal comes.
     place.block("s.toml", "[sweep]\nrepeat = 5000\n");
-    let mut child = start(&place, &["s.toml", "--set", "duration=20", "-j", "2"]);
+    let arguments = ["s.toml", "--set", "duration=20", "-j", "2", "--junit", "junit.xml"];
+    let mut child = start(&place, &arguments);
     let rows = place.path("results/runs.jsonl");
     until("the first row", || (lines(&rows) > 0).then_some(()));
     interrupt(&child);
@@ -62,6 +63,11 @@ fn the_first_lets_running_runs_finish_and_keeps_the_rows() {
     assert!((1..5000).contains(&finished), "{finished} rows");
     assert_eq!(lines(&rows), finished);
     assert!(summary.column("outcome").iter().all(|o| *o == "passed"), "what ran was finished");
+    let junit = std::fs::read_to_string(place.path("junit.xml")).unwrap();
+    let skipped = 5000 - finished;
+    let counts = format!("tests=\"5000\" skipped=\"{skipped}\" failures=\"0\" errors=\"0\"");
+    assert!(junit.contains(&counts), "{counts} in {}", &junit[..200]);
+    assert_eq!(junit.matches("<skipped message=\"not started\"").count(), skipped);
     for key in summary.column("key") {
         let folder = place.path("results/s").join(key);
         assert!(folder.join("run.json").exists() && folder.join("log.mcap").exists(), "{key}");
@@ -72,7 +78,7 @@ fn the_first_lets_running_runs_finish_and_keeps_the_rows() {
 fn the_second_cancels_what_is_running() {
     let place = Place::new();
     place.block("s.toml", "[log]\nrate = 1\n[sweep]\ngrid = { duration = [0.1, 1e9] }\n");
-    let mut child = start(&place, &["s.toml", "-j", "1"]);
+    let mut child = start(&place, &["s.toml", "-j", "1", "--junit", "junit.xml"]);
     until("the first row", || (lines(&place.path("results/runs.jsonl")) > 0).then_some(()));
     // The second run will not end by itself.
     let folder = place.path("results/s");
@@ -85,6 +91,8 @@ fn the_second_cancels_what_is_running() {
     assert_eq!(status.code(), Some(130), "{}", said(&place));
     let summary: Table = place.summary("results");
     assert_eq!(summary.column("outcome"), ["passed", "cancelled"]);
+    let junit = std::fs::read_to_string(place.path("junit.xml")).unwrap();
+    assert!(junit.contains("<skipped message=\"interrupted\""), "{junit}");
     let reached = summary.numbers("duration_s")[1];
     assert!(reached > 0.0 && reached < 1e9, "{reached}");
     let log = folder.join(summary.column("key")[1]).join("log.mcap");

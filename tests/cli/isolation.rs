@@ -24,7 +24,8 @@ fn run(place: &Place, plan: Plan, jobs: usize, body: &stiction::batch::Body<'_>)
         jobs,
         log: true,
         timeout: None,
-        fail_fast: false,
+        max_fail: None,
+        slow: None,
         problems: Problems::None,
         timing: true,
     };

@@ -6,11 +6,17 @@ mod commands;
 mod comparison;
 mod exit_codes;
 mod export;
+mod filter;
 mod inertia;
 mod interrupt;
 mod isolation;
+mod junit;
+mod messages;
 mod report;
 mod results;
+mod schemas;
+mod shells;
+mod snapshots;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,142 @@
+//! An expression as it was understood.
+
+use std::fmt;
+use std::ops::Range;
+
+use crate::record::ParamValue;
+
+/// An expression over one run.
+#[derive(Clone, Debug)]
+pub(super) enum Expression {
+    Any(Box<Expression>, Box<Expression>),
+    All(Box<Expression>, Box<Expression>),
+    Not(Box<Expression>),
+    /// A comparison, by its position in the text: the first is 0.
+    Holds(usize, Comparison),
+}
+
+/// Something of a run held against something written.
+#[derive(Clone, Debug)]
+pub(super) struct Comparison {
+    pub subject: Subject,
+    pub relation: Relation,
+    /// At least one; more only with [`Relation::In`].
+    pub wanted: Vec<ParamValue>,
+    /// Where the subject stands in the text.
+    pub at: Range<usize>,
+    /// Where the wanted value does.
+    pub wanted_at: Range<usize>,
+}
+
+/// What of a run is looked at.
+#[derive(Clone, Debug)]
+pub(super) enum Subject {
+    /// Name of the scenario.
+    Name,
+    /// Key of the run.
+    Key,
+    /// A path into the scenario, by segments.
+    Parameter(Vec<String>),
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Relation {
+    Equal,
+    Unequal,
+    Less,
+    AtMost,
+    Greater,
+    AtLeast,
+    Like,
+    Unlike,
+    Begins,
+    In,
+}
+
+impl Relation {
+    /// Longer ones first, so that none hides behind its beginning.
+    pub const SIGNS: [(&str, Relation); 9] = [
+        ("==", Relation::Equal),
+        ("!=", Relation::Unequal),
+        ("<=", Relation::AtMost),
+        (">=", Relation::AtLeast),
+        ("!~", Relation::Unlike),
+        ("^=", Relation::Begins),
+        ("<", Relation::Less),
+        (">", Relation::Greater),
+        ("~", Relation::Like),
+    ];
+
+    fn sign(self) -> &'static str {
+        Self::SIGNS.iter().find(|(_, relation)| *relation == self).map_or("in", |(sign, _)| sign)
+    }
+
+    /// Does it need numbers?
+    pub fn orders(self) -> bool {
+        matches!(self, Relation::Less | Relation::AtMost | Relation::Greater | Relation::AtLeast)
+    }
+
+    /// Does it need texts?
+    pub fn reads(self) -> bool {
+        matches!(self, Relation::Like | Relation::Unlike | Relation::Begins)
+    }
+}
+
+impl Expression {
+    /// All comparisons, in the order of the text.
+    pub fn comparisons(&self) -> Vec<&Comparison> {
+        match self {
+            Expression::Any(a, b) | Expression::All(a, b) => [a.comparisons(), b.comparisons()].concat(),
+            Expression::Not(a) => a.comparisons(),
+            Expression::Holds(_, comparison) => vec![comparison],
+        }
+    }
+
+    /// Its value when that of each comparison is known.
+    pub fn value(&self, held: &[bool]) -> bool {
+        match self {
+            Expression::Any(a, b) => a.value(held) || b.value(held),
+            Expression::All(a, b) => a.value(held) && b.value(held),
+            Expression::Not(a) => !a.value(held),
+            Expression::Holds(index, _) => held[*index],
+        }
+    }
+}
+
+impl fmt::Display for Expression {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Expression::Any(a, b) => write!(f, "({a} or {b})"),
+            Expression::All(a, b) => write!(f, "({a} and {b})"),
+            Expression::Not(a) => write!(f, "not {a}"),
+            Expression::Holds(_, Comparison { subject, relation, wanted, .. }) => {
+                let values: Vec<String> = wanted.iter().map(literal).collect();
+                match relation {
+                    Relation::In => write!(f, "{subject} in [{}]", values.join(", ")),
+                    _ => write!(f, "{subject} {} {}", relation.sign(), values.join(", ")),
+                }
+            }
+        }
+    }
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Subject::Name => f.write_str("name"),
+            Subject::Key => f.write_str("key"),
+            Subject::Parameter(path) => {
+                let segments: Vec<String> = path.iter().map(|s| super::parse::segment(s)).collect();
+                f.write_str(&segments.join("."))
+            }
+        }
+    }
+}
+
+/// A value as the language writes it.
+fn literal(value: &ParamValue) -> String {
+    match value {
+        ParamValue::Text(text) => super::parse::quoted(text),
+        other => other.to_string(),
+    }
+}

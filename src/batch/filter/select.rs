@@ -1,0 +1,129 @@
+//! Runs are selected one by one; what no run had is a mistake, told at the end.
+
+use super::Filter;
+use super::expression::Comparison;
+use super::value::{Answer, Seen};
+use crate::record::ParamValue;
+use crate::scenario::{Diagnostic, Run, suggest};
+
+/// Selects runs, and remembers for each comparison what it met.
+pub struct Selection<'a> {
+    filter: &'a Filter,
+    comparisons: Vec<(&'a Comparison, Met)>,
+    held: Vec<bool>,
+    /// Names of parameters, wanted only while some comparison has met nothing.
+    names: Vec<String>,
+}
+
+/// The best that a comparison met.
+enum Met {
+    Nothing,
+    Composite(String),
+    OtherKind(ParamValue),
+    Comparable,
+}
+
+impl Met {
+    fn rank(&self) -> u8 {
+        match self {
+            Met::Nothing => 0,
+            Met::Composite(_) => 1,
+            Met::OtherKind(_) => 2,
+            Met::Comparable => 3,
+        }
+    }
+}
+
+impl<'a> Selection<'a> {
+    /// Nothing selected yet.
+    pub fn new(filter: &'a Filter) -> Self {
+        let comparisons: Vec<_> = filter.expression.comparisons().into_iter().map(|c| (c, Met::Nothing)).collect();
+        let held = vec![false; comparisons.len()];
+        Selection { filter, comparisons, held, names: Vec::new() }
+    }
+
+    /// Is a run meant?
+    pub fn takes(&mut self, run: &Run, key: &str) -> bool {
+        let mut seen = Seen::new(run, key);
+        let mut lost = false;
+        for ((comparison, met), held) in self.comparisons.iter_mut().zip(&mut self.held) {
+            let now = match seen.answer(comparison) {
+                Answer::Held(yes) => {
+                    *held = yes;
+                    *met = Met::Comparable;
+                    continue;
+                }
+                Answer::Absent => Met::Nothing,
+                Answer::Composite(words) => Met::Composite(words),
+                Answer::OtherKind(value) => Met::OtherKind(value),
+            };
+            *held = false;
+            if now.rank() > met.rank() {
+                *met = now;
+            }
+            lost |= matches!(met, Met::Nothing);
+        }
+        if lost {
+            seen.names(&mut self.names);
+            self.names.sort_unstable();
+            self.names.dedup();
+        }
+        self.filter.expression.value(&self.held)
+    }
+
+    /// Were all comparisons possible with some run?
+    ///
+    /// # Errors
+    /// The first that was not, with what was probably meant.
+    pub fn end(self) -> Result<(), Box<Diagnostic>> {
+        for (comparison, met) in &self.comparisons {
+            let name = comparison.subject.to_string();
+            let wrong = |message: String, help: Option<String>| {
+                Err(super::error(&self.filter.text, comparison.at.clone(), message, help))
+            };
+            match met {
+                Met::Comparable => {}
+                Met::Nothing => return wrong(format!("no run has a parameter `{name}`"), Some(self.meant(&name))),
+                Met::Composite(words) => {
+                    return wrong(format!("`{name}` is neither a number nor a text nor a flag"), Some(words.clone()));
+                }
+                Met::OtherKind(value) => {
+                    let message = format!("`{name}` is {}, such as {}", kind(value), shown(value));
+                    let help = format!("it cannot be compared with {}", kind(&comparison.wanted[0]));
+                    let at = comparison.wanted_at.clone();
+                    return Err(super::error(&self.filter.text, at, message, Some(help)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The nearest name; where none is near, those of the same table, or where to look.
+    fn meant(&self, name: &str) -> String {
+        let known = ["name", "key"].into_iter().chain(self.names.iter().map(String::as_str));
+        let near = suggest(name, known);
+        if near.starts_with("did you mean") {
+            return near;
+        }
+        let last = |path: &str| path.rsplit('.').next().unwrap_or(path).to_owned();
+        match self.names.iter().find(|other| last(other) == last(name)) {
+            Some(other) => format!("did you mean `{other}`?"),
+            None => "a path into the scenario with its defaults, which `run.json` has under `resolved`".into(),
+        }
+    }
+}
+
+fn kind(value: &ParamValue) -> &'static str {
+    match value {
+        ParamValue::Integer(_) | ParamValue::Number(_) => "a number",
+        ParamValue::Flag(_) => "true or false",
+        ParamValue::Text(_) => "a text",
+    }
+}
+
+fn shown(value: &ParamValue) -> String {
+    match value {
+        ParamValue::Text(text) => super::parse::quoted(text),
+        other => other.to_string(),
+    }
+}

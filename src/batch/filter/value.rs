@@ -1,0 +1,151 @@
+//! What a run has at a path, and whether that is as wanted.
+
+use super::expression::{Comparison, Relation, Subject};
+use crate::pattern::matches;
+use crate::record::ParamValue;
+use crate::scenario::{Run, segment};
+
+/// What came of one comparison with one run.
+pub(super) enum Answer {
+    /// The run has nothing there.
+    Absent,
+    /// It has something else than a number, a text or a flag there, in words.
+    Composite(String),
+    /// It has a value of a kind that cannot be compared with what is wanted.
+    OtherKind(ParamValue),
+    Held(bool),
+}
+
+/// A run as comparisons see it.
+pub(super) struct Seen<'a> {
+    run: &'a Run,
+    key: &'a str,
+    /// The resolved scenario, when first asked for.
+    table: Option<toml::Value>,
+}
+
+impl<'a> Seen<'a> {
+    pub fn new(run: &'a Run, key: &'a str) -> Self {
+        Seen { run, key, table: None }
+    }
+
+    pub fn answer(&mut self, comparison: &Comparison) -> Answer {
+        let value = match &comparison.subject {
+            Subject::Name => ParamValue::Text(self.run.name.clone()),
+            Subject::Key => ParamValue::Text(self.key.to_owned()),
+            Subject::Parameter(path) => match self.parameter(path) {
+                Ok(value) => value,
+                Err(answer) => return answer,
+            },
+        };
+        let mut answers = comparison.wanted.iter().map(|wanted| compare(&value, comparison.relation, wanted));
+        match comparison.relation {
+            // One of the list that is of another kind does no harm.
+            Relation::In => match answers.by_ref().flatten().reduce(|a, b| a || b) {
+                Some(held) => Answer::Held(held),
+                None => Answer::OtherKind(value),
+            },
+            _ => answers.next().flatten().map_or(Answer::OtherKind(value), Answer::Held),
+        }
+    }
+
+    fn parameter(&mut self, path: &[String]) -> Result<ParamValue, Answer> {
+        let resolved = match lookup(self.table(), path) {
+            Some(value) => match scalar(value) {
+                Some(value) => return Ok(value),
+                None => Some(value.clone()),
+            },
+            None => None,
+        };
+        let name = path.iter().map(|s| segment(s)).collect::<Vec<_>>().join(".");
+        let swept = self.run.parameters.iter().find(|(other, _)| *other == name);
+        match (swept.and_then(|(_, value)| scalar(value)), resolved) {
+            (Some(value), _) => Ok(value),
+            (None, Some(value)) => Err(Answer::Composite(inner(&name, &value))),
+            (None, None) => Err(Answer::Absent),
+        }
+    }
+
+    /// Names of everything that can be compared.
+    pub fn names(&mut self, out: &mut Vec<String>) {
+        leaves(self.table(), String::new(), out);
+        let swept = self.run.parameters.iter().filter(|(_, value)| scalar(value).is_some());
+        out.extend(swept.map(|(name, _)| name.clone()));
+    }
+
+    fn table(&mut self) -> &toml::Value {
+        let run = self.run;
+        // It was written out when the run was made; a run that cannot be written has no parameters.
+        let made = || toml::Value::try_from(&run.scenario).unwrap_or_else(|_| toml::Value::Table(toml::Table::new()));
+        self.table.get_or_insert_with(made)
+    }
+}
+
+/// Does the relation hold; none when the two cannot be compared.
+fn compare(value: &ParamValue, relation: Relation, wanted: &ParamValue) -> Option<bool> {
+    let equal = match (value, wanted) {
+        (ParamValue::Text(a), ParamValue::Text(b)) => match relation {
+            Relation::Like => return Some(matches(b, a)),
+            Relation::Unlike => return Some(!matches(b, a)),
+            Relation::Begins => return Some(a.starts_with(b.as_str())),
+            _ => a == b,
+        },
+        (ParamValue::Flag(a), ParamValue::Flag(b)) => a == b,
+        (ParamValue::Integer(a), ParamValue::Integer(b)) if !relation.orders() => a == b,
+        (a, b) => {
+            let (a, b) = (a.number()?, b.number()?);
+            match relation {
+                Relation::Less => return Some(a < b),
+                Relation::AtMost => return Some(a <= b),
+                Relation::Greater => return Some(a > b),
+                Relation::AtLeast => return Some(a >= b),
+                _ => a == b,
+            }
+        }
+    };
+    match relation {
+        Relation::Equal | Relation::In => Some(equal),
+        Relation::Unequal => Some(!equal),
+        _ => None,
+    }
+}
+
+fn lookup<'a>(root: &'a toml::Value, path: &[String]) -> Option<&'a toml::Value> {
+    path.iter().try_fold(root, |at, segment| match at {
+        toml::Value::Table(table) => table.get(segment),
+        toml::Value::Array(items) => items.get(segment.parse::<usize>().ok()?),
+        _ => None,
+    })
+}
+
+fn scalar(value: &toml::Value) -> Option<ParamValue> {
+    match value {
+        toml::Value::Integer(i) => Some(ParamValue::Integer(*i)),
+        toml::Value::Float(x) => Some(ParamValue::Number(*x)),
+        toml::Value::Boolean(b) => Some(ParamValue::Flag(*b)),
+        toml::Value::String(s) => Some(ParamValue::Text(s.clone())),
+        _ => None,
+    }
+}
+
+/// What to name instead of a table or a list.
+fn inner(name: &str, value: &toml::Value) -> String {
+    let mut names = Vec::new();
+    leaves(value, name.to_owned(), &mut names);
+    match names.as_slice() {
+        [] => "it is empty".into(),
+        [one] => format!("name what is in it: `{one}`"),
+        [first, .., last] => format!("name what is in it, from `{first}` to `{last}`"),
+    }
+}
+
+fn leaves(value: &toml::Value, name: String, out: &mut Vec<String>) {
+    let under = |part: &str| if name.is_empty() { part.to_owned() } else { format!("{name}.{part}") };
+    match value {
+        toml::Value::Table(table) => table.iter().for_each(|(key, v)| leaves(v, under(&segment(key)), out)),
+        toml::Value::Array(items) => {
+            items.iter().enumerate().for_each(|(i, v)| leaves(v, under(&i.to_string()), out));
+        }
+        _ => out.push(name),
+    }
+}

@@ -1,0 +1,138 @@
+//! A batch as JUnit XML.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::{BatchError, Finished, Job, Listener, Plan, Role};
+use crate::record::{JunitCase, JunitStatus, RecordError, Verdict, write_junit};
+use crate::sim::Outcome;
+
+/// Listens to a batch, and writes what became of every run of the plan.
+pub struct Junit {
+    path: PathBuf,
+    output: PathBuf,
+    slow: Option<Duration>,
+    since: Instant,
+    runs: Vec<JunitCase>,
+    references: Vec<JunitCase>,
+}
+
+impl Junit {
+    /// Makes sure that the file can be written; all runs are skipped ones so far. `output` is the folder of the results,
+    /// and runs that take longer than `slow` are marked.
+    ///
+    /// # Errors
+    /// The file's folder cannot be created or written.
+    pub fn new(path: &Path, plan: &Plan, output: &Path, slow: Option<Duration>) -> Result<Self, BatchError> {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let refused = |source| BatchError::Output { folder: folder.to_owned(), source };
+        std::fs::create_dir_all(folder).map_err(refused)?;
+        tempfile::tempfile_in(folder).map_err(refused)?;
+        if path.is_dir() {
+            let source = std::io::Error::from(std::io::ErrorKind::IsADirectory);
+            return Err(BatchError::Output { folder: path.to_owned(), source });
+        }
+        let mut names = HashMap::new();
+        for job in &plan.jobs {
+            *names.entry((job.run.name.as_str(), name(job))).or_insert(0) += 1;
+        }
+        let case = |job: &Job| {
+            let plain = name(job);
+            let shared = names.get(&(job.run.name.as_str(), plain.clone())).is_some_and(|count| *count > 1);
+            JunitCase {
+                suite: job.run.name.clone(),
+                // A name that stays when the key changes lets a case be followed from one batch to the next.
+                name: if shared { format!("{plain} {}", job.key) } else { plain },
+                time: None,
+                status: JunitStatus::Skipped { message: "not started".into() },
+                properties: vec![("key", job.key.clone()), ("file", job.run.file.display().to_string())],
+                output: Vec::new(),
+            }
+        };
+        Ok(Junit {
+            path: path.to_owned(),
+            output: output.to_owned(),
+            slow,
+            since: Instant::now(),
+            runs: plan.jobs.iter().map(case).collect(),
+            references: plan.references.iter().map(case).collect(),
+        })
+    }
+
+    /// Writes the file, whole or not at all: reference runs first in their suites, then the runs in the order of the plan.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(self) -> Result<PathBuf, RecordError> {
+        let cases: Vec<JunitCase> = self.references.into_iter().chain(self.runs).collect();
+        write_junit(&self.path, &cases, self.since.elapsed())?;
+        Ok(self.path)
+    }
+}
+
+impl Listener for Junit {
+    fn finished(&mut self, job: &Job, finished: &Finished) {
+        let cases = if job.role == Role::Reference { &mut self.references } else { &mut self.runs };
+        let Some(case) = cases.get_mut(job.index) else { return };
+        let row = &finished.row;
+        case.time = Duration::try_from_secs_f64(row.wall_s).ok();
+        case.status = status(finished);
+        case.properties.push(("outcome", row.outcome.name().into()));
+        case.properties.push(("folder", job.folder(&self.output).display().to_string()));
+        if is_slow(self.slow, row.wall_s) {
+            case.properties.push(("slow", "true".into()));
+        }
+        case.output.clone_from(&finished.notes);
+        if finished.accepted && !row.message.is_empty() {
+            case.output.push(row.message.clone());
+        }
+    }
+}
+
+/// Did a run take longer than is thought quick enough?
+pub fn is_slow(limit: Option<Duration>, wall_s: f64) -> bool {
+    limit.is_some_and(|limit| wall_s > limit.as_secs_f64())
+}
+
+/// What distinguishes it in its scenario, or the scenario's name if nothing does.
+fn name(job: &Job) -> String {
+    if job.label.is_empty() { job.run.name.clone() } else { job.label.clone() }
+}
+
+fn status(finished: &Finished) -> JunitStatus {
+    let row = &finished.row;
+    if finished.accepted {
+        return JunitStatus::Passed;
+    }
+    match row.outcome {
+        Outcome::Passed | Outcome::Failed | Outcome::Fallen => {
+            let broken: Vec<&Verdict> = row.verdicts.iter().filter(|v| !v.held).collect();
+            let message =
+                format!("{} of {} expectations did not hold: {}", broken.len(), row.verdicts.len(), row.message);
+            JunitStatus::Failed { message, detail: broken.into_iter().map(detail).collect::<Vec<_>>().join("\n") }
+        }
+        // Whoever cancels a run learns nothing about it.
+        Outcome::Cancelled => JunitStatus::Skipped { message: "interrupted".into() },
+        outcome => {
+            let said = Some(&row.message).filter(|message| !message.is_empty()).map(String::as_str);
+            let kind = outcome.name();
+            JunitStatus::Error { kind: kind.into(), message: said.unwrap_or(kind).into() }
+        }
+    }
+}
+
+/// `final_base_x: measured 0.4, wanted 0.5 +- 0.01, error -0.1`
+fn detail(verdict: &Verdict) -> String {
+    let number = |x: Option<f64>| x.map_or_else(|| "nothing".to_owned(), |x| format!("{x:?}"));
+    let wanted = match (verdict.truth, verdict.allowed, verdict.min, verdict.max) {
+        (Some(truth), allowed, ..) => format!("{truth:?} +- {:?}", allowed.unwrap_or(0.0)),
+        (None, _, Some(min), Some(max)) => format!("{min:?} to {max:?}"),
+        (None, _, Some(min), None) => format!("at least {min:?}"),
+        (None, _, None, Some(max)) => format!("at most {max:?}"),
+        // An outcome: its words say what was wanted.
+        (None, _, None, None) => return format!("{}: {}", verdict.metric, verdict.message),
+    };
+    let error = verdict.error.map_or_else(String::new, |e| format!(", error {e:?}"));
+    format!("{}: measured {}, wanted {wanted}{error}", verdict.metric, number(verdict.measured))
+}

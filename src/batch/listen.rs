@@ -1,0 +1,43 @@
+//! Being told what happens in a batch.
+
+use std::time::Duration;
+
+use super::{Finished, Job};
+
+/// One who is told what happens in a batch, in the order in which it happened, all on one thread. Repetitions for timing
+/// are not told of.
+pub trait Listener {
+    /// A run or a reference run began.
+    fn started(&mut self, job: &Job) {
+        let _ = job;
+    }
+
+    /// It has been going for longer than [`Options::slow`](super::Options::slow); told once.
+    fn slow(&mut self, job: &Job, after: Duration) {
+        let _ = (job, after);
+    }
+
+    /// It ended and its files are written.
+    fn finished(&mut self, job: &Job, finished: &Finished) {
+        let _ = (job, finished);
+    }
+}
+
+/// One who does not listen.
+pub struct Nobody;
+
+impl Listener for Nobody {}
+
+impl Listener for Vec<&mut dyn Listener> {
+    fn started(&mut self, job: &Job) {
+        self.iter_mut().for_each(|l| l.started(job));
+    }
+
+    fn slow(&mut self, job: &Job, after: Duration) {
+        self.iter_mut().for_each(|l| l.slow(job, after));
+    }
+
+    fn finished(&mut self, job: &Job, finished: &Finished) {
+        self.iter_mut().for_each(|l| l.finished(job, finished));
+    }
+}

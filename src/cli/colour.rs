@@ -1,0 +1,73 @@
+//! Are there colours: as is asked for, else only where a person looks.
+
+use std::ffi::OsString;
+use std::io::{IsTerminal, stderr, stdout};
+
+use anstream::{AutoStream, ColorChoice};
+use clap::ValueEnum;
+
+/// When output has colours.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Colour {
+    /// On a terminal; NO_COLOR and CLICOLOR_FORCE are heeded
+    Auto,
+    /// Always
+    Always,
+    /// Never
+    Never,
+}
+
+/// Decides for the whole program, before anything is shown: what was typed is not parsed yet, but mistakes in it are told in
+/// colours too.
+pub fn decide(typed: impl Iterator<Item = OsString>) {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+    let choice = match asked_for(typed) {
+        Colour::Always => ColorChoice::Always,
+        Colour::Never => ColorChoice::Never,
+        Colour::Auto if set("NO_COLOR").is_some() => ColorChoice::Never,
+        Colour::Auto => match set("CLICOLOR_FORCE") {
+            // The convention says that 0 is no; the library forces on any word.
+            Some(value) if value == "0" && stdout().is_terminal() && stderr().is_terminal() => ColorChoice::Always,
+            Some(value) if value == "0" => ColorChoice::Never,
+            _ => ColorChoice::Auto,
+        },
+    };
+    choice.write_global();
+}
+
+/// Are there colours on standard error?
+pub fn on_stderr() -> bool {
+    AutoStream::choice(&stderr()) != ColorChoice::Never
+}
+
+/// The last `--color` before `--`; what is no answer to it is left to the parser.
+fn asked_for(typed: impl Iterator<Item = OsString>) -> Colour {
+    let mut asked = Colour::Auto;
+    let mut typed = typed.map(|word| word.to_string_lossy().into_owned()).take_while(|word| word != "--");
+    while let Some(word) = typed.next() {
+        let value = match word.strip_prefix("--color") {
+            Some("") => typed.next(),
+            Some(rest) => rest.strip_prefix('=').map(str::to_owned),
+            None => None,
+        };
+        asked = value.and_then(|value| Colour::from_str(&value, false).ok()).unwrap_or(asked);
+    }
+    asked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_option_is_found_wherever_it_stands() {
+        let asked = |typed: &str| asked_for(typed.split(' ').map(OsString::from));
+        assert_eq!(asked("runner a.toml"), Colour::Auto);
+        assert_eq!(asked("runner a.toml --color never"), Colour::Never);
+        assert_eq!(asked("runner check --color=always a.toml"), Colour::Always);
+        assert_eq!(asked("runner --color=always --color never a.toml"), Colour::Never);
+        assert_eq!(asked("runner --color"), Colour::Auto);
+        assert_eq!(asked("runner --colour=never --color=blue"), Colour::Auto);
+        assert_eq!(asked("runner -- --color=never"), Colour::Auto);
+    }
+}

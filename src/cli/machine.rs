@@ -1,0 +1,57 @@
+//! What other programs are told: JUnit XML, and messages on standard output.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum, ValueHint};
+use stiction::batch::{BatchError, DiagnosticMessage, Findings, Junit, Message, Options, Plan, Severity};
+
+use super::Exit;
+use super::terminal::print;
+
+/// What standard output holds.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MessageFormat {
+    /// What people read
+    Human,
+    /// A JSON object per line and nothing else: see docs/ci.md and `runner schema messages`
+    Json,
+}
+
+impl MessageFormat {
+    /// Prints a message, if messages are wanted.
+    pub fn tell(self, message: Message) -> Result<(), Exit> {
+        match self {
+            MessageFormat::Human => Ok(()),
+            MessageFormat::Json => print(&message.line()),
+        }
+    }
+
+    /// Prints findings of at least this severity as messages, if messages are wanted.
+    pub fn tell_findings(self, findings: &Findings, least: Severity) -> Result<(), Exit> {
+        let told = findings.iter().filter(|finding| finding.severity() >= least);
+        told.map(DiagnosticMessage::from).try_for_each(|told| self.tell(Message::Diagnostic(told)))
+    }
+}
+
+/// Arguments of commands that tell what they do.
+#[derive(Args, Debug)]
+pub struct Format {
+    /// What standard output holds
+    #[arg(long, value_enum, value_name = "FORMAT", default_value_t = MessageFormat::Human)]
+    pub message_format: MessageFormat,
+}
+
+/// Where test results go.
+#[derive(Args, Debug)]
+pub struct TestResults {
+    /// Write what became of every run as JUnit XML, also when interrupted
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    junit: Option<PathBuf>,
+}
+
+impl TestResults {
+    /// One who listens and writes them, if they are wanted.
+    pub fn listener(&self, plan: &Plan, options: &Options) -> Result<Option<Junit>, BatchError> {
+        self.junit.as_deref().map(|path| Junit::new(path, plan, &options.output, options.slow)).transpose()
+    }
+}

@@ -1,0 +1,3 @@
+//! What drives many runs, without running them.
+
+mod filter;

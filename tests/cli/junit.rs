@@ -1,0 +1,134 @@
+//! `--junit`: what continuous integration reads, told by an XML parser of its own.
+
+use roxmltree::{Document, Node};
+
+use super::Place;
+
+/// Passes, fails two of three expectations, diverges, does not begin.
+const SWEEP: &str = "[[expect]]\nmetric = \"duration_s\"\nmax = 0.15\n[[expect]]\nmetric = \"final_base_z\"\nvalue = 0.05\ntolerance = 1e-3\n\
+    [[expect]]\nmetric = \"final_base_x\"\nvalue = 1.0\ntolerance = 10.0\n\
+    [sweep]\nlist = [{ duration = 0.1 }, { duration = 0.2, \"floor.height\" = 0.5 }]\n";
+
+fn read(place: &Place, file: &str) -> String {
+    std::fs::read_to_string(place.path(file)).unwrap()
+}
+
+fn cases<'a>(document: &'a Document<'_>) -> Vec<Node<'a, 'a>> {
+    document.descendants().filter(|n| n.has_tag_name("testcase")).collect()
+}
+
+fn property<'a>(case: Node<'a, 'a>, name: &str) -> Option<&'a str> {
+    let found = case.descendants().find(|n| n.has_tag_name("property") && n.attribute("name") == Some(name));
+    found.and_then(|n| n.attribute("value"))
+}
+
+fn child<'a>(case: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
+    case.children().find(|n| n.has_tag_name(name))
+}
+
+/// Tests, failures, errors, skipped.
+fn counts(node: Node<'_, '_>) -> [u32; 4] {
+    ["tests", "failures", "errors", "skipped"].map(|name| node.attribute(name).unwrap().parse().unwrap())
+}
+
+#[test]
+fn a_suite_per_scenario_and_a_case_per_run_with_what_did_not_hold() {
+    let place = Place::new();
+    // The second stands on a floor that is half a metre higher, so its base ends there.
+    place.block("sweep.toml", SWEEP).block("rest.toml", "");
+    let done =
+        place.runner(&["sweep.toml", "rest.toml", "--set", "log.rate=0", "--junit", "deep/er/junit.xml"]).exits(1);
+    assert!(done.stdout.contains("  deep/er/junit.xml\n"), "{}", done.stdout);
+    let text = read(&place, "deep/er/junit.xml");
+    let document = Document::parse(&text).unwrap();
+    let root = document.root_element();
+    assert!(root.has_tag_name("testsuites"));
+    assert_eq!(counts(root), [3, 1, 0, 0]);
+    let suites: Vec<_> = root.children().filter(Node::is_element).collect();
+    let named: Vec<_> = suites.iter().map(|s| (s.attribute("name").unwrap(), counts(*s))).collect();
+    assert_eq!(named, [("sweep", [2, 1, 0, 0]), ("rest", [1, 0, 0, 0])]);
+
+    let cases = cases(&document);
+    let names: Vec<_> =
+        cases.iter().map(|c| (c.attribute("classname").unwrap(), c.attribute("name").unwrap())).collect();
+    // What a run of the list leaves out it has by default.
+    let wanted = ["duration=0.1 floor.height=0.0", "duration=0.2 floor.height=0.5"];
+    assert_eq!(names, [("sweep", wanted[0]), ("sweep", wanted[1]), ("rest", "rest")]);
+    let summary = place.summary("results");
+    for (case, (key, wall)) in cases.iter().zip(summary.column("key").iter().zip(summary.numbers("wall_s"))) {
+        assert_eq!(property(*case, "key"), Some(*key));
+        assert!(place.path(property(*case, "folder").unwrap()).join("run.json").is_file());
+        let time: f64 = case.attribute("time").unwrap().parse().unwrap();
+        assert!((time - wall).abs() <= 0.5e-3, "{time} and {wall}: milliseconds are written");
+    }
+    assert!(child(cases[0], "failure").is_none() && child(cases[0], "error").is_none());
+    let failure = child(cases[1], "failure").unwrap();
+    assert_eq!(failure.attribute("type"), Some("expectation"));
+    let message = failure.attribute("message").unwrap();
+    assert!(message.starts_with("2 of 3 expectations did not hold: "), "{message}");
+    let lines: Vec<&str> = failure.text().unwrap().lines().collect();
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    assert!(lines[0].starts_with("duration_s: measured 0.2, wanted at most 0.15, error 0.05"), "{}", lines[0]);
+    assert!(lines[1].starts_with("final_base_z: measured 0.55"), "{}", lines[1]);
+    assert!(lines[1].contains("wanted 0.05 +- 0.001, error 0.5"), "{}", lines[1]);
+}
+
+#[test]
+fn what_does_not_end_is_an_error_and_what_does_not_begin_is_skipped() {
+    let place = Place::new();
+    let bounce = "base = { position = [0, 0, 0.05000002] }\n[contact]\nrestitution = 1.0\nvelocity_tolerance = 1e-9\n";
+    place.block("bounce.toml", &format!("{bounce}[sweep]\nrepeat = 3\n"));
+    let arguments = ["bounce.toml", "--set", "duration=1.0", "-j", "1", "--max-fail", "2", "--junit", "junit.xml"];
+    let done = place.runner(&arguments).exits(3);
+    assert!(done.stdout.contains("1 run not started"), "{}", done.stdout);
+    let text = read(&place, "junit.xml");
+    let document = Document::parse(&text).unwrap();
+    assert_eq!(counts(document.root_element()), [3, 0, 2, 1]);
+    let cases = cases(&document);
+    assert_eq!(cases.iter().map(|c| c.attribute("name").unwrap()).collect::<Vec<_>>(), ["seed=1", "seed=2", "seed=3"]);
+    let error = child(cases[0], "error").unwrap();
+    assert_eq!(error.attribute("type"), Some("stalled"));
+    assert!(error.attribute("message").unwrap().contains("contact events within one second"));
+    assert_eq!(child(cases[2], "skipped").unwrap().attribute("message"), Some("not started"));
+    assert_eq!(cases[2].attribute("time"), None);
+
+    // Another way not to end, and a reference that is to blame.
+    place.block("late.toml", "[compare]\nreference = { duration = 1e9 }\n");
+    let arguments =
+        ["late.toml", "--set", "duration=0.1", "--set", "log.rate=1", "--timeout", "0.2", "--junit", "late.xml"];
+    place.runner(&arguments).exits(3);
+    let text = read(&place, "late.xml");
+    let document = Document::parse(&text).unwrap();
+    assert_eq!(counts(document.root_element()), [2, 0, 1, 0]);
+    let reference = document.descendants().find(|n| n.has_tag_name("error")).unwrap().parent().unwrap();
+    assert!(reference.attribute("name").unwrap().starts_with("reference "));
+    assert_eq!(property(reference, "outcome"), Some("timed-out"));
+    let run =
+        document.descendants().find(|n| n.attribute("name") == Some("late") && n.has_tag_name("testcase")).unwrap();
+    assert!(child(run, "system-out").unwrap().text().unwrap().starts_with("not compared: its reference "));
+}
+
+#[test]
+fn names_and_messages_are_escaped_and_stay_apart() {
+    let place = Place::new();
+    place.block("a&b.toml", "[sweep]\ngrid = { description = [\"x < \\\"y\\\" & 'z'\", \"tab\\tbell\\u0007\"] }\n");
+    place.runner(&["a&b.toml", "--set", "duration=0.01", "--junit", "junit.xml"]).exits(0);
+    let text = read(&place, "junit.xml");
+    let document = Document::parse(&text).unwrap();
+    let cases = cases(&document);
+    assert_eq!(cases[0].attribute("classname"), Some("a&b"));
+    assert_eq!(cases[0].attribute("name"), Some("description=x < \"y\" & 'z'"));
+    // XML has no place for the bell.
+    assert!(cases[1].attribute("name").unwrap().starts_with("description=tab"), "{text}");
+    assert!(!text.contains('\u{7}'));
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_told_before_anything_runs() {
+    let place = Place::new();
+    place.block("s.toml", "").write("in-the-way", "");
+    let done = place.runner(&["s.toml", "--junit", "in-the-way/junit.xml"]).exits(2);
+    assert!(done.stderr.contains("cannot write results into in-the-way"), "{}", done.stderr);
+    place.runner(&["s.toml", "--junit", "block"]).exits(2);
+    assert!(!place.path("results").exists());
+}

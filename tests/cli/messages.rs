@@ -1,0 +1,171 @@
+//! `--message-format json`: every line a message, as the schema says, in an order that can be relied on.
+
+use serde_json::Value;
+
+use super::{Done, Place};
+
+fn lines(done: &Done) -> Vec<Value> {
+    let lines: Vec<Value> = done.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    for line in &lines {
+        assert_eq!(line["schema"], 1);
+        conforms(line);
+    }
+    lines
+}
+
+fn events(lines: &[Value]) -> Vec<&str> {
+    lines.iter().map(|line| line["event"].as_str().unwrap()).collect()
+}
+
+/// Are the fields of a message those that the schema has for it, and are all that it requires there?
+fn conforms(line: &Value) {
+    let schema = stiction::batch::message_schema();
+    let resolved = |part: &Value| match part["$ref"].as_str() {
+        Some(path) => schema.pointer(path.trim_start_matches('#')).unwrap().clone(),
+        None => part.clone(),
+    };
+    let is_it = |variant: &&Value| variant["properties"]["event"]["const"] == line["event"];
+    let variant = schema["oneOf"].as_array().unwrap().iter().find(is_it).unwrap_or_else(|| panic!("{line}"));
+    let parts = [schema.clone(), variant.clone(), resolved(variant)];
+    let mut known = Vec::new();
+    for part in &parts {
+        known.extend(part["properties"].as_object().into_iter().flat_map(|p| p.keys().cloned()));
+        for required in part["required"].as_array().into_iter().flatten() {
+            assert!(line.get(required.as_str().unwrap()).is_some(), "{required} is missing in {line}");
+        }
+    }
+    for key in line.as_object().unwrap().keys() {
+        assert!(known.contains(key), "{key} of {} is not in the schema", line["event"]);
+    }
+}
+
+#[test]
+fn a_batch_from_its_start_to_its_exit_code() {
+    let place = Place::new();
+    place.block(
+        "s.toml",
+        "[compare]\nreference = { \"integrator.relative_tolerance\" = 1e-9 }\n[[expect]]\nmetric = \"duration_s\"\nmax = 0.15\n\
+         [sweep]\ngrid = { duration = [0.1, 0.2], \"floor.friction\" = [0.4] }\n",
+    );
+    let arguments = ["s.toml", "--message-format", "json", "-j", "1", "--no-timing", "--junit", "junit.xml"];
+    let done = place.runner(&arguments).exits(1);
+    let lines = lines(&done);
+    let run = ["run-started", "run-finished"];
+    assert_eq!(events(&lines), [&["batch-started"][..], &run, &run, &run, &run, &["batch-finished"]].concat());
+    let first = &lines[0];
+    assert_eq!((&first["runs"], &first["references"], &first["jobs"]), (&2.into(), &2.into(), &1.into()));
+    assert_eq!(first["files"], serde_json::json!(["s.toml"]));
+
+    let finished: Vec<&Value> = lines.iter().filter(|l| l["event"] == "run-finished").collect();
+    let references: Vec<bool> = finished.iter().map(|l| l["reference"].as_bool().unwrap()).collect();
+    assert_eq!(references, [true, false, true, false]);
+    let (good, bad) = (finished[1], finished[3]);
+    assert_eq!((&good["outcome"], &good["accepted"]), (&"passed".into(), &true.into()));
+    assert_eq!((&bad["outcome"], &bad["accepted"]), (&"failed".into(), &false.into()));
+    assert_eq!(bad["parameters"], serde_json::json!({ "duration": 0.2, "floor.friction": 0.4 }));
+    let expectation = &bad["expectations"][0];
+    assert_eq!((&expectation["metric"], &expectation["measured"]), (&"duration_s".into(), &0.2.into()));
+    assert_eq!((&expectation["max"], &expectation["held"]), (&0.15.into(), &false.into()));
+
+    // The figures are those of the summary, empty cells null.
+    let summary = place.summary("results");
+    assert_eq!(summary.column("key"), [good["key"].as_str().unwrap(), bad["key"].as_str().unwrap()]);
+    let own = ["scenario", "key", "outcome", "message", "method", "integrator", "seed", "duration", "floor.friction"];
+    for (column, name) in summary.header.iter().enumerate().filter(|(_, name)| !own.contains(&name.as_str())) {
+        let told = &good["metrics"][name];
+        let cell = &summary.rows[0][column];
+        let agree = if cell.is_empty() { told.is_null() } else { told.as_f64() == cell.parse().ok() };
+        assert!(agree, "{name}: {told} and `{cell}`");
+    }
+    let folder = place.path(good["folder"].as_str().unwrap());
+    assert!(folder.join("run.json").is_file() && folder.ends_with(good["key"].as_str().unwrap()));
+
+    let last = lines.last().unwrap();
+    assert_eq!((&last["exit_code"], &last["not_started"]), (&1.into(), &0.into()));
+    assert_eq!(last["outcomes"], serde_json::json!({ "passed": 1, "failed": 1 }));
+    for file in last["files"].as_array().unwrap() {
+        assert!(place.path(file.as_str().unwrap()).is_file(), "{file}");
+    }
+    assert!(last["files"].as_array().unwrap().contains(&"junit.xml".into()));
+}
+
+#[test]
+fn diagnostics_have_file_line_column_key_and_help() {
+    let place = Place::new();
+    place
+        .block("a.toml", "[floor]\nfrction = 0.5\n")
+        .block("b.toml", "[[task]]\ntype = \"posture\"\njoints = { knee = 1 }\n");
+    for (command, last) in [("check", "check-finished"), ("run", "batch-finished")] {
+        let done = place.runner(&[command, "a.toml", "b.toml", "--message-format", "json"]).exits(2);
+        let lines = lines(&done);
+        assert_eq!(events(&lines), ["diagnostic", "diagnostic", last]);
+        let (a, b) = (&lines[0], &lines[1]);
+        assert_eq!(
+            (&a["severity"], &a["file"], &a["key"]),
+            (&"error".into(), &"a.toml".into(), &"floor.frction".into())
+        );
+        assert_eq!((&a["line"], &a["column"]), (&4.into(), &1.into()));
+        assert!(a["help"].as_str().unwrap().contains("did you mean `friction`?"), "{a}");
+        assert!(a["rendered"].as_str().unwrap().contains("4 | frction = 0.5"), "{a}");
+        assert_eq!((&b["line"], &b["key"]), (&5.into(), &"task.0.joints.knee".into()));
+        assert_eq!(lines[2]["exit_code"], 2);
+        assert!(done.stderr.contains("2 errors"), "people are told as ever: {}", done.stderr);
+    }
+
+    // A robot file, a robot's warning, an override, a filter.
+    let robot = std::fs::read_to_string(place.path("block/block.toml")).unwrap();
+    place.block("s.toml", "").write("block/block.toml", robot.replace("link = \"block\"", "link = \"blok\""));
+    let lines_of = |arguments: &[&str], code| {
+        lines(&place.runner(&[&["check", "--message-format", "json"], arguments].concat()).exits(code))
+    };
+    let told = &lines_of(&["s.toml"], 2)[0];
+    assert_eq!(told["file"], "block/block.toml");
+    assert!(told["line"].is_u64() && told["column"].is_u64() && told["key"].is_string(), "{told}");
+    place.write("block/block.toml", robot);
+    let told = &lines_of(&["s.toml", "--set", "floor.friction=-1"], 2)[0];
+    assert_eq!((&told["file"], &told["key"]), (&"--set".into(), &"floor.friction".into()));
+    let told = &lines_of(&["s.toml", "--filter", "seed = 1"], 2)[0];
+    assert_eq!((&told["file"], &told["column"], &told["key"]), (&"--filter".into(), &6.into(), &Value::Null));
+    let urdf = std::fs::read_to_string(place.path("block/block.urdf")).unwrap();
+    place.write("block/block.urdf", urdf.replacen("<box size=\"0.2 0.2 0.1\"/>", "<mesh filename=\"none.stl\"/>", 1));
+    let told = lines_of(&["s.toml"], 0);
+    assert_eq!((&told[0]["severity"], &told[0]["file"]), (&"warning".into(), &"block/block.urdf".into()));
+    assert_eq!(told.last().unwrap()["runs"], 1);
+}
+
+#[test]
+fn what_goes_wrong_with_the_batch_is_in_its_last_message() {
+    let place = Place::new();
+    place.block("s.toml", "").write("file", "");
+    let done = place.runner(&["s.toml", "--message-format", "json", "-o", "file/results"]).exits(2);
+    let lines = lines(&done);
+    assert_eq!(events(&lines), ["batch-finished"]);
+    assert!(lines[0]["error"].as_str().unwrap().contains("cannot write results into file/results"), "{}", lines[0]);
+    let done = place.runner(&["s.toml", "--message-format", "json", "--filter", "seed == 9"]).exits(4);
+    assert_eq!(self::lines(&done)[0]["exit_code"], 4);
+}
+
+#[test]
+fn a_run_that_takes_long_is_named_while_it_runs_and_at_the_end() {
+    let place = Place::new();
+    // The second takes some hundred times as long as the first, whatever the machine.
+    place.block("s.toml", "[log]\nrate = 0\n[sweep]\ngrid = { duration = [1e-3, 1e9] }\n");
+    let arguments = ["s.toml", "-j", "1", "--slow", "0.5", "--timeout", "1.5"];
+    let done = place.runner(&[&arguments[..], &["--message-format", "json", "--junit", "junit.xml"]].concat()).exits(3);
+    let lines = lines(&done);
+    assert_eq!(
+        events(&lines),
+        ["batch-started", "run-started", "run-finished", "run-started", "run-slow", "run-finished", "batch-finished"]
+    );
+    assert_eq!((&lines[2]["slow"], &lines[5]["slow"]), (&false.into(), &true.into()));
+    assert_eq!(lines[4]["after_s"], 0.5);
+    assert_eq!(lines[4]["key"], lines[5]["key"]);
+    assert!(done.stderr.contains("slow: s duration=1000000000.0 has been running for 0.5 s"), "{}", done.stderr);
+    let junit = std::fs::read_to_string(place.path("junit.xml")).unwrap();
+    assert_eq!(junit.matches("<property name=\"slow\" value=\"true\"/>").count(), 1);
+
+    let done = place.runner(&arguments).exits(3);
+    let key = lines[5]["key"].as_str().unwrap();
+    assert!(done.stdout.contains(&format!("slow: s {key} took 1.5")), "{}", done.stdout);
+    assert_eq!(done.stdout.matches("slow: ").count(), 1);
+}
