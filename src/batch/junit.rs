@@ -60,12 +60,18 @@ impl Junit {
         })
     }
 
-    /// Writes the file, whole or not at all: reference runs first in their suites, then the runs in the order of the plan.
+    /// Writes the file, whole or not at all: suites and runs in the order of the plan, reference runs first in their suites.
     ///
     /// # Errors
     /// It cannot be written.
     pub fn write(self) -> Result<PathBuf, RecordError> {
-        let cases: Vec<JunitCase> = self.references.into_iter().chain(self.runs).collect();
+        let mut order = HashMap::new();
+        for case in &self.runs {
+            let next = order.len();
+            order.entry(case.suite.clone()).or_insert(next);
+        }
+        let mut cases: Vec<JunitCase> = self.references.into_iter().chain(self.runs).collect();
+        cases.sort_by_key(|case| order.get(&case.suite).copied());
         write_junit(&self.path, &cases, self.since.elapsed())?;
         Ok(self.path)
     }

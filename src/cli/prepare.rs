@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use stiction::batch::{self, Filter, Finding, Findings, Plan, Severity};
+use stiction::batch::{self, Filter, Finding, Findings, Message, Plan, Severity};
 use stiction::scenario::{DEFAULT_MAX_RUNS, Diagnostic, parse_override};
 
 use super::machine::MessageFormat;
@@ -53,7 +53,9 @@ impl Scenarios {
         };
         say(&findings)?;
         if self.strict && findings.count(Severity::Warning) > 0 {
-            terminal::complain("error: with --strict, warnings are errors");
+            let wrong = Finding::Plan("with --strict, warnings are errors".into());
+            terminal::complain(&wrong.render(false));
+            format.tell(Message::Diagnostic((&wrong).into()))?;
             return Err(Exit::Invalid);
         }
         if plan.jobs.is_empty() {

@@ -185,7 +185,9 @@ fn expand(
         found.append(read);
         found.explain(|span| other_place(span, &swept, &base, sources));
         let mut warnings = findings.append(found).into_diagnostics(sources);
-        let reference = Reference::read(&root, sources, findings);
+        let mut reference = Reference::read(&root, sources, findings);
+        let of_reference = reference.as_mut().map(|r| std::mem::take(&mut r.warnings)).unwrap_or_default();
+        warnings.0.extend(of_reference.into_diagnostics(sources).0);
         if findings.errors() >= MAX_ERRORS {
             return None;
         }

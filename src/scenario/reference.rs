@@ -18,6 +18,8 @@ pub(super) struct Reference {
     pub scenario: Scenario,
     /// What was put over the cell, and where it was written.
     pub values: Vec<(Path, Node)>,
+    /// What is found in it alone and makes it no less a reference.
+    pub warnings: Findings,
 }
 
 impl Reference {
@@ -50,9 +52,14 @@ impl Reference {
             tree.remove(part);
         }
         let (scenario, found) = scenario::read(&tree);
-        findings.append(found);
+        let mut warnings = findings.append(found);
+        warnings.explain(|_| Some("this is so in the reference run".into()));
         let log = sampled(cell);
-        scenario.filter(|_| sound).map(|scenario| Reference { scenario: Scenario { log, ..scenario }, values })
+        scenario.filter(|_| sound).map(|scenario| Reference {
+            scenario: Scenario { log, ..scenario },
+            values,
+            warnings,
+        })
     }
 
     /// Does the reference have a seed of its own?

@@ -155,6 +155,17 @@ fn strict_takes_warnings_for_errors() {
     place.runner(&["run", "--strict", "warned.toml"]).exits(2);
     assert!(!place.path("results").exists());
 
+    // So it is if only the reference ends before.
+    place.block(
+        "shorter.toml",
+        "[[force]]\ntype = \"push\"\nlink = \"block\"\nforce = [1, 0, 0]\nstart = 2.0\nduration = 0.1\n\
+         [compare]\nreference = { duration = 1.0 }\n",
+    );
+    let plain = place.runner(&["check", "shorter.toml"]).exits(0);
+    assert!(plain.stderr.contains("starts at 2 s, but the run ends at 1 s"), "{}", plain.stderr);
+    assert!(plain.stderr.contains("this is so in the reference run"), "{}", plain.stderr);
+    place.runner(&["check", "--strict", "shorter.toml"]).exits(2);
+
     // A robot's warnings count as well.
     let urdf = std::fs::read_to_string(place.path("block/block.urdf")).unwrap();
     let no_mesh = urdf.replacen("<box size=\"0.2 0.2 0.1\"/>", "<mesh filename=\"none.stl\"/>", 1);

@@ -92,14 +92,15 @@ fn what_does_not_end_is_an_error_and_what_does_not_begin_is_skipped() {
     assert_eq!(child(cases[2], "skipped").unwrap().attribute("message"), Some("not started"));
     assert_eq!(cases[2].attribute("time"), None);
 
-    // Another way not to end, and a reference that is to blame.
-    place.block("late.toml", "[compare]\nreference = { duration = 1e9 }\n");
-    let arguments =
-        ["late.toml", "--set", "duration=0.1", "--set", "log.rate=1", "--timeout", "0.2", "--junit", "late.xml"];
-    place.runner(&arguments).exits(3);
+    // Another way not to end, and a reference that is to blame; suites stand in the order of the scenarios.
+    place.block("early.toml", "").block("late.toml", "[compare]\nreference = { duration = 1e9 }\n");
+    let short = ["--set", "duration=0.1", "--set", "log.rate=1", "--timeout", "2", "--junit", "late.xml"];
+    place.runner(&[&["early.toml", "late.toml"], &short[..]].concat()).exits(3);
     let text = read(&place, "late.xml");
     let document = Document::parse(&text).unwrap();
-    assert_eq!(counts(document.root_element()), [2, 0, 1, 0]);
+    assert_eq!(counts(document.root_element()), [3, 0, 1, 0]);
+    let suites: Vec<_> = document.root_element().children().filter_map(|n| n.attribute("name")).collect();
+    assert_eq!(suites, ["early", "late"]);
     let reference = document.descendants().find(|n| n.has_tag_name("error")).unwrap().parent().unwrap();
     assert!(reference.attribute("name").unwrap().starts_with("reference "));
     assert_eq!(property(reference, "outcome"), Some("timed-out"));

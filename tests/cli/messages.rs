@@ -131,6 +131,9 @@ fn diagnostics_have_file_line_column_key_and_help() {
     let told = lines_of(&["s.toml"], 0);
     assert_eq!((&told[0]["severity"], &told[0]["file"]), (&"warning".into(), &"block/block.urdf".into()));
     assert_eq!(told.last().unwrap()["runs"], 1);
+    let told = lines_of(&["s.toml", "--strict"], 2);
+    assert_eq!(events(&told[told.len() - 2..]), ["diagnostic", "check-finished"]);
+    assert_eq!(told[told.len() - 2]["message"], "with --strict, warnings are errors");
 }
 
 #[test]

@@ -8,8 +8,9 @@ use crate::record::ParamValue;
 /// An expression over one run.
 #[derive(Clone, Debug)]
 pub(super) enum Expression {
-    Any(Box<Expression>, Box<Expression>),
-    All(Box<Expression>, Box<Expression>),
+    /// Two or more, side by side: however long the text, the tree is as deep as its brackets.
+    Any(Vec<Expression>),
+    All(Vec<Expression>),
     Not(Box<Expression>),
     /// A comparison, by its position in the text: the first is 0.
     Holds(usize, Comparison),
@@ -86,7 +87,7 @@ impl Expression {
     /// All comparisons, in the order of the text.
     pub fn comparisons(&self) -> Vec<&Comparison> {
         match self {
-            Expression::Any(a, b) | Expression::All(a, b) => [a.comparisons(), b.comparisons()].concat(),
+            Expression::Any(all) | Expression::All(all) => all.iter().flat_map(Expression::comparisons).collect(),
             Expression::Not(a) => a.comparisons(),
             Expression::Holds(_, comparison) => vec![comparison],
         }
@@ -95,8 +96,8 @@ impl Expression {
     /// Its value when that of each comparison is known.
     pub fn value(&self, held: &[bool]) -> bool {
         match self {
-            Expression::Any(a, b) => a.value(held) || b.value(held),
-            Expression::All(a, b) => a.value(held) && b.value(held),
+            Expression::Any(all) => all.iter().any(|one| one.value(held)),
+            Expression::All(all) => all.iter().all(|one| one.value(held)),
             Expression::Not(a) => !a.value(held),
             Expression::Holds(index, _) => held[*index],
         }
@@ -106,8 +107,11 @@ impl Expression {
 impl fmt::Display for Expression {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Expression::Any(a, b) => write!(f, "({a} or {b})"),
-            Expression::All(a, b) => write!(f, "({a} and {b})"),
+            Expression::Any(all) | Expression::All(all) => {
+                let word = if matches!(self, Expression::Any(_)) { " or " } else { " and " };
+                let all: Vec<String> = all.iter().map(Expression::to_string).collect();
+                write!(f, "({})", all.join(word))
+            }
             Expression::Not(a) => write!(f, "not {a}"),
             Expression::Holds(_, Comparison { subject, relation, wanted, .. }) => {
                 let values: Vec<String> = wanted.iter().map(literal).collect();

@@ -49,19 +49,21 @@ struct Parser<'a> {
 
 impl<'a> Parser<'a> {
     fn any(&mut self) -> Parsed<Expression> {
-        let mut left = self.all()?;
+        let first = self.all()?;
+        let mut any = vec![first];
         while self.word("or") || self.sign("||") {
-            left = Expression::Any(Box::new(left), Box::new(self.all()?));
+            any.push(self.all()?);
         }
-        Ok(left)
+        Ok(if any.len() == 1 { any.remove(0) } else { Expression::Any(any) })
     }
 
     fn all(&mut self) -> Parsed<Expression> {
-        let mut left = self.one()?;
+        let first = self.one()?;
+        let mut all = vec![first];
         while self.word("and") || self.sign("&&") {
-            left = Expression::All(Box::new(left), Box::new(self.one()?));
+            all.push(self.one()?);
         }
-        Ok(left)
+        Ok(if all.len() == 1 { all.remove(0) } else { Expression::All(all) })
     }
 
     fn one(&mut self) -> Parsed<Expression> {
