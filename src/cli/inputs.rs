@@ -22,10 +22,11 @@ pub fn scenario_files(typed: &[PathBuf]) -> Result<Vec<PathBuf>, Exit> {
                 }
             }
         } else if let Some(command) = misspelt(path) {
-            terminal::complain(&format!(
-                "error: there is no file or command `{}`; did you mean `runner {command}`?",
-                path.display()
-            ));
+            let typed = path.display();
+            terminal::complain(&match path.as_os_str() == command {
+                true => format!("error: a command stands before options and files: `runner {command} ...`"),
+                false => format!("error: there is no file or command `{typed}`; did you mean `runner {command}`?"),
+            });
             wrong = true;
         } else {
             files.push(path.clone());

@@ -26,17 +26,17 @@ impl Manual {
                 Exit::Invalid
             }
         };
+        // `help` repeats the others and has no page.
+        let command = Arguments::command().disable_help_subcommand(true);
         match self.folder {
             None => {
                 let mut page = Vec::new();
-                Man::new(Arguments::command()).render(&mut page).map_err(refused("the page".into()))?;
+                Man::new(command).render(&mut page).map_err(refused("the page".into()))?;
                 print(&String::from_utf8_lossy(&page))?;
             }
             Some(folder) => {
                 let named = folder.display().to_string();
                 std::fs::create_dir_all(&folder).map_err(refused(named.clone()))?;
-                // `help` repeats the others and has no page.
-                let command = Arguments::command().disable_help_subcommand(true);
                 clap_mangen::generate_to(command, &folder).map_err(refused(named))?;
             }
         }

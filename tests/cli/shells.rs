@@ -57,6 +57,7 @@ fn the_manual_has_a_page_per_command() {
     let place = Place::new();
     let page = place.runner(&["man"]).exits(0).stdout;
     assert!(page.contains(".TH runner 1") && page.contains("Exit codes:"), "{page}");
+    assert!(page.contains("runner\\-run(1)") && !page.contains("runner\\-help"), "pages that are there: {page}");
     place.runner(&["man", "--folder", "man/man1"]).exits(0);
     let mut pages: Vec<String> = std::fs::read_dir(place.path("man/man1"))
         .unwrap()

@@ -76,6 +76,7 @@ fn mistakes() {
         ("filter-syntax", &["good.toml", "--filter", "name = 'good'"]),
         ("usage-option", &["good.toml", "--max-fial", "2"]),
         ("usage-command", &["chekc"]),
+        ("usage-command-late", &["--color", "never", "check", "good.toml"]),
         ("usage-no-file", &["nothing.toml"]),
     ] {
         same(&format!("mistake-{name}"), &said(&place.runner(arguments)));
