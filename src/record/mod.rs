@@ -42,7 +42,7 @@ pub use junit::{JunitCase, JunitStatus, write_junit};
 pub use log::messages;
 pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
-pub use log::{EstimateSeries, JointReadings, SoleReadings};
+pub use log::{EstimateSeries, JointReadings, SelfCollisionSeries, SoleReadings};
 pub use number::Measure;
 pub use parameter::{ParamValue, is_truth};
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
