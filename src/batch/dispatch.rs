@@ -1,6 +1,8 @@
 //! The one who is told everything: keeps the order, the clock of each run, and the only voice.
 
 use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
@@ -8,12 +10,15 @@ use std::time::{Duration, Instant};
 use super::cancel::Gate;
 use super::clock::{self, Lap};
 use super::event::{Event, Work};
-use super::{Cancellation, Finished, Job, Options, Plan, Progress, Reason};
+use super::store::Store;
+use super::{Cancellation, Finished, Job, Options, Plan, Progress, Reason, Resumed};
 use crate::record::{RecordError, RunRecord, RunsLog};
 use crate::sim::Outcome;
 
 /// A run that has started and not finished.
 struct Active {
+    /// None for a repetition.
+    job: Option<Arc<Job>>,
     cancellation: Arc<Cancellation>,
     /// When its time is up; none: never, or it has been told already.
     deadline: Option<Instant>,
@@ -21,10 +26,8 @@ struct Active {
 
 /// What was collected.
 pub(super) struct Collected {
-    /// In the order of the plan.
-    pub finished: Vec<Finished>,
-    /// The same for references.
-    pub references: Vec<Finished>,
+    pub finished: Store,
+    pub references: Store,
     pub interrupted: bool,
 }
 
@@ -36,9 +39,13 @@ pub(super) struct Dispatcher<'a> {
     runs_log: &'a mut RunsLog,
     progress: Progress,
     active: BTreeMap<Work, Active>,
-    finished: BTreeMap<usize, Finished>,
-    references: BTreeMap<usize, Finished>,
+    finished: Store,
+    references: Store,
+    /// Runs to be repeated for timing.
+    again: Vec<usize>,
     laps: BTreeMap<usize, Vec<Lap>>,
+    /// What there is to tell of repetitions.
+    notes: BTreeMap<usize, Vec<String>>,
     interruptions: u32,
     failure: Option<RecordError>,
 }
@@ -50,7 +57,10 @@ impl<'a> Dispatcher<'a> {
         gate: &'a Gate,
         runs_log: &'a mut RunsLog,
         progress: Progress,
+        resumed: Resumed,
     ) -> Self {
+        let Resumed { finished, references, again, .. } = resumed;
+        progress.skipped(finished.count + references.count);
         Self {
             plan,
             options,
@@ -58,9 +68,11 @@ impl<'a> Dispatcher<'a> {
             runs_log,
             progress,
             active: BTreeMap::new(),
-            finished: BTreeMap::new(),
-            references: BTreeMap::new(),
+            finished,
+            references,
+            again,
             laps: BTreeMap::new(),
+            notes: BTreeMap::new(),
             interruptions: 0,
             failure: None,
         }
@@ -74,7 +86,7 @@ impl<'a> Dispatcher<'a> {
                 None => events.recv().map_err(RecvTimeoutError::from),
             };
             match event {
-                Ok(Event::Started { work, at, cancellation }) => self.started(work, at, cancellation),
+                Ok(Event::Started { work, job, at, cancellation }) => self.started(work, job, at, cancellation),
                 Ok(Event::Finished { work, finished }) => self.finished(work, *finished),
                 Ok(Event::Round { round, rounds, runs }) => self.progress.round(round, rounds, runs),
                 Ok(Event::Timed { index, lap }) => self.timed(index, lap),
@@ -87,13 +99,12 @@ impl<'a> Dispatcher<'a> {
     }
 
     /// The runs to be repeated for timing: those that ended by themselves, unless no more shall begin.
-    pub fn to_repeat(&self) -> Vec<&'a Job> {
+    pub fn take_repeats(&mut self) -> Vec<usize> {
         if self.gate.is_closed() || !self.options.timing {
             return Vec::new();
         }
-        let whole = |f: &Finished| matches!(f.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen);
-        let finished = self.finished.iter().filter(|(_, f)| whole(f)).map(|(index, _)| &self.plan.jobs[*index]);
-        finished.filter(|job| job.repetitions() > 0).collect()
+        self.again.sort_unstable();
+        std::mem::take(&mut self.again)
     }
 
     /// All finished runs in the order of the plan.
@@ -106,19 +117,20 @@ impl<'a> Dispatcher<'a> {
             return Err(error);
         }
         for (index, laps) in &self.laps {
-            let Some(finished) = self.finished.get_mut(index) else { continue };
-            let path = self.plan.jobs[*index].folder(&self.options.output).join("run.json");
+            let path = self.plan.folder(*index, &self.options.output).join("run.json");
             let mut record = RunRecord::read(&path)?;
             record.timing.repeats = clock::repeats(laps);
-            finished.row.repeats = record.timing.repeats;
-            record.notes.clone_from(&finished.notes);
+            record.notes.extend(self.notes.remove(index).into_iter().flatten());
             record.write(&path)?;
+            if let Some(finished) = self.finished.get_mut(*index) {
+                finished.row.repeats = record.timing.repeats;
+                finished.notes = record.notes;
+            }
         }
-        Ok(Collected {
-            finished: self.finished.into_values().collect(),
-            references: self.references.into_values().collect(),
-            interrupted: self.interruptions > 0,
-        })
+        for (index, notes) in self.notes {
+            self.finished.get_mut(index).into_iter().for_each(|finished| finished.notes.extend(notes.iter().cloned()));
+        }
+        Ok(Collected { finished: self.finished, references: self.references, interrupted: self.interruptions > 0 })
     }
 
     /// How long nothing needs to be done unless something happens.
@@ -129,32 +141,39 @@ impl<'a> Dispatcher<'a> {
         next.into_iter().chain(self.progress.tick_interval()).min()
     }
 
-    fn started(&mut self, work: Work, at: Instant, cancellation: Arc<Cancellation>) {
+    fn started(&mut self, work: Work, job: Option<Arc<Job>>, at: Instant, cancellation: Arc<Cancellation>) {
         if self.interruptions > 1 {
             cancellation.cancel(Reason::Interrupted);
         }
         let deadline = self.options.timeout.and_then(|limit| at.checked_add(limit));
-        self.active.insert(work, Active { cancellation, deadline });
+        self.active.insert(work, Active { job, cancellation, deadline });
         if !matches!(work, Work::Repetition(_)) {
             self.progress.started(self.active.len());
         }
     }
 
     fn finished(&mut self, work: Work, finished: Finished) {
-        self.active.remove(&work);
-        let (job, index) = match work {
-            Work::Reference(index) => (&self.plan.references[index], index),
-            Work::Run(index) | Work::Repetition(index) => (&self.plan.jobs[index], index),
-        };
+        // What ends has begun.
+        let Some(job) = self.active.remove(&work).and_then(|active| active.job) else { return };
         let is_run = matches!(work, Work::Run(_));
         if is_run && let Err(error) = self.runs_log.push(&finished.row) {
             // Results that leave no trace are not worth computing.
             self.gate.close();
             self.failure.get_or_insert(error);
         }
-        let done = self.finished.len() + self.references.len() + 1;
-        self.progress.finished(job, &finished, done, self.plan.jobs.len() + self.plan.references.len());
-        if is_run { &mut self.finished } else { &mut self.references }.insert(index, finished);
+        if finished.row.outcome == Outcome::Error
+            && let Err(error) = writable(&self.options.output)
+        {
+            // The next run would fare no better.
+            self.gate.close();
+            self.failure.get_or_insert(error);
+        }
+        let done = self.finished.count + self.references.count + 1;
+        self.progress.finished(&job, &finished, done, self.plan.runs() + self.plan.references());
+        if is_run && is_to_repeat(&job, &finished) {
+            self.again.push(job.index);
+        }
+        if is_run { &mut self.finished } else { &mut self.references }.insert(job.index, finished);
     }
 
     fn timed(&mut self, index: usize, lap: Result<Lap, String>) {
@@ -163,9 +182,8 @@ impl<'a> Dispatcher<'a> {
         match lap {
             Ok(lap) => self.laps.entry(index).or_default().push(lap),
             Err(reason) => {
-                if let Some(finished) = self.finished.get_mut(&index) {
-                    finished.notes.push(format!("a repetition for timing came to nothing: {reason}"));
-                }
+                let note = format!("a repetition for timing came to nothing: {reason}");
+                self.notes.entry(index).or_default().push(note);
             }
         }
     }
@@ -198,4 +216,19 @@ impl<'a> Dispatcher<'a> {
             }
         }
     }
+}
+
+/// Does a finished run want to be timed more often than it was?
+pub(super) fn is_to_repeat(job: &Job, finished: &Finished) -> bool {
+    let whole = matches!(finished.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen);
+    whole && job.repetitions() > finished.row.repeats.map_or(0, |repeats| repeats.count)
+}
+
+/// More than a folder's entry, so that a disk on which nothing but that has room counts as full.
+const PROBE: usize = 64 << 10;
+
+/// Can results be written at all?
+fn writable(folder: &Path) -> Result<(), RecordError> {
+    let probe = || tempfile::tempfile_in(folder)?.write_all(&[0; PROBE]);
+    probe().map_err(|source| RecordError::Io { path: folder.to_owned(), source })
 }

@@ -65,6 +65,13 @@ impl Progress {
         }
     }
 
+    /// Runs that need not be made.
+    pub(super) fn skipped(&self, runs: usize) {
+        if let Progress::Bar(bar) = self {
+            bar.inc(runs as u64);
+        }
+    }
+
     /// A round of repetitions for timing begins.
     pub(super) fn round(&self, round: u32, rounds: u32, runs: usize) {
         let line = format!("timing: repetition {round} of {rounds}, {runs} one at a time");

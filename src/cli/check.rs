@@ -20,10 +20,10 @@ impl Check {
         let plan = self.scenarios.prepare(Severity::Note)?;
         let mut text = String::new();
         for file in &plan.files {
-            let runs = plan.jobs.iter().filter(|j| j.run.file == *file).count();
+            let runs = plan.runs_of(file);
             text += &format!("{}: {}\n", file.display(), plural(runs, "run"));
         }
-        let runs = counted(plan.jobs.len(), plan.references.len());
+        let runs = counted(plan.runs(), plan.references());
         text += &format!("all good: {}, {runs}\n", plural(plan.files.len(), "scenario"));
         print(&text)?;
         Ok(Exit::Success)

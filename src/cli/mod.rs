@@ -7,6 +7,7 @@ mod export;
 mod inputs;
 mod inspect;
 mod list;
+mod merge;
 mod prepare;
 mod report;
 mod run;
@@ -44,6 +45,9 @@ pub enum Command {
     Inspect(inspect::Inspect),
     /// Write summary and report.html anew from the records of a folder of results
     Report(report::Report),
+    /// Put the results of shards together to those of one batch
+    #[command(after_help = merge::HELP)]
+    Merge(merge::Merge),
     /// Say what differs between two results
     #[command(after_help = compare::HELP)]
     Compare(compare::Compare),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stiction::batch::{self, Plan, Severity};
+use stiction::batch::{self, Plan, Severity, Shard};
 use stiction::scenario::{DEFAULT_MAX_RUNS, parse_override};
 
 use super::{Exit, inputs, terminal};
@@ -20,6 +20,9 @@ pub struct Scenarios {
     /// Refuse to expand to more runs than this
     #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_RUNS)]
     max_runs: usize,
+    /// Only part I of N equal parts, such as 3/8; `env` asks the job array of Slurm or Kubernetes that this is in
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
     /// Take warnings for errors
     #[arg(long)]
     strict: bool,
@@ -29,7 +32,7 @@ impl Scenarios {
     /// Loads, expands and checks everything; shows what there is to say from this severity on.
     pub fn prepare(&self, least: Severity) -> Result<Plan, Exit> {
         let files = inputs::scenario_files(&self.files)?;
-        let (plan, findings) = match batch::prepare(&files, &self.overrides, self.max_runs) {
+        let (mut plan, findings) = match batch::prepare(&files, &self.overrides, self.max_runs) {
             Ok(prepared) => prepared,
             Err(findings) => {
                 terminal::show(&findings, least);
@@ -41,9 +44,14 @@ impl Scenarios {
             terminal::complain("error: with --strict, warnings are errors");
             return Err(Exit::Invalid);
         }
-        if plan.jobs.is_empty() {
+        if plan.runs() == 0 {
             terminal::complain("nothing selected: the scenarios expand to no runs");
             return Err(Exit::Nothing);
+        }
+        if let Some(shard) = self.shard {
+            let all = plan.runs();
+            plan.take_shard(shard);
+            terminal::complain(&format!("shard {shard}: {} of {all}", terminal::plural(plan.runs(), "run")));
         }
         Ok(plan)
     }

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use stiction::batch::{Batch, Options, Progress, Report, Severity, simulate};
+use stiction::batch::{Batch, Options, Progress, Report, Resumed, Severity, simulate};
 use stiction::record::pareto::{Work, pareto_table};
-use stiction::record::{Shown, table, verdicts};
+use stiction::record::{Shown, SummaryRow, table, verdicts};
 use stiction::sim::Problems;
 
 use super::Exit;
@@ -52,6 +52,9 @@ pub struct Run {
     /// Start no more runs after the first that fails or does not finish
     #[arg(long)]
     fail_fast: bool,
+    /// Make only the runs whose results are not in the folder, and say why those that are do not count
+    #[arg(long)]
+    resume: bool,
     /// Wall-clock limit of each run
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<Duration>,
@@ -84,7 +87,7 @@ impl Run {
     /// Checks everything, runs everything, and shows what came of it.
     pub fn execute(self) -> Result<Exit, Exit> {
         let plan = self.scenarios.prepare(Severity::Note)?;
-        let (runs, references) = (plan.jobs.len(), plan.references.len());
+        let (runs, references) = (plan.runs(), plan.references());
         let repetitions = if self.no_timing { 0 } else { plan.repetitions() };
         let options = Options {
             output: self.output.clone(),
@@ -98,12 +101,16 @@ impl Run {
                 Some(Which::All) => Problems::All,
             },
             timing: !self.no_timing,
+            resume: self.resume,
         };
         let side_by_side = options.jobs.min(runs + references);
         let batch = Batch::new(plan, options).map_err(|error| {
             complain(&format!("error: {error}"));
             Exit::Invalid
         })?;
+        if self.resume {
+            resumed(batch.resumed());
+        }
         let interrupter = batch.interrupter();
         if let Err(error) = ctrlc::set_handler(move || interrupter.interrupt()) {
             complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
@@ -115,6 +122,7 @@ impl Run {
         complain(&format!("{}, {side_by_side} side by side{then}", counted(runs, references)));
         let report = batch.run(Progress::on_stderr(runs + references), &simulate).map_err(|error| {
             complain(&format!("error: {error}"));
+            complain("what was finished is kept; the same with --resume goes on from there");
             Exit::Unfinished
         })?;
         print(&summary(&report, self.verdicts))?;
@@ -122,10 +130,40 @@ impl Run {
     }
 }
 
+/// What is there already, and why other runs are made again.
+fn resumed(resumed: &Resumed) {
+    complain(&format!("resumed: {} done already", counted(resumed.runs(), resumed.references())));
+    for again in resumed.again().iter().take(MOST_NAMED) {
+        let example =
+            if again.runs > 1 { format!(", such as {}", again.example) } else { format!(", {}", again.example) };
+        complain(&format!("  {} again: {}{example}", plural(again.runs, "run"), again.why));
+    }
+    let more: usize = resumed.again().iter().skip(MOST_NAMED).map(|again| again.runs).sum();
+    if more > 0 {
+        complain(&format!("  {} again for other reasons", plural(more, "run")));
+    }
+    if resumed.first() > 0 {
+        complain(&format!("  {} for the first time", plural(resumed.first(), "run")));
+    }
+}
+
 /// The table, the verdicts and the paths written.
 fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
-    let rows = report.rows();
-    let mut out = table(&rows);
+    let all = report.rows();
+    // Of more runs than can be kept those are shown that went wrong.
+    let is_whole = report.tally.runs() == all.len();
+    let rows: Vec<_> = if is_whole { all } else { all.into_iter().filter(SummaryRow::is_refused).collect() };
+    let mut out = if is_whole || !rows.is_empty() { table(&rows) } else { String::new() };
+    if !is_whole {
+        let outcomes = report.tally.outcomes().into_iter().map(|(outcome, count)| format!("{count} {outcome}"));
+        let words: Vec<String> = outcomes.collect();
+        let (held, expected) = report.tally.expectations();
+        // A String takes every write.
+        let _ = writeln!(out, "{}: {}", plural(report.tally.runs(), "run"), words.join(", "));
+        if expected > 0 {
+            let _ = writeln!(out, "{held} of {expected} expectations held");
+        }
+    }
     let works: Vec<Work> = rows.iter().map(Work::of).collect();
     let accuracy = pareto_table(&works);
     if !accuracy.is_empty() {
@@ -164,7 +202,7 @@ fn summary(report: &Report, wanted: Option<Verdicts>) -> String {
     for file in report.finished.iter().take(MOST_NAMED).flat_map(|f| &f.files) {
         let _ = writeln!(out, "  {}", file.display());
     }
-    if let more @ 1.. = report.finished.len().saturating_sub(MOST_NAMED) {
+    if let more @ 1.. = report.tally.runs().saturating_sub(MOST_NAMED) {
         let _ = writeln!(out, "  and the same for {}", plural(more, "more run"));
     }
     out
