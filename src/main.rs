@@ -13,6 +13,7 @@ fn main() -> Exit {
         Command::List(list) => list.execute(),
         Command::Inspect(inspect) => inspect.execute(),
         Command::Report(report) => report.execute(),
+        Command::Merge(merge) => merge.execute(),
         Command::Compare(compare) => compare.execute(),
         Command::Export(export) => export.execute(),
         Command::Schema(schema) => schema.execute(),

@@ -1,6 +1,8 @@
 //! The one who is told everything: keeps the order, the clock of each run, and the only voice.
 
 use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
@@ -8,12 +10,15 @@ use std::time::{Duration, Instant};
 use super::cancel::Gate;
 use super::clock::{self, Lap};
 use super::event::{Event, Work};
-use super::{Cancellation, Finished, Job, Listener, Options, Plan, Progress, Reason};
+use super::store::Store;
+use super::{Cancellation, Finished, Job, Listener, Options, Plan, Progress, Reason, Resumed};
 use crate::record::{RecordError, RunRecord, RunsLog};
 use crate::sim::Outcome;
 
 /// A run that has started and not finished.
 struct Active {
+    /// None for a repetition.
+    job: Option<Arc<Job>>,
     cancellation: Arc<Cancellation>,
     /// When its time is up; none: never, or it has been told already.
     deadline: Option<Instant>,
@@ -23,10 +28,8 @@ struct Active {
 
 /// What was collected.
 pub(super) struct Collected {
-    /// In the order of the plan.
-    pub finished: Vec<Finished>,
-    /// The same for references.
-    pub references: Vec<Finished>,
+    pub finished: Store,
+    pub references: Store,
     pub interrupted: bool,
 }
 
@@ -39,9 +42,13 @@ pub(super) struct Dispatcher<'a> {
     progress: Progress,
     listener: &'a mut dyn Listener,
     active: BTreeMap<Work, Active>,
-    finished: BTreeMap<usize, Finished>,
-    references: BTreeMap<usize, Finished>,
+    finished: Store,
+    references: Store,
+    /// Runs to be repeated for timing.
+    again: Vec<usize>,
     laps: BTreeMap<usize, Vec<Lap>>,
+    /// What there is to tell of repetitions.
+    notes: BTreeMap<usize, Vec<String>>,
     interruptions: u32,
     failure: Option<RecordError>,
 }
@@ -54,7 +61,10 @@ impl<'a> Dispatcher<'a> {
         runs_log: &'a mut RunsLog,
         progress: Progress,
         listener: &'a mut dyn Listener,
+        resumed: Resumed,
     ) -> Self {
+        let Resumed { finished, references, again, .. } = resumed;
+        progress.skipped(finished.count + references.count);
         Self {
             plan,
             options,
@@ -63,9 +73,11 @@ impl<'a> Dispatcher<'a> {
             progress,
             listener,
             active: BTreeMap::new(),
-            finished: BTreeMap::new(),
-            references: BTreeMap::new(),
+            finished,
+            references,
+            again,
             laps: BTreeMap::new(),
+            notes: BTreeMap::new(),
             interruptions: 0,
             failure: None,
         }
@@ -79,7 +91,7 @@ impl<'a> Dispatcher<'a> {
                 None => events.recv().map_err(RecvTimeoutError::from),
             };
             match event {
-                Ok(Event::Started { work, at, cancellation }) => self.started(work, at, cancellation),
+                Ok(Event::Started { work, job, at, cancellation }) => self.started(work, job, at, cancellation),
                 Ok(Event::Finished { work, finished }) => self.finished(work, *finished),
                 Ok(Event::Round { round, rounds, runs }) => self.progress.round(round, rounds, runs),
                 Ok(Event::Timed { index, lap }) => self.timed(index, lap),
@@ -93,13 +105,12 @@ impl<'a> Dispatcher<'a> {
     }
 
     /// The runs to be repeated for timing: those that ended by themselves, unless no more shall begin.
-    pub fn to_repeat(&self) -> Vec<&'a Job> {
+    pub fn take_repeats(&mut self) -> Vec<usize> {
         if self.gate.is_closed() || !self.options.timing {
             return Vec::new();
         }
-        let whole = |f: &Finished| matches!(f.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen);
-        let finished = self.finished.iter().filter(|(_, f)| whole(f)).map(|(index, _)| &self.plan.jobs[*index]);
-        finished.filter(|job| job.repetitions() > 0).collect()
+        self.again.sort_unstable();
+        std::mem::take(&mut self.again)
     }
 
     /// All finished runs in the order of the plan.
@@ -112,19 +123,20 @@ impl<'a> Dispatcher<'a> {
             return Err(error);
         }
         for (index, laps) in &self.laps {
-            let Some(finished) = self.finished.get_mut(index) else { continue };
-            let path = self.plan.jobs[*index].folder(&self.options.output).join("run.json");
+            let path = self.plan.folder(*index, &self.options.output).join("run.json");
             let mut record = RunRecord::read(&path)?;
             record.timing.repeats = clock::repeats(laps);
-            finished.row.repeats = record.timing.repeats;
-            record.notes.clone_from(&finished.notes);
+            record.notes.extend(self.notes.remove(index).into_iter().flatten());
             record.write(&path)?;
+            if let Some(finished) = self.finished.get_mut(*index) {
+                finished.row.repeats = record.timing.repeats;
+                finished.notes = record.notes;
+            }
         }
-        Ok(Collected {
-            finished: self.finished.into_values().collect(),
-            references: self.references.into_values().collect(),
-            interrupted: self.interruptions > 0,
-        })
+        for (index, notes) in self.notes {
+            self.finished.get_mut(index).into_iter().for_each(|finished| finished.notes.extend(notes.iter().cloned()));
+        }
+        Ok(Collected { finished: self.finished, references: self.references, interrupted: self.interruptions > 0 })
     }
 
     /// How long nothing needs to be done unless something happens.
@@ -135,33 +147,44 @@ impl<'a> Dispatcher<'a> {
         next.into_iter().chain(self.progress.tick_interval()).min()
     }
 
-    fn started(&mut self, work: Work, at: Instant, cancellation: Arc<Cancellation>) {
+    fn started(&mut self, work: Work, job: Option<Arc<Job>>, at: Instant, cancellation: Arc<Cancellation>) {
         if self.interruptions > 1 {
             cancellation.cancel(Reason::Interrupted);
         }
         let after = |limit: Option<Duration>| limit.and_then(|limit| at.checked_add(limit));
         let deadline = after(self.options.timeout);
-        let is_repetition = matches!(work, Work::Repetition(_));
-        let slow = after(self.options.slow.filter(|_| !is_repetition));
-        self.active.insert(work, Active { cancellation, deadline, slow });
-        if !is_repetition {
+        // Repetitions have no job here, and are not told of.
+        let slow = after(self.options.slow.filter(|_| job.is_some()));
+        let told = job.clone();
+        self.active.insert(work, Active { job, cancellation, deadline, slow });
+        if let Some(job) = told {
             self.progress.started(self.active.len());
-            self.listener.started(self.job(work));
+            self.listener.started(&job);
         }
     }
 
     fn finished(&mut self, work: Work, finished: Finished) {
-        self.active.remove(&work);
-        let job = self.job(work);
+        // What ends has begun.
+        let Some(job) = self.active.remove(&work).and_then(|active| active.job) else { return };
         let is_run = matches!(work, Work::Run(_));
         if is_run && let Err(error) = self.runs_log.push(&finished.row) {
             // Results that leave no trace are not worth computing.
             self.gate.close();
             self.failure.get_or_insert(error);
         }
-        let done = self.finished.len() + self.references.len() + 1;
-        self.progress.finished(job, &finished, done, self.plan.jobs.len() + self.plan.references.len());
-        self.listener.finished(job, &finished);
+        if finished.row.outcome == Outcome::Error
+            && let Err(error) = writable(&self.options.output)
+        {
+            // The next run would fare no better.
+            self.gate.close();
+            self.failure.get_or_insert(error);
+        }
+        let done = self.finished.count + self.references.count + 1;
+        self.progress.finished(&job, &finished, done, self.plan.runs() + self.plan.references());
+        self.listener.finished(&job, &finished);
+        if is_run && is_to_repeat(&job, &finished) {
+            self.again.push(job.index);
+        }
         if is_run { &mut self.finished } else { &mut self.references }.insert(job.index, finished);
     }
 
@@ -171,9 +194,8 @@ impl<'a> Dispatcher<'a> {
         match lap {
             Ok(lap) => self.laps.entry(index).or_default().push(lap),
             Err(reason) => {
-                if let Some(finished) = self.finished.get_mut(&index) {
-                    finished.notes.push(format!("a repetition for timing came to nothing: {reason}"));
-                }
+                let note = format!("a repetition for timing came to nothing: {reason}");
+                self.notes.entry(index).or_default().push(note);
             }
         }
     }
@@ -200,20 +222,12 @@ impl<'a> Dispatcher<'a> {
     fn tell_slow(&mut self) {
         let Some(limit) = self.options.slow else { return };
         let now = Instant::now();
-        let overdue: Vec<Work> =
-            self.active.iter().filter(|(_, a)| a.slow.is_some_and(|at| at <= now)).map(|(work, _)| *work).collect();
-        for work in overdue {
-            self.active.entry(work).and_modify(|a| a.slow = None);
-            let job = self.job(work);
-            self.progress.slow(job, limit);
-            self.listener.slow(job, limit);
-        }
-    }
-
-    fn job(&self, work: Work) -> &'a Job {
-        match work {
-            Work::Reference(index) => &self.plan.references[index],
-            Work::Run(index) | Work::Repetition(index) => &self.plan.jobs[index],
+        for active in self.active.values_mut().filter(|a| a.slow.is_some_and(|at| at <= now)) {
+            active.slow = None;
+            if let Some(job) = &active.job {
+                self.progress.slow(job, limit);
+                self.listener.slow(job, limit);
+            }
         }
     }
 
@@ -226,4 +240,19 @@ impl<'a> Dispatcher<'a> {
             }
         }
     }
+}
+
+/// Does a finished run want to be timed more often than it was?
+pub(super) fn is_to_repeat(job: &Job, finished: &Finished) -> bool {
+    let whole = matches!(finished.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen);
+    whole && job.repetitions() > finished.row.repeats.map_or(0, |repeats| repeats.count)
+}
+
+/// More than a folder's entry, so that a disk on which nothing but that has room counts as full.
+const PROBE: usize = 64 << 10;
+
+/// Can results be written at all?
+fn writable(folder: &Path) -> Result<(), RecordError> {
+    let probe = || tempfile::tempfile_in(folder)?.write_all(&[0; PROBE]);
+    probe().map_err(|source| RecordError::Io { path: folder.to_owned(), source })
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::clock::Lap;
-use super::{Cancellation, Finished};
+use super::{Cancellation, Finished, Job};
 
 /// Something that is done, by its position in the plan.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -23,6 +23,8 @@ pub(super) enum Event {
     Started {
         /// Which.
         work: Work,
+        /// The run; none for a repetition.
+        job: Option<Arc<Job>>,
         /// When.
         at: Instant,
         /// Ends it.

@@ -9,29 +9,35 @@ use super::event::{Event, Work};
 use super::schedule::Schedule;
 use super::{Body, Cancellation, Options, Plan, run};
 
-/// Does the plan's work on every thread of the pool and tells `events` of it; returns when no thread works any more.
+/// Does what is left of the plan's work on every thread of the pool and tells `events` of it; returns when no thread works any more.
 pub(super) fn execute(
     pool: &rayon::ThreadPool,
     plan: &Plan,
     options: &Options,
+    schedule: &Schedule<'_>,
     gate: &Gate,
     events: &Sender<Event>,
     body: &Body<'_>,
 ) {
     let _drained = Drained(events);
     // Not a parallel iterator, which would begin in the middle of the plan.
-    let schedule = Schedule::new(plan);
     pool.broadcast(|_| {
         while let Some((work, against)) = schedule.take(gate) {
             let job = match work {
-                Work::Reference(index) => &plan.references[index],
-                Work::Run(index) | Work::Repetition(index) => &plan.jobs[index],
+                Work::Reference(index) => plan.reference(index),
+                Work::Run(index) | Work::Repetition(index) => plan.job(index),
             };
+            let job = Arc::new(job);
             let cancellation = Arc::new(Cancellation::default());
             // The dispatcher listens until `Drained`.
-            let _ = events.send(Event::Started { work, at: Instant::now(), cancellation: cancellation.clone() });
-            let mut waited_for = WaitedFor { schedule: &schedule, work, result: None };
-            let (finished, trajectory) = run::run(job, options, &cancellation, body, against.as_ref());
+            let _ = events.send(Event::Started {
+                work,
+                job: Some(job.clone()),
+                at: Instant::now(),
+                cancellation: cancellation.clone(),
+            });
+            let mut waited_for = WaitedFor { schedule, work, result: None };
+            let (finished, trajectory) = run::run(&job, options, &cancellation, body, against.as_ref());
             waited_for.result = Some(trajectory);
             drop(waited_for);
             if !finished.accepted {

@@ -34,12 +34,12 @@ impl Junit {
             return Err(BatchError::Output { folder: path.to_owned(), source });
         }
         let mut names = HashMap::new();
-        for job in &plan.jobs {
-            *names.entry((job.run.name.as_str(), name(job))).or_insert(0) += 1;
+        for job in plan.jobs() {
+            *names.entry((job.run.name.clone(), name(&job))).or_insert(0) += 1;
         }
-        let case = |job: &Job| {
-            let plain = name(job);
-            let shared = names.get(&(job.run.name.as_str(), plain.clone())).is_some_and(|count| *count > 1);
+        let case = |job: Job| {
+            let plain = name(&job);
+            let shared = names.get(&(job.run.name.clone(), plain.clone())).is_some_and(|count| *count > 1);
             JunitCase {
                 suite: job.run.name.clone(),
                 // A name that stays when the key changes lets a case be followed from one batch to the next.
@@ -55,8 +55,8 @@ impl Junit {
             output: output.to_owned(),
             slow,
             since: Instant::now(),
-            runs: plan.jobs.iter().map(case).collect(),
-            references: plan.references.iter().map(case).collect(),
+            runs: plan.jobs().map(&case).collect(),
+            references: (0..plan.references()).map(|index| case(plan.reference(index))).collect(),
         })
     }
 
@@ -78,6 +78,12 @@ impl Junit {
 }
 
 impl Listener for Junit {
+    fn kept(&mut self, job: &Job, finished: &Finished) {
+        self.finished(job, finished);
+        let cases = if job.role == Role::Reference { &mut self.references } else { &mut self.runs };
+        cases.iter_mut().skip(job.index).take(1).for_each(|case| case.properties.push(("resumed", "true".into())));
+    }
+
     fn finished(&mut self, job: &Job, finished: &Finished) {
         let cases = if job.role == Role::Reference { &mut self.references } else { &mut self.runs };
         let Some(case) = cases.get_mut(job.index) else { return };

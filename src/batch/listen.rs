@@ -7,6 +7,16 @@ use super::{Finished, Job};
 /// One who is told what happens in a batch, in the order in which it happened, all on one thread. Repetitions for timing
 /// are not told of.
 pub trait Listener {
+    /// Is there anybody?
+    fn listens(&self) -> bool {
+        true
+    }
+
+    /// A run or a reference run need not be made: its records were there. Told of all these before the first begins.
+    fn kept(&mut self, job: &Job, finished: &Finished) {
+        let _ = (job, finished);
+    }
+
     /// A run or a reference run began.
     fn started(&mut self, job: &Job) {
         let _ = job;
@@ -26,9 +36,21 @@ pub trait Listener {
 /// One who does not listen.
 pub struct Nobody;
 
-impl Listener for Nobody {}
+impl Listener for Nobody {
+    fn listens(&self) -> bool {
+        false
+    }
+}
 
 impl Listener for Vec<&mut dyn Listener> {
+    fn listens(&self) -> bool {
+        !self.is_empty()
+    }
+
+    fn kept(&mut self, job: &Job, finished: &Finished) {
+        self.iter_mut().for_each(|l| l.kept(job, finished));
+    }
+
     fn started(&mut self, job: &Job) {
         self.iter_mut().for_each(|l| l.started(job));
     }

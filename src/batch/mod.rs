@@ -26,11 +26,16 @@ mod message;
 mod plan;
 mod progress;
 mod repeat;
+mod resume;
 mod robots;
 mod run;
 mod schedule;
+mod shard;
 mod simulate;
+mod stale;
+mod store;
 
+use std::cell::RefCell;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -38,8 +43,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
 use crate::record::{
-    Machine, PROGRAM, Pictured, RecordError, ReferenceMotion, ReportRun, RunsLog, SummaryFiles, SummaryRow,
-    write_report, write_summary,
+    Machine, PROGRAM, Pictured, RecordError, ReferenceMotion, ReportRun, RunsLog, SHARD_LIST, SummaryFiles, SummaryRow,
+    Tally, remove_partial, write_report_of, write_summary_of,
 };
 use crate::sim::{Outcome, Problems};
 
@@ -53,7 +58,9 @@ pub use message::{
 };
 pub use plan::{Job, Plan, Role, prepare};
 pub use progress::Progress;
+pub use resume::{Again, Resumed};
 pub use run::End;
+pub use shard::{Part, Shard};
 pub use simulate::simulate;
 
 use event::Event;
@@ -77,6 +84,8 @@ pub struct Options {
     pub problems: Problems,
     /// Repeat runs whose scenarios ask for it, to time them?
     pub timing: bool,
+    /// Make only those runs whose results are not there?
+    pub resume: bool,
 }
 
 /// What can go wrong with a batch as a whole; a run's own troubles are its outcome.
@@ -114,8 +123,15 @@ pub struct Finished {
 /// What a batch came to.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// Finished runs in the order of the plan.
+    /// Numbers of all finished runs.
+    pub tally: Tally,
+    /// Finished runs in the order of the plan: all of them unless they are more than [`MOST_KEPT`](crate::record::MOST_KEPT),
+    /// else the first of those that went wrong and of the others.
     pub finished: Vec<Finished>,
+    /// How many of all finished runs did not end as they should, those apart of which an expectation did not hold.
+    pub unfinished: usize,
+    /// Of how many an expectation did not hold.
+    pub failed: usize,
     /// Finished reference runs, in the order in which they are first needed; they have no row in the summary.
     pub references: Vec<Finished>,
     /// Runs that were never started.
@@ -133,16 +149,17 @@ pub struct Report {
 impl Report {
     /// Did some run not reach its end, other than as expected?
     pub fn has_unfinished(&self) -> bool {
-        let mut refused = self.finished.iter().chain(&self.references).filter(|f| !f.accepted);
-        refused.any(|f| !matches!(f.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen))
+        let mut refused = self.references.iter().filter(|f| !f.accepted);
+        self.unfinished > 0
+            || refused.any(|f| !matches!(f.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen))
     }
 
     /// Did an expectation not hold?
     pub fn has_failed(&self) -> bool {
-        self.finished.iter().any(|f| f.row.outcome == Outcome::Failed)
+        self.failed > 0
     }
 
-    /// The rows of the summary.
+    /// The rows of the summary that are at hand.
     pub fn rows(&self) -> Vec<SummaryRow> {
         self.finished.iter().map(|f| f.row.clone()).collect()
     }
@@ -167,22 +184,49 @@ pub struct Batch {
     options: Options,
     runs_log: RunsLog,
     runs_log_path: PathBuf,
+    resumed: Resumed,
     events: (Sender<Event>, Receiver<Event>),
 }
 
 impl Batch {
-    /// Makes sure of the output folder.
+    /// Makes sure of the output folder, and looks for what is done already if that is wanted. From here on no summary of an
+    /// earlier batch is there.
     ///
     /// # Errors
-    /// The folder cannot be created or written.
+    /// The folder cannot be created or written, or another program is writing there.
     pub fn new(plan: Plan, options: Options) -> Result<Self, BatchError> {
         let refused = |source| BatchError::Output { folder: options.output.clone(), source };
         std::fs::create_dir_all(&options.output).map_err(refused)?;
         // The summary is written at the end; that its folder takes files must be known now.
         tempfile::tempfile_in(&options.output).map_err(refused)?;
         let runs_log_path = options.output.join("runs.jsonl");
-        let runs_log = RunsLog::append(&runs_log_path)?;
-        Ok(Self { plan, options, runs_log, runs_log_path, events: channel() })
+        let mut runs_log = RunsLog::append(&runs_log_path)?;
+        remove_partial(&options.output);
+        for name in ["summary.csv", "summary.parquet", "report.html", SHARD_LIST] {
+            match std::fs::remove_file(options.output.join(name)) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(refused(error)),
+                _ => {}
+            }
+        }
+        if let Some(part) = &plan.part {
+            part.head.write(&options.output, plan.shard_runs())?;
+        }
+        let resumed = if options.resume { resume::look(&plan, &options) } else { Resumed::default() };
+        if resumed.runs() > 0 {
+            // Between a run's record and its line the program may have been killed.
+            let told = RunsLog::told(&runs_log_path)?;
+            for index in resumed.finished.positions() {
+                if !told.contains(plan.scenario(index), &plan.key(index)) {
+                    runs_log.push(&resumed.finished.row(index, &plan, &options.output)?)?;
+                }
+            }
+        }
+        Ok(Self { plan, options, runs_log, runs_log_path, resumed, events: channel() })
+    }
+
+    /// What is there already.
+    pub fn resumed(&self) -> &Resumed {
+        &self.resumed
     }
 
     /// A handle that interrupts this batch.
@@ -212,30 +256,44 @@ impl Batch {
         let gate = cancel::Gate::default();
         let (sender, inbox) = self.events;
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.options.jobs.clamp(1, (self.plan.jobs.len() + self.plan.references.len()).max(1)))
+            .num_threads(self.options.jobs.clamp(1, (self.plan.runs() + self.plan.references()).max(1)))
             .thread_name(|i| format!("run-{i}"))
             .build()?;
+        let (plan, output) = (&self.plan, &self.options.output);
+        if listener.listens() {
+            for (store, job) in self.resumed.all(plan) {
+                listener.kept(&job, &store.finished(&job, output)?);
+            }
+        }
+        let schedule = schedule::Schedule::new(plan, &self.resumed);
+        let (options, resumed) = (&self.options, self.resumed);
         let mut dispatcher =
-            dispatch::Dispatcher::new(&self.plan, &self.options, &gate, &mut self.runs_log, progress, listener);
+            dispatch::Dispatcher::new(plan, options, &gate, &mut self.runs_log, progress, listener, resumed);
         std::thread::scope(|scope| {
-            scope.spawn(|| execute::execute(&pool, &self.plan, &self.options, &gate, &sender, body));
+            scope.spawn(|| execute::execute(&pool, &self.plan, &self.options, &schedule, &gate, &sender, body));
             dispatcher.receive(&inbox);
-            let again = dispatcher.to_repeat();
+            let again = dispatcher.take_repeats();
             if !again.is_empty() {
-                let (gate, sender) = (&gate, &sender);
-                scope.spawn(move || repeat::repeat(&again, gate, sender));
+                let (plan, gate, sender) = (&self.plan, &gate, &sender);
+                scope.spawn(move || repeat::repeat(plan, &again, gate, sender));
                 dispatcher.receive(&inbox);
             }
         });
-        let collected = dispatcher.collect()?;
-        let rows: Vec<SummaryRow> = collected.finished.iter().map(|f| f.row.clone()).collect();
-        let summary = if rows.is_empty() { None } else { Some(write_summary(&self.options.output, &rows)?) };
-        let page = if rows.is_empty() { None } else { Some(write_page(&self.options.output, &collected)?) };
+        let dispatch::Collected { finished: store, references, interrupted } = dispatcher.collect()?;
+        let rows = store::AllRows { store: &store, plan, output, tally: RefCell::default() };
+        let summary = if store.count == 0 { None } else { Some(write_summary_of(output, &rows)?) };
+        let (count, tally) = (store.count, rows.tally.into_inner().unwrap_or_default());
+        let (unfinished, failed) = (store.unfinished, store.failed);
+        let (finished, references) = (store.into_kept(), references.into_kept());
+        let page = if count == 0 { None } else { Some(write_page(output, &finished, &tally, &references)?) };
         Ok(Report {
-            not_started: self.plan.jobs.len() - collected.finished.len(),
-            finished: collected.finished,
-            references: collected.references,
-            interrupted: collected.interrupted,
+            not_started: self.plan.runs() - count,
+            tally,
+            finished,
+            unfinished,
+            failed,
+            references,
+            interrupted,
             summary,
             page,
             runs_log: self.runs_log_path,
@@ -244,15 +302,15 @@ impl Batch {
 }
 
 /// Writes `report.html`.
-fn write_page(output: &Path, collected: &dispatch::Collected) -> Result<PathBuf, RecordError> {
+fn write_page(
+    output: &Path,
+    finished: &[Finished],
+    tally: &Tally,
+    references: &[Finished],
+) -> Result<PathBuf, RecordError> {
     let (page, machine) = (output.join("report.html"), Machine::here());
-    write_report(
-        &page,
-        output,
-        &as_reported(&collected.finished, &machine),
-        &as_reported(&collected.references, &machine),
-        &Pictured::Few,
-    )?;
+    let runs = as_reported(finished, &machine);
+    write_report_of(&page, output, (&runs, tally), &as_reported(references, &machine), &Pictured::Few)?;
     Ok(page)
 }
 

@@ -2,37 +2,169 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::robots::Robots;
-use super::{Finding, Findings, keys};
-use crate::record::{ParamValue, is_truth};
+use super::{Finding, Findings, Options, Part, keys};
+use crate::record::{ParamValue, SHARD_LIST, is_truth};
 use crate::robot::{Robot, RobotError};
-use crate::scenario::{self, Run, ScenarioFile};
+use crate::scenario::{self, Diagnostics, Expansion, Run};
 use crate::sim::build::setup;
 
 /// Errors after which checking gives up.
 const MAX_ERRORS: usize = 50;
 
 /// Files of the results, beside which the folder of each scenario stands.
-const RESERVED: [&str; 4] = ["summary.csv", "summary.parquet", "runs.jsonl", "report.html"];
+const RESERVED: [&str; 5] = ["summary.csv", "summary.parquet", "runs.jsonl", "report.html", SHARD_LIST];
 
-/// What will be run, in order.
-#[derive(Clone, Debug)]
+/// What will be run, in order. Runs are made from their numbers when they are wanted, so a plan of millions is small: 24
+/// bytes for each of them.
+#[derive(Clone)]
 pub struct Plan {
-    /// The runs.
-    pub jobs: Vec<Job>,
+    runs: Vec<Ticket>,
     /// The runs that some of these are compared with, each once, in the order in which they are first needed.
-    pub references: Vec<Job>,
+    references: Vec<Ticket>,
+    sources: Vec<Arc<Source>>,
+    robots: Arc<Mutex<Robots>>,
     /// The scenario files they come from.
     pub files: Vec<PathBuf>,
+    /// What it is a part of, if it is.
+    pub part: Option<Part>,
+}
+
+/// A run that has been checked, by the number from which it is made again.
+#[derive(Clone, Copy, Debug)]
+struct Ticket {
+    key: u64,
+    /// Position of its file among the sources.
+    source: u32,
+    /// Its number among the runs of the file; of a reference, that of the first run that needs it.
+    number: u32,
+    /// Position of its reference, or [`NONE`].
+    reference: u32,
+    /// How often it is repeated to time it.
+    repetitions: u32,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// A scenario file from which runs are made.
+struct Source {
+    expansion: Expansion,
+    name: String,
+    /// Do its runs have different seeds?
+    repeated: bool,
 }
 
 impl Plan {
+    /// How many runs.
+    pub fn runs(&self) -> usize {
+        self.runs.len()
+    }
+
+    /// How many references.
+    pub fn references(&self) -> usize {
+        self.references.len()
+    }
+
+    /// Makes the run at a position.
+    pub fn job(&self, index: usize) -> Job {
+        let ticket = self.runs[index];
+        let reference = Some(ticket.reference).filter(|r| *r != NONE).map(|r| r as usize);
+        self.make(index, ticket, Role::Run { reference })
+    }
+
+    /// Makes the reference at a position.
+    pub fn reference(&self, index: usize) -> Job {
+        self.make(index, self.references[index], Role::Reference)
+    }
+
+    /// All runs in order, made one after the other.
+    pub fn jobs(&self) -> impl ExactSizeIterator<Item = Job> {
+        (0..self.runs.len()).map(|index| self.job(index))
+    }
+
+    /// The key of the run at a position.
+    pub fn key(&self, index: usize) -> String {
+        written(self.runs[index].key)
+    }
+
+    /// The scenario of the run at a position.
+    pub fn scenario(&self, index: usize) -> &str {
+        &self.sources[self.runs[index].source as usize].name
+    }
+
+    /// The key of the reference at a position.
+    pub fn reference_key(&self, index: usize) -> String {
+        written(self.references[index].key)
+    }
+
+    /// Position of the reference that a run is compared with.
+    pub fn reference_of(&self, index: usize) -> Option<usize> {
+        Some(self.runs[index].reference).filter(|r| *r != NONE).map(|r| r as usize)
+    }
+
+    /// The folder of the records of the run at a position, below that of the results.
+    pub fn folder(&self, index: usize, results: &Path) -> PathBuf {
+        results.join(self.scenario(index)).join(self.key(index))
+    }
+
+    /// How many runs come from a file.
+    pub fn runs_of(&self, file: &Path) -> usize {
+        self.runs.iter().filter(|t| self.sources[t.source as usize].expansion.file().path == *file).count()
+    }
+
     /// Repetitions for timing, over all runs.
     pub fn repetitions(&self) -> usize {
-        self.jobs.iter().map(|job| job.repetitions() as usize).sum()
+        self.runs.iter().map(|ticket| ticket.repetitions as usize).sum()
     }
+
+    /// How often the run at a position is repeated to time it.
+    pub(super) fn repetitions_of(&self, index: usize) -> u32 {
+        self.runs[index].repetitions
+    }
+
+    /// Keeps the runs at these positions, which ascend, and the references that they need.
+    pub(super) fn keep(&mut self, positions: &[usize]) {
+        let (mut needed, mut known) = (Vec::new(), HashMap::new());
+        let mut runs = Vec::with_capacity(positions.len());
+        for &position in positions {
+            let mut ticket = self.runs[position];
+            if ticket.reference != NONE {
+                ticket.reference = *known.entry(ticket.reference).or_insert_with_key(|old| {
+                    needed.push(self.references[*old as usize]);
+                    needed.len() as u32 - 1
+                });
+            }
+            runs.push(ticket);
+        }
+        (self.runs, self.references) = (runs, needed);
+    }
+
+    fn make(&self, index: usize, ticket: Ticket, role: Role) -> Job {
+        let source = &self.sources[ticket.source as usize];
+        let run = source.expansion.run(ticket.number as usize);
+        let run = if role == Role::Reference { run.and_then(|run| run.reference).map(|run| *run) } else { run };
+        // It was made before, of the same text, values and files, and nothing was wrong with it.
+        let run = run.expect("a run that has been checked");
+        let path = run.resolve(&run.scenario.robot.model);
+        let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
+        let robot = robots.get(&path, &run.scenario.robot).0.expect("a robot that has been loaded");
+        let key = written(ticket.key);
+        let label = if role == Role::Reference { format!("reference {key}") } else { label(&run, source.repeated) };
+        Job { index, run, robot, key, label, role }
+    }
+}
+
+impl std::fmt::Debug for Plan {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Plan").field("runs", &self.runs).field("references", &self.references).finish_non_exhaustive()
+    }
+}
+
+/// Keys are the first 64 bits of a hash, written out.
+fn written(key: u64) -> String {
+    format!("{key:016x}")
 }
 
 /// One run that is ready to go.
@@ -57,7 +189,7 @@ pub struct Job {
 pub enum Role {
     /// A run of its own.
     Run {
-        /// Position in [`Plan::references`] of the run that it is compared with.
+        /// Position among the references of the run that it is compared with.
         reference: Option<usize>,
     },
     /// A run that others are compared with.
@@ -75,12 +207,17 @@ impl Job {
         }
     }
 
-    /// Position in [`Plan::references`] of the run that it is compared with.
+    /// Position among the references of the run that it is compared with.
     pub fn reference(&self) -> Option<usize> {
         match self.role {
             Role::Run { reference } => reference,
             Role::Reference => None,
         }
+    }
+
+    /// Shall it leave a log?
+    pub(super) fn wants_log(&self, options: &Options) -> bool {
+        options.log && self.run.scenario.log.rate > 0.0 && self.role != Role::Reference
     }
 
     /// How often it is repeated to time it.
@@ -105,7 +242,7 @@ fn parameter(value: &toml::Value) -> ParamValue {
     }
 }
 
-/// Loads scenario files and robots, expands sweeps and builds every run's setup once to see that it can be built.
+/// Loads scenario files and robots, makes every run of their sweeps and builds its setup once to see that it can be built.
 ///
 /// `overrides` are values under dotted paths that replace those of every file. No more than `max_runs` runs are made.
 ///
@@ -124,8 +261,12 @@ pub fn prepare(
             break;
         }
     }
-    let Planner { jobs, references, findings, .. } = planner;
-    if findings.errors() > 0 { Err(findings) } else { Ok((Plan { jobs, references, files }, findings)) }
+    let Planner { robots, runs, references, sources, findings, .. } = planner;
+    if findings.errors() > 0 {
+        return Err(findings);
+    }
+    let robots = Arc::new(Mutex::new(robots));
+    Ok((Plan { runs, references, sources, robots, files, part: None }, findings))
 }
 
 /// A file named twice, by itself and by its folder, is one file.
@@ -138,16 +279,15 @@ fn distinct(files: &[PathBuf]) -> Vec<PathBuf> {
 #[derive(Default)]
 struct Planner {
     robots: Robots,
-    jobs: Vec<Job>,
-    references: Vec<Job>,
+    runs: Vec<Ticket>,
+    references: Vec<Ticket>,
+    sources: Vec<Arc<Source>>,
     findings: Findings,
     max_runs: usize,
     /// Scenario names with their files: a name is a folder of the results.
     names: HashMap<String, PathBuf>,
-    /// Folders of the results that are taken.
-    taken: HashMap<(String, String), usize>,
     /// References by key, with the shape of their robots.
-    known: HashMap<String, (usize, Shape)>,
+    known: HashMap<u64, (u32, Shape)>,
 }
 
 /// What of two robots must be equal for their runs to be compared: numbers of joints and of soles.
@@ -155,14 +295,33 @@ type Shape = (usize, usize);
 
 impl Planner {
     fn add(&mut self, path: &Path, overrides: &[(String, toml::Value)]) {
-        let expanded = scenario::load(path).and_then(|file| Ok((file.expand_at_most(overrides, self.max_runs)?, file)));
-        match expanded {
-            Ok((runs, file)) => self.add_runs(runs, &file),
+        // One run more could not be numbered.
+        let most = self.max_runs.min(NONE as usize);
+        match scenario::load(path).and_then(|file| file.expansion(overrides, most)).and_then(|e| self.check(e)) {
+            Ok((expansion, first, repeated)) => self.add_runs(expansion, &first, repeated),
             Err(diagnostics) => self.findings.extend(diagnostics),
         }
     }
 
-    fn add_runs(&mut self, runs: Vec<Run>, file: &ScenarioFile) {
+    /// Makes all runs of a file once, so that everything that is wrong with them is told together; returns the first, and
+    /// whether their seeds differ.
+    fn check(&mut self, expansion: Expansion) -> Result<(Expansion, Option<Run>, bool), Diagnostics> {
+        let (mut first, mut repeated): (Option<Run>, bool) = (None, false);
+        let mut warnings = Diagnostics::default();
+        let idle = expansion.check(&mut |mut run| {
+            warnings.0.append(&mut run.warnings.0);
+            match &first {
+                Some(first) => repeated |= first.scenario.seed != run.scenario.seed,
+                None => first = Some(run),
+            }
+        })?;
+        self.findings.extend(warnings);
+        self.findings.extend(idle);
+        Ok((expansion, first, repeated))
+    }
+
+    fn add_runs(&mut self, expansion: Expansion, first: &Option<Run>, repeated: bool) {
+        let file = expansion.file();
         let name = file.name();
         if let Some(other) = self.names.insert(name.clone(), file.path.clone()) {
             let (a, b) = (other.display(), file.path.display());
@@ -174,14 +333,14 @@ impl Planner {
                 format!("{}: `{name}` is a file of the results and no name for a folder", file.path.display());
             return self.findings.push(Finding::Plan(message));
         }
-        let total = self.jobs.len() + runs.len();
+        let total = self.runs.len() + expansion.runs();
         if total > self.max_runs {
             let (path, max) = (file.path.display(), self.max_runs);
             let message =
                 format!("with {path} there are {total} runs, {max} are allowed; `--max-runs` raises the limit");
             return self.findings.push(Finding::Plan(message));
         }
-        if let Some(run) = runs.first()
+        if let Some(run) = first
             && run.parameters.iter().any(|(name, _)| name == "integrator")
         {
             let help = Some("sweep `integrator.method`".into());
@@ -189,49 +348,54 @@ impl Planner {
             let error = run.error_at("integrator", message, help);
             return self.findings.push(Finding::Scenario(Box::new(error)));
         }
-        let first_seed = runs.first().map(|r| r.scenario.seed);
-        let repeated = runs.iter().any(|r| Some(r.scenario.seed) != first_seed);
-        for run in runs {
+        // Folders of the results that are taken.
+        let mut taken = HashMap::new();
+        for number in 0..expansion.runs() {
             if self.findings.errors() >= MAX_ERRORS {
                 return;
             }
-            self.add_run(run, repeated);
+            // It was made before; nothing was wrong with it.
+            if let Some(run) = expansion.run(number) {
+                self.add_run(run, &mut taken);
+            }
         }
+        self.sources.push(Arc::new(Source { expansion, name, repeated }));
     }
 
-    fn add_run(&mut self, mut run: Run, repeated: bool) {
-        self.findings.extend(std::mem::take(&mut run.warnings));
+    fn add_run(&mut self, mut run: Run, taken: &mut HashMap<u64, usize>) {
         let Some(robot) = self.robot(&run) else { return };
         let Some(shape) = self.build(&run, &robot) else { return };
         let Some(key) = self.key(&run, &robot) else { return };
         let reference = match run.reference.take() {
             Some(reference) => {
                 let Some(index) = self.add_reference(&run, *reference, shape) else { return };
-                Some(index)
+                index
             }
-            None => None,
+            None => NONE,
         };
-        let index = self.jobs.len();
-        if let Some(twin) = self.taken.insert((run.name.clone(), key.clone()), index) {
-            let numbers = (self.jobs[twin].run.index + 1, run.index + 1);
-            let message = format!("runs {} and {} of {} are the same", numbers.0, numbers.1, run.file.display());
+        if let Some(twin) = taken.insert(key, run.index) {
+            let message = format!("runs {} and {} of {} are the same", twin + 1, run.index + 1, run.file.display());
             return self.findings.push(Finding::Plan(message));
         }
-        let label = label(&run, repeated);
-        self.jobs.push(Job { index, run, robot, key, label, role: Role::Run { reference } });
+        let repetitions = run.scenario.compare.as_ref().and_then(|c| c.timing_repeats).unwrap_or(0);
+        self.runs.push(Ticket { repetitions, ..self.ticket(key, &run, reference) });
+    }
+
+    /// A ticket for a run of the file at hand.
+    fn ticket(&self, key: u64, run: &Run, reference: u32) -> Ticket {
+        Ticket { key, source: self.sources.len() as u32, number: run.index as u32, reference, repetitions: 0 }
     }
 
     /// The reference of a run, made when no other run has it already.
-    fn add_reference(&mut self, of: &Run, run: Run, shape: Shape) -> Option<usize> {
+    fn add_reference(&mut self, of: &Run, run: Run, shape: Shape) -> Option<u32> {
         let robot = self.robot(&run)?;
         let key = self.key(&run, &robot)?;
         let (index, other) = match self.known.get(&key) {
             Some(known) => *known,
             None => {
-                let known = (self.references.len(), self.build(&run, &robot)?);
-                self.known.insert(key.clone(), known);
-                let label = format!("reference {key}");
-                self.references.push(Job { index: known.0, run, robot, key, label, role: Role::Reference });
+                let known = (self.references.len() as u32, self.build(&run, &robot)?);
+                self.known.insert(key, known);
+                self.references.push(self.ticket(key, of, NONE));
                 known
             }
         };
@@ -258,8 +422,9 @@ impl Planner {
         }
     }
 
-    fn key(&mut self, run: &Run, robot: &Robot) -> Option<String> {
-        let key = keys::of(run, robot);
+    fn key(&mut self, run: &Run, robot: &Robot) -> Option<u64> {
+        let key = keys::of(run, robot)
+            .and_then(|key| u64::from_str_radix(&key, 16).map_err(|e| format!("its key {key} is no hash: {e}")));
         key.map_err(|message| self.findings.push(Finding::Plan(format!("{}: {message}", run.file.display())))).ok()
     }
 

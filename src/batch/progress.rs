@@ -71,6 +71,13 @@ impl Progress {
         self.say(&format!("slow: {} has been running for {} s", named(job), limit.as_secs_f64()));
     }
 
+    /// Runs that need not be made.
+    pub(super) fn skipped(&self, runs: usize) {
+        if let Progress::Bar(bar) = self {
+            bar.inc(runs as u64);
+        }
+    }
+
     /// A round of repetitions for timing begins.
     pub(super) fn round(&self, round: u32, rounds: u32, runs: usize) {
         let line = format!("timing: repetition {round} of {rounds}, {runs} one at a time");

@@ -12,26 +12,27 @@ use super::cancel::Gate;
 use super::clock::{Clock, Lap};
 use super::event::{Event, Work};
 use super::execute::Drained;
-use super::{Cancellation, Job, guard};
+use super::{Cancellation, Job, Plan, guard};
 use crate::sim::build::setup;
 use crate::sim::{Blind, Outcome, Setup, Simulation};
 
-/// Repeats each of the jobs as often as it asks for and tells `events` of it.
-pub(super) fn repeat(jobs: &[&Job], gate: &Gate, events: &Sender<Event>) {
+/// Repeats each of these runs as often as it asks for and tells `events` of it.
+pub(super) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events: &Sender<Event>) {
     let _drained = Drained(events);
-    let rounds = jobs.iter().map(|job| job.repetitions()).max().unwrap_or(0);
+    let rounds = runs.iter().map(|run| plan.repetitions_of(*run)).max().unwrap_or(0);
     for round in 1..=rounds {
-        let due = || jobs.iter().filter(|job| job.repetitions() >= round);
+        let due = || runs.iter().filter(|run| plan.repetitions_of(**run) >= round);
         let _ = events.send(Event::Round { round, rounds, runs: due().count() });
-        for job in due() {
+        for &index in due() {
             if gate.is_closed() {
                 return;
             }
             let cancellation = Arc::new(Cancellation::default());
-            let work = Work::Repetition(job.index);
-            let _ = events.send(Event::Started { work, at: Instant::now(), cancellation: cancellation.clone() });
-            let lap = guard::catch(|| time(job, cancellation.flag())).unwrap_or_else(Err);
-            let _ = events.send(Event::Timed { index: job.index, lap });
+            let (work, job) = (Work::Repetition(index), plan.job(index));
+            let at = Instant::now();
+            let _ = events.send(Event::Started { work, job: None, at, cancellation: cancellation.clone() });
+            let lap = guard::catch(|| time(&job, cancellation.flag())).unwrap_or_else(Err);
+            let _ = events.send(Event::Timed { index, lap });
         }
     }
 }

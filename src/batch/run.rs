@@ -8,6 +8,7 @@ use super::schedule::Against;
 use super::{Body, Cancellation, Finished, Job, Options, Reason, Role, Track, Wanted, guard};
 use crate::record::{
     Comparison, InputHash, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, hash_input, metric,
+    remove_partial,
 };
 use crate::script::stoppable;
 use crate::sim::{AvoidanceTime, Metrics, Outcome, Problems};
@@ -62,6 +63,7 @@ pub(super) fn run(
     against: Option<&Against>,
 ) -> (Finished, Result<ReferenceMotion, String>) {
     let folder = job.folder(&options.output);
+    clear(&folder);
     let wanted = wanted(job, options, &folder, against);
     let clock = Clock::start();
     let mut end = guard::catch(|| stoppable(cancellation.shared(), || body(job, &wanted, cancellation.flag())))
@@ -96,14 +98,22 @@ pub(super) fn run(
     (finished, trajectory)
 }
 
+/// While a run goes on there is no record of it: one that is there tells of the files that lie beside it.
+fn clear(folder: &Path) {
+    remove_partial(folder);
+    for name in ["run.json", "log.mcap"] {
+        // What is in the way and cannot be removed is told when it is written anew.
+        let _ = std::fs::remove_file(folder.join(name));
+    }
+}
+
 /// A reference leaves its motion and its record, other runs what the options ask for.
 fn wanted(job: &Job, options: &Options, folder: &Path, against: Option<&Against>) -> Wanted {
-    let log = &job.run.scenario.log;
     if job.role == Role::Reference {
-        return Wanted { track: Track::Keep(log.rate), ..Wanted::default() };
+        return Wanted { track: Track::Keep(job.run.scenario.log.rate), ..Wanted::default() };
     }
     Wanted {
-        log: (options.log && log.rate > 0.0).then(|| folder.join("log.mcap")),
+        log: job.wants_log(options).then(|| folder.join("log.mcap")),
         problems: (options.problems != Problems::None).then(|| (folder.join("problems"), options.problems)),
         track: against.and_then(|a| a.result.clone().ok()).map_or(Track::Nothing, Track::Compare),
     }
@@ -179,7 +189,7 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
 
 /// Files of the robot under their names from its folder, so that moving all of them changes nothing, and those that the
 /// scenario names.
-fn inputs(job: &Job) -> Vec<InputHash> {
+pub(super) fn inputs(job: &Job) -> Vec<InputHash> {
     let home = job.robot.files.first().and_then(|(path, _)| path.parent()).unwrap_or(Path::new(""));
     let name = |path: &Path| match path.strip_prefix(home) {
         Ok(below) => below.display().to_string(),

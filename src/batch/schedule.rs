@@ -6,9 +6,9 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-use super::Plan;
 use super::cancel::Gate;
 use super::event::Work;
+use super::{Plan, Resumed};
 use crate::record::ReferenceMotion;
 
 /// The reference run that a run is compared with.
@@ -41,20 +41,23 @@ struct Reference {
 }
 
 impl<'a> Schedule<'a> {
-    /// All of a plan.
-    pub fn new(plan: &'a Plan) -> Self {
-        let mut waiting = VecDeque::with_capacity(plan.jobs.len() + plan.references.len());
+    /// All of a plan but what is done already.
+    pub fn new(plan: &'a Plan, resumed: &Resumed) -> Self {
+        let mut waiting = VecDeque::with_capacity(plan.runs() + plan.references());
         let mut references: Vec<Reference> =
-            plan.references.iter().map(|_| Reference { result: None, needed: 0 }).collect();
-        for job in &plan.jobs {
-            if let Some(i) = job.reference() {
+            (0..plan.references()).map(|_| Reference { result: None, needed: 0 }).collect();
+        for index in (0..plan.runs()).filter(|index| !resumed.finished.is_done(*index)) {
+            if let Some(i) = plan.reference_of(index) {
                 if references[i].needed == 0 {
                     waiting.push_back(Work::Reference(i));
                 }
                 references[i].needed += 1;
             }
-            waiting.push_back(Work::Run(job.index));
+            waiting.push_back(Work::Run(index));
         }
+        // A run that is done left its reference behind, unless somebody removed that.
+        let lost = (0..references.len()).filter(|i| references[*i].needed == 0 && !resumed.references.is_done(*i));
+        waiting.extend(lost.map(Work::Reference));
         Schedule { plan, state: Mutex::new(State { waiting, references }), changed: Condvar::new() }
     }
 
@@ -68,7 +71,7 @@ impl<'a> Schedule<'a> {
             let ready = state.waiting.iter().position(|work| self.needs(*work).is_none_or(|i| state.ended(i)));
             if let Some(work) = ready.and_then(|at| state.waiting.remove(at)) {
                 let against = self.needs(work).and_then(|i| {
-                    let key = self.plan.references[i].key.clone();
+                    let key = self.plan.reference_key(i);
                     state.hand_out(i).map(|result| Against { key, result })
                 });
                 return Some((work, against));
@@ -94,7 +97,7 @@ impl<'a> Schedule<'a> {
     /// The reference that a work needs.
     fn needs(&self, work: Work) -> Option<usize> {
         match work {
-            Work::Run(index) => self.plan.jobs[index].reference(),
+            Work::Run(index) => self.plan.reference_of(index),
             Work::Reference(_) | Work::Repetition(_) => None,
         }
     }

@@ -93,6 +93,8 @@ fn recorded(setup: Setup, mut recorder: Recorder, cancel: &AtomicBool) -> End {
     let log = recorder.log.filter(|_| end.outcome != Outcome::Cancelled);
     match log.map_or(Ok(()), LogWriter::finish) {
         Ok(()) => end,
+        // What went wrong first is told: after it nothing more could be written.
+        Err(_) if end.outcome == Outcome::Error => end,
         Err(error) => End { outcome: Outcome::Error, message: error.to_string(), ..end },
     }
 }

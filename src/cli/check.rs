@@ -26,7 +26,7 @@ impl Check {
         let mut last = CheckFinished { exit_code: exit as u8, ..CheckFinished::default() };
         if let Ok(plan) = &plan {
             last.files = plan.files.iter().map(|file| file.display().to_string()).collect();
-            (last.runs, last.references) = (plan.jobs.len(), plan.references.len());
+            (last.runs, last.references) = (plan.runs(), plan.references());
         }
         format.tell(Message::CheckFinished(last))?;
         if format == MessageFormat::Human {
@@ -39,9 +39,9 @@ impl Check {
 fn summary(plan: &Plan) -> String {
     let mut text = String::new();
     for file in &plan.files {
-        let runs = plan.jobs.iter().filter(|j| j.run.file == *file).count();
+        let runs = plan.runs_of(file);
         text += &format!("{}: {}\n", file.display(), plural(runs, "run"));
     }
-    let runs = counted(plan.jobs.len(), plan.references.len());
+    let runs = counted(plan.runs(), plan.references());
     text + &format!("all good: {}, {runs}\n", plural(plan.files.len(), "scenario"))
 }

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
-use stiction::batch::{Job, Plan, Severity};
+use stiction::batch::{Plan, Severity};
 use stiction::record::ParamValue;
 
 use super::Exit;
@@ -35,8 +35,8 @@ impl List {
     /// Prints the runs in the order in which they would start.
     pub fn execute(self) -> Result<Exit, Exit> {
         let plan = self.scenarios.prepare(Severity::Warning, MessageFormat::Human)?;
-        if !plan.references.is_empty() {
-            complain(&counted(plan.jobs.len(), plan.references.len()));
+        if plan.references() > 0 {
+            complain(&counted(plan.runs(), plan.references()));
         }
         print(&match self.format {
             Format::Text => text(&plan),
@@ -48,9 +48,8 @@ impl List {
 }
 
 fn text(plan: &Plan) -> String {
-    let width = |f: fn(&Job) -> usize| plan.jobs.iter().map(f).max().unwrap_or(0);
-    let names = width(|j| j.run.name.chars().count());
-    let lines = plan.jobs.iter().map(|job| {
+    let names = (0..plan.runs()).map(|run| plan.scenario(run).chars().count()).max().unwrap_or(0);
+    let lines = plan.jobs().map(|job| {
         let line = format!("{:names$}  {}  {}", job.run.name, job.key, job.label);
         format!("{}\n", line.trim_end())
     });
@@ -58,7 +57,7 @@ fn text(plan: &Plan) -> String {
 }
 
 fn json(plan: &Plan) -> String {
-    let runs = plan.jobs.iter().map(|job| {
+    let runs = plan.jobs().map(|job| {
         let parameters: Map<String, Value> =
             job.parameters().into_iter().map(|(name, value)| (name, json!(value))).collect();
         json!({
@@ -66,7 +65,7 @@ fn json(plan: &Plan) -> String {
             "file": job.run.file.display().to_string(),
             "key": job.key,
             "seed": job.run.scenario.seed,
-            "reference": job.reference().map(|i| &plan.references[i].key),
+            "reference": job.reference().map(|i| plan.reference_key(i)),
             "parameters": parameters,
         })
     });
@@ -75,7 +74,7 @@ fn json(plan: &Plan) -> String {
 
 /// One column per swept parameter, empty where a run lacks it.
 fn csv(plan: &Plan) -> String {
-    let rows: Vec<Vec<(String, ParamValue)>> = plan.jobs.iter().map(Job::parameters).collect();
+    let rows: Vec<Vec<(String, ParamValue)>> = plan.jobs().map(|job| job.parameters()).collect();
     let mut names: Vec<&str> = Vec::new();
     for (name, _) in rows.iter().flatten() {
         if !names.contains(&name.as_str()) {
@@ -84,7 +83,7 @@ fn csv(plan: &Plan) -> String {
     }
     let header = ["scenario", "key", "seed"].into_iter().chain(names.iter().copied()).map(String::from);
     let mut out = line(header);
-    for (job, parameters) in plan.jobs.iter().zip(&rows) {
+    for (job, parameters) in plan.jobs().zip(&rows) {
         let own = [job.run.name.clone(), job.key.clone(), job.run.scenario.seed.to_string()];
         let value =
             |name: &&str| parameters.iter().find(|(n, _)| n == name).map_or(String::new(), |(_, v)| v.to_string());

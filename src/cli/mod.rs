@@ -11,6 +11,7 @@ mod inspect;
 mod list;
 mod machine;
 mod man;
+mod merge;
 mod prepare;
 mod report;
 mod run;
@@ -57,6 +58,9 @@ pub enum Command {
     Inspect(inspect::Inspect),
     /// Write summary and report.html anew from the records of a folder of results
     Report(report::Report),
+    /// Put the results of shards together to those of one batch
+    #[command(after_help = merge::HELP)]
+    Merge(merge::Merge),
     /// Say what differs between two results
     #[command(after_help = compare::HELP)]
     Compare(compare::Compare),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use stiction::batch::{self, Filter, Finding, Findings, Message, Plan, Severity};
+use stiction::batch::{self, Filter, Finding, Findings, Message, Plan, Severity, Shard};
 use stiction::scenario::{DEFAULT_MAX_RUNS, Diagnostic, parse_override};
 
 use super::machine::MessageFormat;
@@ -24,6 +24,9 @@ pub struct Scenarios {
     /// Refuse to expand to more runs than this
     #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_RUNS)]
     max_runs: usize,
+    /// Only part I of N equal parts, such as 3/8; `env` asks the job array of Slurm or Kubernetes that this is in
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
     /// Take warnings for errors
     #[arg(long)]
     strict: bool,
@@ -58,20 +61,25 @@ impl Scenarios {
             format.tell(Message::Diagnostic((&wrong).into()))?;
             return Err(Exit::Invalid);
         }
-        if plan.jobs.is_empty() {
+        if plan.runs() == 0 {
             terminal::complain("nothing selected: the scenarios expand to no runs");
             return Err(Exit::Nothing);
         }
         if let Some(filter) = &filter {
-            let all = plan.jobs.len();
+            let all = plan.runs();
             plan.select(filter).map_err(refused)?;
-            if plan.jobs.is_empty() {
+            if plan.runs() == 0 {
                 terminal::complain(&format!(
                     "nothing selected: the filter holds for none of {}",
                     terminal::plural(all, "run")
                 ));
                 return Err(Exit::Nothing);
             }
+        }
+        if let Some(shard) = self.shard {
+            let all = plan.runs();
+            plan.take_shard(shard);
+            terminal::complain(&format!("shard {shard}: {} of {all}", terminal::plural(plan.runs(), "run")));
         }
         Ok(plan)
     }

@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum, ValueHint};
 use stiction::batch::{
-    Batch, BatchFinished, BatchStarted, Listener, Message, Options, Progress, Report, Severity, Teller, is_slow,
-    simulate,
+    Batch, BatchFinished, BatchStarted, Listener, Message, Options, Progress, Report, Resumed, Severity, Teller,
+    is_slow, simulate,
 };
 use stiction::record::pareto::{Work, pareto_table};
-use stiction::record::{Shown, table, verdicts};
+use stiction::record::{Shown, SummaryRow, table, verdicts};
 use stiction::sim::Problems;
 
 use super::Exit;
@@ -59,6 +59,9 @@ pub struct Run {
     /// Start no more runs once so many failed or did not finish
     #[arg(long, value_name = "N")]
     max_fail: Option<NonZero<usize>>,
+    /// Make only the runs whose results are not in the folder, and say why those that are do not count
+    #[arg(long)]
+    resume: bool,
     /// Wall-clock limit of each run
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<Duration>,
@@ -109,7 +112,7 @@ impl Run {
     fn batch(self, last: &mut BatchFinished) -> Result<Exit, Exit> {
         let format = self.format.message_format;
         let plan = self.scenarios.prepare(Severity::Note, format)?;
-        let (runs, references) = (plan.jobs.len(), plan.references.len());
+        let (runs, references) = (plan.runs(), plan.references());
         let repetitions = if self.no_timing { 0 } else { plan.repetitions() };
         let options = Options {
             output: self.output.clone(),
@@ -124,13 +127,17 @@ impl Run {
                 Some(Which::All) => Problems::All,
             },
             timing: !self.no_timing,
+            resume: self.resume,
         };
         let side_by_side = options.jobs.min(runs + references);
         let started = BatchStarted { jobs: side_by_side, ..BatchStarted::new(&plan, &options) };
         let mut junit = self.junit.listener(&plan, &options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
-        let mut is_heard = format == MessageFormat::Json;
+        let mut is_heard = true;
         let mut teller = Teller::new(&options, |line| is_heard = is_heard && print(&line).is_ok());
         let batch = Batch::new(plan, options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
+        if self.resume {
+            resumed(batch.resumed());
+        }
         let interrupter = batch.interrupter();
         if let Err(error) = ctrlc::set_handler(move || interrupter.interrupt()) {
             complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
@@ -141,12 +148,19 @@ impl Run {
         };
         complain(&format!("{}, {side_by_side} side by side{then}", counted(runs, references)));
         format.tell(Message::BatchStarted(started))?;
-        let mut listeners: Vec<&mut dyn Listener> = vec![&mut teller];
+        let mut listeners: Vec<&mut dyn Listener> = Vec::new();
+        if format == MessageFormat::Json {
+            listeners.push(&mut teller);
+        }
         listeners.extend(junit.as_mut().map(|junit| junit as &mut dyn Listener));
         let report = batch.run_told(Progress::on_stderr(runs + references), &mut listeners, &simulate);
         // Also when the batch came to a bad end: what finished is known.
         let junit = junit.map(|junit| junit.write().map_err(|error| refuse(&error, last, Exit::Unfinished)));
-        let report = report.map_err(|error| refuse(&error, last, Exit::Unfinished))?;
+        let report = report.map_err(|error| {
+            let exit = refuse(&error, last, Exit::Unfinished);
+            complain("what was finished is kept; the same with --resume goes on from there");
+            exit
+        })?;
         let junit = junit.transpose()?;
         *last = BatchFinished::new(&report, junit.as_deref());
         if format == MessageFormat::Human {
@@ -163,10 +177,40 @@ fn refuse(error: &dyn std::error::Error, last: &mut BatchFinished, exit: Exit) -
     exit
 }
 
+/// What is there already, and why other runs are made again.
+fn resumed(resumed: &Resumed) {
+    complain(&format!("resumed: {} done already", counted(resumed.runs(), resumed.references())));
+    for again in resumed.again().iter().take(MOST_NAMED) {
+        let example =
+            if again.runs > 1 { format!(", such as {}", again.example) } else { format!(", {}", again.example) };
+        complain(&format!("  {} again: {}{example}", plural(again.runs, "run"), again.why));
+    }
+    let more: usize = resumed.again().iter().skip(MOST_NAMED).map(|again| again.runs).sum();
+    if more > 0 {
+        complain(&format!("  {} again for other reasons", plural(more, "run")));
+    }
+    if resumed.first() > 0 {
+        complain(&format!("  {} for the first time", plural(resumed.first(), "run")));
+    }
+}
+
 /// The table, the verdicts and the paths written.
 fn summary(report: &Report, wanted: Option<Verdicts>, slow: Option<Duration>, junit: Option<&Path>) -> String {
-    let rows = report.rows();
-    let mut out = table(&rows);
+    let all = report.rows();
+    // Of more runs than can be kept those are shown that went wrong.
+    let is_whole = report.tally.runs() == all.len();
+    let rows: Vec<_> = if is_whole { all } else { all.into_iter().filter(SummaryRow::is_refused).collect() };
+    let mut out = if is_whole || !rows.is_empty() { table(&rows) } else { String::new() };
+    if !is_whole {
+        let outcomes = report.tally.outcomes().into_iter().map(|(outcome, count)| format!("{count} {outcome}"));
+        let words: Vec<String> = outcomes.collect();
+        let (held, expected) = report.tally.expectations();
+        // A String takes every write.
+        let _ = writeln!(out, "{}: {}", plural(report.tally.runs(), "run"), words.join(", "));
+        if expected > 0 {
+            let _ = writeln!(out, "{held} of {expected} expectations held");
+        }
+    }
     let works: Vec<Work> = rows.iter().map(Work::of).collect();
     let accuracy = pareto_table(&works);
     if !accuracy.is_empty() {
@@ -210,7 +254,7 @@ fn summary(report: &Report, wanted: Option<Verdicts>, slow: Option<Duration>, ju
     for file in report.finished.iter().take(MOST_NAMED).flat_map(|f| &f.files) {
         let _ = writeln!(out, "  {}", file.display());
     }
-    if let more @ 1.. = report.finished.len().saturating_sub(MOST_NAMED) {
+    if let more @ 1.. = report.tally.runs().saturating_sub(MOST_NAMED) {
         let _ = writeln!(out, "  and the same for {}", plural(more, "more run"));
     }
     out

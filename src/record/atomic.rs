@@ -17,9 +17,25 @@ pub(super) fn beside(path: &Path) -> Result<(File, TempPath), RecordError> {
     builder(&format!(".{name}.")).tempfile_in(folder).map(NamedTempFile::into_parts).map_err(RecordError::io(path))
 }
 
+/// What follows the name of a file that is not complete.
+const PARTIAL: &str = ".partial";
+
+/// Removes what programs that were killed left unfinished in a folder. Nobody else may be writing there; what cannot be
+/// removed stays.
+pub(crate) fn remove_partial(folder: &Path) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with('.') && name.ends_with(PARTIAL) && entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
 fn builder(prefix: &str) -> tempfile::Builder<'_, 'static> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(prefix).suffix(".partial");
+    builder.prefix(prefix).suffix(PARTIAL);
     // Temporary files default to owner-only; results are ordinary files, so leave it to the umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -60,6 +76,19 @@ mod tests {
         assert!(failed.is_err());
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_was_left_unfinished_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file.txt");
+        write(&path, |_| Ok(())).unwrap();
+        let (_, unfinished) = beside(&path).unwrap();
+        // As a program does that is killed.
+        let unfinished = unfinished.keep().unwrap();
+        std::fs::write(folder.path().join(".hidden"), "").unwrap();
+        remove_partial(folder.path());
+        assert!(!unfinished.exists() && path.exists() && folder.path().join(".hidden").exists());
     }
 
     #[cfg(unix)]

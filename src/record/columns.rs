@@ -40,6 +40,14 @@ pub struct SummaryRow {
     pub avoidance: Option<AvoidanceTime>,
 }
 
+impl SummaryRow {
+    /// Did it end in a way it should not: an expectation did not hold, or it did not finish and nobody expected that?
+    pub fn is_refused(&self) -> bool {
+        let expected = || !self.verdicts.is_empty() && self.verdicts.iter().all(|v| v.held);
+        self.outcome == Outcome::Failed || !(matches!(self.outcome, Outcome::Passed | Outcome::Fallen) || expected())
+    }
+}
+
 /// A value of the summary that is a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Number {
@@ -52,6 +60,8 @@ pub(super) enum Number {
 /// A numeric column.
 pub(super) struct Column {
     pub name: &'static str,
+    /// Of counts, else of measures.
+    pub counts: bool,
     pub get: fn(&SummaryRow) -> Number,
 }
 
@@ -73,7 +83,11 @@ pub(super) const TEXT_COLUMNS: &[TextColumn] = &[
 
 macro_rules! columns {
     ($($name:literal $kind:ident |$r:ident| $value:expr;)*) => {
-        &[$(Column { name: $name, get: |$r| Number::$kind($value) }),*]
+        &[$(Column {
+            name: $name,
+            counts: stringify!($kind).as_bytes()[0] == b'C',
+            get: |$r| Number::$kind($value),
+        }),*]
     };
 }
 

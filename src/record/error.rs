@@ -13,6 +13,12 @@ pub enum RecordError {
         /// The cause.
         source: std::io::Error,
     },
+    /// Another program is writing these results.
+    #[error("{path}: another runner is writing these results: wait for its end, or give this one a folder of its own")]
+    InUse {
+        /// The file that it has open.
+        path: PathBuf,
+    },
     /// The log could not be written.
     #[error("{path}: cannot write the log: {source}")]
     Log {

@@ -1,7 +1,7 @@
 //! The records below a folder of results, found again.
 
 use super::pareto::compare;
-use super::{RecordError, RunRecord};
+use super::{RecordError, ReportRun, RunRecord, SummaryRow};
 use polars::prelude::DataFrame;
 use polars_io::SerReader;
 use polars_io::csv::read::CsvReadOptions;
@@ -27,6 +27,14 @@ pub struct FoundRun {
     pub record: RunRecord,
     /// `run.json`, and beside it `log.mcap` and `problems` if they are there.
     pub files: Vec<PathBuf>,
+}
+
+impl FoundRun {
+    /// As a report shows it, with its row.
+    pub fn reported<'a>(&'a self, row: &'a SummaryRow) -> ReportRun<'a> {
+        let RunRecord { program, timing, notes, .. } = &self.record;
+        ReportRun { row, program, machine: &timing.machine, notes, files: &self.files }
+    }
 }
 
 /// Reads every `run.json` below a folder. Links to folders are not followed, and those whose names begin with a dot are
@@ -97,7 +105,7 @@ fn entries(folder: &Path) -> Result<(Option<PathBuf>, Vec<PathBuf>), RecordError
     Ok((own, below))
 }
 
-fn files(record: PathBuf) -> Vec<PathBuf> {
+pub(super) fn files(record: PathBuf) -> Vec<PathBuf> {
     let beside = ["log.mcap", "problems"].map(|name| record.with_file_name(name));
     std::iter::once(record).chain(beside.into_iter().filter(|path| path.exists())).collect()
 }

@@ -28,6 +28,7 @@ fn run(place: &Place, plan: Plan, jobs: usize, body: &stiction::batch::Body<'_>)
         slow: None,
         problems: Problems::None,
         timing: true,
+        resume: false,
     };
     Batch::new(plan, options).unwrap().run(Progress::Silent, body).unwrap()
 }
@@ -111,7 +112,7 @@ fn a_record_that_cannot_be_written_is_the_outcome_of_its_run() {
     let place = Place::new();
     let plan = plan(&place, "[sweep]\nrepeat = 2\n");
     // Where the first run's folder should be stands a file.
-    place.write(&format!("results/s/{}", plan.jobs[0].key), "in the way");
+    place.write(&format!("results/s/{}", plan.key(0)), "in the way");
     let report = run(&place, plan, 1, &simulate);
     let outcomes: Vec<Outcome> = report.finished.iter().map(|f| f.row.outcome).collect();
     assert_eq!(outcomes, [Outcome::Error, Outcome::Passed]);
@@ -122,7 +123,7 @@ fn a_record_that_cannot_be_written_is_the_outcome_of_its_run() {
 fn a_panic_in_a_reference_leaves_its_runs_without_one() {
     let place = Place::new();
     let plan = plan(&place, "[compare]\nreference = { seed = 9 }\n[sweep]\nrepeat = 6\n");
-    assert_eq!(plan.references.len(), 1);
+    assert_eq!(plan.references(), 1);
     let nothing: Vec<f64> = Vec::new();
     let body = |job: &Job, wanted: &Wanted, cancel: &AtomicBool| match job.role {
         Role::Reference => End::error(format!("{}", nothing[job.index])),
@@ -145,7 +146,7 @@ fn no_run_starts_before_its_reference_has_ended_and_others_do_not_wait() {
     let place = Place::new();
     // Two groups with a reference each; the first reference ends only when a run of the second group has begun.
     let plan = plan(&place, "[compare]\nreference = {}\n[sweep.grid]\n\"floor.friction\" = [0.2, 0.4]\n");
-    assert_eq!((plan.jobs.len(), plan.references.len()), (2, 2));
+    assert_eq!((plan.runs(), plan.references()), (2, 2));
     let (sender, receiver) = std::sync::mpsc::channel::<()>();
     let (sender, receiver) = (std::sync::Mutex::new(sender), std::sync::Mutex::new(receiver));
     let order = std::sync::Mutex::new(Vec::new());

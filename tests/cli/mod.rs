@@ -11,6 +11,7 @@ mod inertia;
 mod interrupt;
 mod isolation;
 mod junit;
+mod many;
 mod messages;
 mod report;
 mod results;
@@ -66,6 +67,14 @@ impl Place {
     /// Runs the program to its end.
     pub fn runner(&self, arguments: &[&str]) -> Done {
         Done::from(self.command(arguments).output().unwrap())
+    }
+
+    /// Runs a line of a shell in this folder, in which `$0` is the program.
+    #[cfg(unix)]
+    pub fn shell(&self, line: &str) -> Done {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", line, env!("CARGO_BIN_EXE_runner")]).current_dir(self.folder.path()).env("NO_COLOR", "1");
+        Done::from(shell.output().unwrap())
     }
 
     /// The summary in a folder of results.

@@ -1,19 +1,29 @@
-//! The same run gives the same bits, however many run beside it and in whatever order. Compared are the rows of the
-//! summary but for the timings, and the logs byte by byte.
+//! The same run gives the same bits, whatever runs beside it, in whatever order, in one batch or in parts. Compared are all
+//! files of the results, but for what the clock wrote: rows, records, lines of `runs.jsonl`, and logs byte by byte, so that
+//! also the order of events counts. What a batch that broke off leaves is in `faults/`.
+//!
+//! The scenes are jittered: poses, speeds and pushes are drawn, so that no symmetry makes an order of sums or of events
+//! indifferent.
 
+mod shards;
+
+use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::cli::{Place, Table};
+use crate::same::{assert_same, files, rows};
 
-/// What may differ between two equal runs.
-const TIMINGS: [&str; 3] = ["wall_s", "cpu_s", "real_time_factor"];
-
-/// Blocks that are thrown, tumble, slide and stick, by two methods: impacts and changes of state in every run.
+/// Blocks that are thrown, tumble, slide and stick, by all methods that land: impacts and changes of state in every run.
 const THROWN: &str = "base = { position = [0, 0, 0.3], rpy = [0.3, 0.2, 0.1], linear_velocity = [1, 0.3, 0] }
 [sweep.grid]
 \"contact.method\" = [\"exact\", \"one-step\"]
-\"floor.friction\" = [0.2, 0.5, 0.8]
+[sweep.random]
+samples = 4
+\"robot.base.rpy.0\" = { uniform = [0.1, 0.5] }
+\"robot.base.rpy.1\" = { uniform = [-0.3, 0.3] }
+\"robot.base.linear_velocity.1\" = { uniform = [-0.5, 0.5] }
+\"floor.friction\" = { uniform = [0.2, 0.8] }
 ";
 
 /// A humanoid that is pushed while it stands, with stiff joints between its soles.
@@ -26,71 +36,125 @@ duration = 0.1
 profile = \"half-sine\"
 [sweep.grid]
 \"contact.method\" = [\"exact\", \"one-step\"]
+[sweep.random]
+samples = 2
+\"force.0.force.0\" = { uniform = [10, 30] }
+\"force.0.force.1\" = { uniform = [-10, 10] }
 ";
 
+/// A quadruped on four point feet that slides down a slope and turns.
+const SLIDES: &str = "base = { rpy = [0, \"15 deg\", 0], linear_velocity = [0, 0.1, 0] }
+[floor]
+friction = 0.2
+rpy = [0, \"15 deg\", 0]
+[sweep.random]
+samples = 2
+\"robot.base.linear_velocity.1\" = { uniform = [-0.3, 0.3] }
+";
+
+/// Blocks that slide and are compared with runs at a tighter tolerance; runs of two methods share a reference.
+const COMPARED: &str = "base = { linear_velocity = [1, 0, 0] }
+[compare]
+reference = { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\", \"integrator.relative_tolerance\" = 1e-9 }
+[sweep.grid]
+\"integrator.method\" = [\"dopri5\", \"bs23\"]
+[sweep.random]
+samples = 3
+\"robot.base.linear_velocity.1\" = { uniform = [-1, 1] }
+";
+
+const FILES: [&str; 5] = ["thrown.toml", "pushed.toml", "rest.toml", "slides.toml", "compared.toml"];
+
+/// All of them, with repetitions of seeds nowhere: 8 + 4 + 1 + 2 + 6 runs and 3 references.
 fn scenarios() -> Place {
     let place = Place::new();
     place.block("thrown.toml", THROWN);
     place.block("rest.toml", "");
-    let hoap2 = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/hoap2/hoap2.toml");
-    place.write("pushed.toml", format!("[robot]\nmodel = {hoap2:?}\n{PUSHED}"));
+    place.block("compared.toml", COMPARED);
+    let robot = |name: &str| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("robots/{name}/{name}.toml"));
+    place.write("pushed.toml", format!("[robot]\nmodel = {:?}\n{PUSHED}", robot("hoap2")));
+    place.write("slides.toml", format!("[robot]\nmodel = {:?}\n{SLIDES}", robot("quadruped")));
     place
 }
 
-/// Rows without timings, by scenario and key.
-fn rows(table: &Table) -> Vec<Vec<(String, String)>> {
-    let row = |cells: &Vec<String>| {
-        let named = table.header.iter().cloned().zip(cells.iter().cloned());
-        named.filter(|(name, _)| !TIMINGS.contains(&name.as_str())).collect()
-    };
-    table.rows.iter().map(row).collect()
-}
+const RUNS: usize = 8 + 4 + 1 + 2 + 6;
+const REFERENCES: usize = 3;
 
-fn logs(place: &Place, results: &str) -> Vec<PathBuf> {
-    let table = place.summary(results);
-    let folder = |(scenario, key)| place.path(results).join(scenario).join(key).join("log.mcap");
-    table.column("scenario").into_iter().zip(table.column("key")).map(folder).collect()
+#[track_caller]
+fn run(place: &Place, files: &[&str], more: &[&str]) {
+    let done = place.runner(&[files, &["--set", "duration=0.4"], more].concat());
+    // How the runs end is for other tests; here it is enough that they end alike.
+    assert!(matches!(done.code, Some(0 | 1 | 3)), "{}", done.stderr);
 }
 
 #[test]
-fn one_and_two_threads_give_the_same_rows_and_logs() {
+fn one_two_and_seven_threads_give_the_same_bits() {
     let place = scenarios();
-    let run = |jobs, output| {
-        let files = ["thrown.toml", "rest.toml", "pushed.toml"];
-        let arguments = [&files[..], &["--set", "duration=0.6", "-j", jobs, "-o", output]].concat();
-        let done = place.runner(&arguments);
-        // How the runs end is for other tests; here it is enough that they end alike.
-        assert!(matches!(done.code, Some(0 | 3)), "{}", done.stderr);
-    };
-    run("1", "one");
-    run("2", "two");
-    let (one, two) = (place.summary("one"), place.summary("two"));
-    assert_eq!(one.rows.len(), 9);
-    assert_eq!(one.header, two.header);
-    assert_eq!(rows(&one), rows(&two));
-    for (a, b) in logs(&place, "one").iter().zip(logs(&place, "two")) {
-        let (a, b) = (fs::read(a).unwrap(), fs::read(b).unwrap());
-        assert!(a.len() > 1000 && a == b, "logs of {} and {} bytes differ", a.len(), b.len());
+    for jobs in ["1", "2", "7"] {
+        run(&place, &FILES, &["-j", jobs, "-o", jobs]);
     }
-    let states: f64 = one.numbers("state_changes").iter().sum();
-    assert!(states > 0.0, "something must happen in runs that are compared");
+    let one = place.path("1");
+    let logs = files(&one).into_iter().filter(|file| file.ends_with("log.mcap")).count();
+    let records = files(&one).into_iter().filter(|file| file.ends_with("run.json")).count();
+    assert_eq!((logs, records), (RUNS, RUNS + REFERENCES));
+    for jobs in ["2", "7"] {
+        assert_same(&one, &place.path(jobs));
+    }
+    let table = place.summary("1");
+    for column in ["state_changes", "impacts", "evaluations"] {
+        let total: f64 = table.numbers(column).iter().sum();
+        assert!(total > 0.0, "something must happen in runs that are compared: {column}");
+    }
+    let mut ends = table.column("final_base_x");
+    ends.sort_unstable();
+    ends.dedup();
+    // Two integrators may agree to the last bit on a block that slides.
+    assert!(ends.len() >= RUNS - REFERENCES, "the scenes are different ones: {ends:?}");
+}
+
+/// Files of the runs by scenario and key, and the rows sorted: what must not depend on the order of the batch.
+fn apart_from_order(results: &Path) -> (Vec<String>, Vec<Vec<(String, String)>>) {
+    let mut sorted = rows(&Table::read(&results.join("summary.csv")));
+    // A batch has columns for the parameters of all its scenarios.
+    sorted.iter_mut().for_each(|row| row.sort());
+    sorted.sort();
+    (files(results), sorted)
 }
 
 #[test]
 fn order_and_company_change_nothing() {
     let place = scenarios();
-    place.runner(&["thrown.toml", "rest.toml", "--set", "duration=0.5", "-o", "both", "--no-log"]);
-    place.runner(&["rest.toml", "thrown.toml", "--set", "duration=0.5", "-o", "turned", "--no-log", "-j", "1"]);
-    let alone =
-        ["thrown.toml", "--set", "duration=0.5", "--set", "contact.method=exact", "--set", "floor.friction=0.5"];
-    place.runner(&[&alone[..], &["-o", "alone", "--no-log"]].concat());
-    let by_key = |results| {
-        let mut rows = rows(&place.summary(results));
-        rows.sort();
-        rows
+    run(&place, &FILES, &["-o", "all"]);
+    let orders = [["rest.toml", "compared.toml", "slides.toml", "thrown.toml", "pushed.toml"], {
+        let mut turned = FILES;
+        turned.reverse();
+        turned
+    }];
+    for (i, order) in orders.iter().enumerate() {
+        let output = format!("order-{i}");
+        run(&place, order, &["-j", "2", "-o", &output]);
+        assert_eq!(apart_from_order(&place.path("all")), apart_from_order(&place.path(&output)));
+    }
+    // Each file by itself, and one run by itself.
+    let mut logs = BTreeMap::new();
+    for file in FILES {
+        run(&place, &[file], &["-j", "1", "-o", "alone"]);
+    }
+    for file in files(&place.path("all")).into_iter().filter(|file| file.ends_with("log.mcap")) {
+        let (all, alone) = (fs::read(place.path("all").join(&file)).unwrap(), place.path("alone").join(&file));
+        assert!(all == fs::read(alone).unwrap(), "{file}");
+        logs.insert(file, all);
+    }
+    assert_eq!(logs.len(), RUNS);
+    let alone = ["--set", "contact.method=exact", "--set", "robot.base.linear_velocity.1=0.25"];
+    run(&place, &["compared.toml"], &[&alone[..], &["--set", "integrator.method=bs23", "-o", "one"]].concat());
+    run(&place, &["compared.toml"], &[&alone[..], &["-o", "two"]].concat());
+    let (one, two) = (place.summary("one"), place.summary("two"));
+    let comparable = |table: &Table| -> Vec<Vec<(String, String)>> {
+        // The method is swept no more.
+        let rows = rows(table).into_iter();
+        rows.map(|row| row.into_iter().filter(|(name, _)| name != "integrator.method").collect()).collect()
     };
-    assert_eq!(by_key("both"), by_key("turned"));
-    let alone = by_key("alone");
-    assert_eq!(alone.len(), 1);
-    assert!(by_key("both").contains(&alone[0]), "{alone:?}");
+    assert_eq!((one.rows.len(), two.rows.len()), (1, 2));
+    assert!(comparable(&two).contains(&comparable(&one)[0]));
 }

@@ -272,12 +272,28 @@ fn runs_jsonl_has_a_whole_line_at_once_for_every_run() {
 }
 
 #[test]
-fn a_line_torn_by_a_crash_does_not_spoil_the_next() {
+fn a_line_torn_by_a_crash_is_cut_off() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("runs.jsonl");
-    std::fs::write(&path, "{\"scenario\":\"pu").unwrap();
-    RunsLog::append(&path).unwrap().push(&record().summary_row()).unwrap();
-    let text = std::fs::read_to_string(&path).unwrap();
-    assert_eq!(text.lines().count(), 2);
-    assert!(serde_json::from_str::<serde_json::Value>(text.lines().nth(1).unwrap()).is_ok());
+    let torn = format!("{{\"scenario\":\"{}", "x".repeat(10_000));
+    for before in ["", "{\"scenario\":\"s\",\"key\":\"k\"}\n"] {
+        std::fs::write(&path, format!("{before}{torn}")).unwrap();
+        RunsLog::append(&path).unwrap().push(&record().summary_row()).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let rest = text.strip_prefix(before).expect("whole lines stay");
+        assert_eq!(rest.lines().count(), 1);
+        assert!(serde_json::from_str::<serde_json::Value>(rest).is_ok(), "{rest}");
+        assert_eq!(RunsLog::told(&path).unwrap().len(), before.lines().count() + 1);
+    }
+}
+
+#[test]
+fn one_program_at_a_time_appends() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("runs.jsonl");
+    let first = RunsLog::append(&path).unwrap();
+    let refused = RunsLog::append(&path).map(|_| ()).unwrap_err();
+    assert!(matches!(refused, RecordError::InUse { .. }) && refused.to_string().contains("runs.jsonl"), "{refused}");
+    drop(first);
+    RunsLog::append(&path).unwrap();
 }

@@ -129,6 +129,8 @@ pub struct RunFinished {
     pub accepted: bool,
     /// Why, when there is something to say.
     pub message: String,
+    /// Was it made by an earlier batch that `--resume` goes on with? Then no `run-started` came before.
+    pub resumed: bool,
     /// Did it take longer than `--slow`?
     pub slow: bool,
     /// Expectations in the order of the file; none where the run did not get so far as to be judged.

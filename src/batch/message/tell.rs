@@ -33,7 +33,17 @@ impl<F: FnMut(String)> Listener for Teller<F> {
         self.tell(Message::RunSlow(RunSlow { run: job.into(), after_s: after.as_secs_f64() }));
     }
 
+    fn kept(&mut self, job: &Job, finished: &Finished) {
+        self.tell_finished(job, finished, true);
+    }
+
     fn finished(&mut self, job: &Job, finished: &Finished) {
+        self.tell_finished(job, finished, false);
+    }
+}
+
+impl<F: FnMut(String)> Teller<F> {
+    fn tell_finished(&mut self, job: &Job, finished: &Finished, resumed: bool) {
         let row = &finished.row;
         let truths = truth_columns(std::slice::from_ref(row));
         let columns = NUMERIC_COLUMNS.into_iter().chain(truths.iter().map(String::as_str));
@@ -42,6 +52,7 @@ impl<F: FnMut(String)> Listener for Teller<F> {
             outcome: row.outcome.name(),
             accepted: finished.accepted,
             message: row.message.clone(),
+            resumed,
             slow: is_slow(self.options.slow, row.wall_s),
             expectations: row.verdicts.clone(),
             metrics: columns.map(|name| (name.to_owned(), measure(row, name))).collect(),
@@ -73,8 +84,8 @@ impl BatchStarted {
         BatchStarted {
             program: PROGRAM,
             files: plan.files.iter().map(|file| file.display().to_string()).collect(),
-            runs: plan.jobs.len(),
-            references: plan.references.len(),
+            runs: plan.runs(),
+            references: plan.references(),
             jobs: options.jobs,
             output: options.output.display().to_string(),
         }
@@ -89,9 +100,7 @@ impl BatchFinished {
             interrupted: report.interrupted,
             ..BatchFinished::default()
         };
-        for run in &report.finished {
-            *finished.outcomes.entry(run.row.outcome.name()).or_default() += 1;
-        }
+        finished.outcomes.extend(report.tally.outcomes());
         let summary = report.summary.iter().flat_map(|files| [&files.csv, &files.parquet]);
         let own = summary.chain(&report.page).chain([&report.runs_log]).map(|path| path.as_path());
         finished.files = own.chain(junit).map(|path| path.display().to_string()).collect();

@@ -137,5 +137,9 @@ impl Sink {
 }
 
 fn failure(path: &Path) -> impl FnOnce(mcap::McapError) -> RecordError {
-    move |source| RecordError::Log { path: path.to_owned(), source }
+    move |source| match source {
+        // A disk that is full is told as for every other file.
+        mcap::McapError::Io(source) => RecordError::Io { path: path.to_owned(), source },
+        source => RecordError::Log { path: path.to_owned(), source },
+    }
 }

@@ -1,12 +1,11 @@
 //! What was run, where and when.
 
-use super::ReportRun;
 use super::table::{Cell, Head, Part, Table};
 use super::utc::utc;
 use super::words::plural;
+use crate::record::Tally;
 use crate::sim::Outcome;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
 
 /// The head of the page.
 #[derive(Debug, Serialize)]
@@ -32,66 +31,33 @@ pub(super) struct Count {
     pub count: usize,
 }
 
-pub(super) fn head(runs: &[ReportRun]) -> Overview {
-    let scenarios = by_scenario(runs);
-    let (programs, machines): (BTreeSet<_>, BTreeSet<_>) = runs
-        .iter()
-        .map(|r| {
-            let m = r.machine;
-            (r.program.to_owned(), format!("{} {}, {}", m.os, m.arch, plural(m.cpus, "processor")))
-        })
-        .unzip();
+pub(super) fn head(tally: &Tally) -> Overview {
+    let all = tally.all();
     Overview {
-        runs: format!("{} of {}", plural(runs.len(), "run"), plural(scenarios.len(), "scenario")),
-        outcomes: outcomes(runs.iter()),
-        expectations: expectations(runs.iter()),
-        programs: programs.into_iter().collect(),
-        machines: machines.into_iter().collect(),
-        dates: dates(runs),
-        scenarios: table(&scenarios),
+        runs: format!("{} of {}", plural(all.runs, "run"), plural(tally.scenarios().len(), "scenario")),
+        outcomes: outcomes(&all.outcomes),
+        expectations: expectations(all.held, all.expected),
+        programs: tally.programs(),
+        machines: tally.machines(),
+        dates: dates(tally),
+        scenarios: table(tally),
     }
 }
 
-/// In the order in which they are first met.
-fn by_scenario<'a>(runs: &'a [ReportRun<'a>]) -> Vec<(&'a str, Vec<&'a ReportRun<'a>>)> {
-    let mut places: BTreeMap<&str, usize> = BTreeMap::new();
-    let mut scenarios: Vec<(&str, Vec<&ReportRun>)> = Vec::new();
-    for run in runs {
-        let place = *places.entry(&run.row.scenario).or_insert(scenarios.len());
-        if place == scenarios.len() {
-            scenarios.push((&run.row.scenario, Vec::new()));
-        }
-        scenarios[place].1.push(run);
-    }
-    scenarios
-}
-
-fn outcomes<'a>(runs: impl Iterator<Item = &'a ReportRun<'a>>) -> Vec<Count> {
-    let mut counts: Vec<Count> = Vec::new();
-    for outcome in runs.map(|r| r.row.outcome.name()) {
-        match counts.iter_mut().find(|c| c.outcome == outcome) {
-            Some(count) => count.count += 1,
-            None => counts.push(Count { outcome, count: 1 }),
-        }
-    }
-    // The good ones first.
+/// The good ones first.
+fn outcomes(counts: &[(&'static str, usize)]) -> Vec<Count> {
+    let mut counts: Vec<Count> = counts.iter().map(|&(outcome, count)| Count { outcome, count }).collect();
     counts.sort_by_key(|c| (c.outcome != Outcome::Passed.name(), std::cmp::Reverse(c.count)));
     counts
 }
 
-fn expectations<'a>(runs: impl Iterator<Item = &'a ReportRun<'a>>) -> String {
-    let (mut held, mut all) = (0, 0);
-    for verdict in runs.flat_map(|r| &r.row.verdicts) {
-        all += 1;
-        held += usize::from(verdict.held);
-    }
+fn expectations(held: usize, all: usize) -> String {
     if all == 0 { String::new() } else { format!("{held} of {all} expectations held") }
 }
 
 /// When the records were written, from the first to the last.
-fn dates(runs: &[ReportRun]) -> String {
-    let modified = |run: &ReportRun| run.file("run.json")?.metadata().ok()?.modified().ok();
-    let (first, last) = (runs.iter().filter_map(modified).min(), runs.iter().filter_map(modified).max());
+fn dates(tally: &Tally) -> String {
+    let (first, last) = tally.recorded().unzip();
     match (first.and_then(utc), last.and_then(utc)) {
         (Some(first), Some(last)) if first == last => first,
         (Some(first), Some(last)) => format!("{first} to {last}"),
@@ -99,18 +65,16 @@ fn dates(runs: &[ReportRun]) -> String {
     }
 }
 
-fn table(scenarios: &[(&str, Vec<&ReportRun>)]) -> Table {
-    let row = |(name, runs): &(&str, Vec<&ReportRun>)| {
-        let sum =
-            |of: fn(&ReportRun) -> f64| Cell::number(Some(runs.iter().map(|r| of(r)).filter(|x| x.is_finite()).sum()));
-        let words = outcomes(runs.iter().copied()).into_iter().map(|c| format!("{} {}", c.count, c.outcome));
+fn table(tally: &Tally) -> Table {
+    let row = |sums: &crate::record::tally::Sums| {
+        let words = outcomes(&sums.outcomes).into_iter().map(|c| format!("{} {}", c.count, c.outcome));
         vec![
-            Cell::text(*name),
-            Cell::count(runs.len() as u64),
+            Cell::text(&sums.scenario),
+            Cell::count(sums.runs as u64),
             Cell::text(words.collect::<Vec<_>>().join(", ")),
-            Cell::text(expectations(runs.iter().copied()).replace(" expectations held", "")),
-            sum(|r| r.row.metrics.duration_s),
-            sum(|r| r.row.cpu_s),
+            Cell::text(expectations(sums.held, sums.expected).replace(" expectations held", "")),
+            Cell::number(Some(sums.simulated_s)),
+            Cell::number(Some(sums.cpu_s)),
         ]
     };
     Table {
@@ -122,7 +86,7 @@ fn table(scenarios: &[(&str, Vec<&ReportRun>)]) -> Table {
             Head::number("simulated", "s"),
             Head::number("processor time", "s"),
         ],
-        parts: vec![Part { title: String::new(), rows: scenarios.iter().map(row).collect() }],
+        parts: vec![Part { title: String::new(), rows: tally.scenarios().iter().map(row).collect() }],
         more: String::new(),
     }
 }

@@ -30,7 +30,7 @@ mod words;
 mod work;
 
 use super::pareto::Work;
-use super::{Machine, RecordError, SummaryRow, atomic};
+use super::{Machine, RecordError, SummaryRow, Tally, atomic};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{Environment, State, UndefinedBehavior, Value, context};
@@ -58,11 +58,8 @@ impl ReportRun<'_> {
         self.files.iter().map(PathBuf::as_path).find(|path| path.file_name().is_some_and(|n| n == name))
     }
 
-    /// Did it end in a way it should not: an expectation did not hold, or it did not finish and nobody expected that?
     fn is_refused(&self) -> bool {
-        use crate::sim::Outcome::{Failed, Fallen, Passed};
-        let expected = || !self.row.verdicts.is_empty() && self.row.verdicts.iter().all(|v| v.held);
-        self.row.outcome == Failed || !(matches!(self.row.outcome, Passed | Fallen) || expected())
+        self.row.is_refused()
     }
 }
 
@@ -90,7 +87,23 @@ pub fn write_report(
     references: &[ReportRun],
     pictured: &Pictured,
 ) -> Result<(), RecordError> {
-    let page = page(results, runs, references, pictured)?;
+    let mut tally = Tally::default();
+    runs.iter().for_each(|run| tally.add(run.row, run.program, run.machine, run.file("run.json")));
+    write_report_of(path, results, (runs, &tally), references, pictured)
+}
+
+/// The same for some of the runs, beside what there is to say of all.
+///
+/// # Errors
+/// See [`write_report`].
+pub fn write_report_of(
+    path: &Path,
+    results: &Path,
+    (runs, tally): (&[ReportRun], &Tally),
+    references: &[ReportRun],
+    pictured: &Pictured,
+) -> Result<(), RecordError> {
+    let page = page(results, (runs, tally), references, pictured)?;
     let html = render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
     atomic::write(path, |out| out.write_all(html.as_bytes()).map_err(RecordError::io(path)))
 }
@@ -99,6 +112,8 @@ pub fn write_report(
 #[derive(Serialize)]
 struct Page {
     head: head::Overview,
+    /// What is said of too many runs.
+    left_out: String,
     work: work::Section,
     residuals: table::Table,
     pictures: pictures::Section,
@@ -111,13 +126,14 @@ struct Page {
 
 fn page(
     results: &Path,
-    runs: &[ReportRun],
+    (runs, tally): (&[ReportRun], &Tally),
     references: &[ReportRun],
     pictured: &Pictured,
 ) -> Result<Page, RecordError> {
     let works: Vec<Work> = runs.iter().map(|run| Work::of(run.row)).collect();
     Ok(Page {
-        head: head::head(runs),
+        head: head::head(tally),
+        left_out: left_out(tally.runs() - runs.len()),
         work: work::work(&works)?,
         residuals: residuals::residuals(runs),
         pictures: pictures::pictures(runs, pictured)?,
@@ -127,6 +143,16 @@ fn page(
         notes: runs::notes(runs),
         files: runs::files(results, runs, references),
     })
+}
+
+fn left_out(runs: usize) -> String {
+    match runs {
+        0 => String::new(),
+        n => format!(
+            "{n} more runs are counted here and stand in summary.csv and summary.parquet; what follows is of the others: \
+             those that went wrong and the first"
+        ),
+    }
 }
 
 /// The templates, by names that say that they are to be escaped.

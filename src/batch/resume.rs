@@ -1,0 +1,233 @@
+//! `--resume`: the runs of a plan that are done, by their records, and why the others are not.
+//!
+//! A run's key is a hash of everything its result depends on, so a whole record under the key of a run is that run's result.
+//! What depended on the clock, on a person or on trouble of the machine is made again.
+
+use std::collections::{HashMap, HashSet};
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+use super::dispatch::is_to_repeat;
+use super::store::Store;
+use super::{Finished, Job, Options, Plan, stale};
+use crate::record::{MAX_PROBLEMS, ParamValue, RecordError, RunRecord, SummaryRow, remove_partial};
+use crate::sim::{Outcome, Problems};
+
+/// What is there already of a batch.
+#[derive(Debug, Default)]
+pub struct Resumed {
+    pub(super) finished: Store,
+    pub(super) references: Store,
+    /// Runs that are done and are to be repeated for timing.
+    pub(super) again: Vec<usize>,
+    stale: Vec<Again>,
+    /// Places of the reasons.
+    reasons: HashMap<String, usize>,
+    first: usize,
+}
+
+/// Runs that were made before and are made again.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Again {
+    /// Why, in words.
+    pub why: String,
+    /// How many.
+    pub runs: usize,
+    /// Scenario and label of the first of them.
+    pub example: String,
+}
+
+impl Resumed {
+    /// Runs that are done.
+    pub fn runs(&self) -> usize {
+        self.finished.count
+    }
+
+    /// References that are done and that no run waits for.
+    pub fn references(&self) -> usize {
+        self.references.count
+    }
+
+    /// Runs that are made again, by reason.
+    pub fn again(&self) -> &[Again] {
+        &self.stale
+    }
+
+    /// Runs that are made for the first time.
+    pub fn first(&self) -> usize {
+        self.first
+    }
+
+    /// What is done, references first, with the runs that it is about.
+    pub(super) fn all<'a>(&'a self, plan: &'a Plan) -> impl Iterator<Item = (&'a Store, Job)> {
+        let references = self.references.positions().map(|index| (&self.references, plan.reference(index)));
+        references.chain(self.finished.positions().map(|index| (&self.finished, plan.job(index))))
+    }
+
+    fn tell(&mut self, why: String, job: &Job) {
+        let place = *self.reasons.entry(why).or_insert_with_key(|why| {
+            let example = format!("{} {}", job.run.name, job.label).trim_end().to_owned();
+            self.stale.push(Again { why: why.clone(), runs: 0, example });
+            self.stale.len() - 1
+        });
+        self.stale[place].runs += 1;
+    }
+}
+
+/// What there is of one run.
+enum State {
+    Done(Box<Finished>),
+    /// It was made, but not so that its result could be taken; why.
+    Again(String),
+    Absent,
+}
+
+/// Looks for the records of a plan. Nobody else may be writing there: what was left unfinished is removed.
+pub(super) fn look(plan: &Plan, options: &Options) -> Resumed {
+    let mut resumed = Resumed::default();
+    let (mut absent, mut needed): (Vec<usize>, HashSet<usize>) = (Vec::new(), HashSet::new());
+    for job in plan.jobs() {
+        match state(&job, plan, options) {
+            State::Done(finished) => {
+                if is_to_repeat(&job, &finished) {
+                    resumed.again.push(job.index);
+                }
+                resumed.finished.insert(job.index, *finished);
+                continue;
+            }
+            State::Again(why) => resumed.tell(why, &job),
+            State::Absent => absent.push(job.index),
+        }
+        needed.extend(job.reference());
+    }
+    // A reference that a run waits for is made again: its motion is in no file.
+    for index in (0..plan.references()).filter(|index| !needed.contains(index)) {
+        if let State::Done(finished) = state(&plan.reference(index), plan, options) {
+            resumed.references.insert(index, *finished);
+        }
+    }
+    let mut earlier: HashMap<&str, Earlier> = HashMap::new();
+    let keys: HashSet<String> =
+        if absent.is_empty() { HashSet::new() } else { (0..plan.runs()).map(|index| plan.key(index)).collect() };
+    for index in absent {
+        let name = plan.scenario(index);
+        let known = earlier.entry(name).or_insert_with(|| Earlier::of(&options.output, name, &keys));
+        if known.is_empty() {
+            resumed.first += 1;
+            continue;
+        }
+        let job = plan.job(index);
+        match known.like(&job).and_then(|record| stale::why(&job, &record)) {
+            Some(why) => resumed.tell(why, &job),
+            None => resumed.first += 1,
+        }
+    }
+    resumed
+}
+
+fn state(job: &Job, plan: &Plan, options: &Options) -> State {
+    let folder = job.folder(&options.output);
+    remove_partial(&folder);
+    let path = folder.join("run.json");
+    let record = match RunRecord::read(&path) {
+        Ok(record) => record,
+        Err(RecordError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => return State::Absent,
+        Err(_) => return State::Again("its record is no whole record".into()),
+    };
+    if (&record.scenario, &record.key) != (&job.run.name, &job.key) {
+        return State::Again("its record is that of another run".into());
+    }
+    let row = record.summary_row();
+    if !repeats(&row) {
+        return State::Again(format!("it ended as `{}`", row.outcome.name()));
+    }
+    let log = folder.join("log.mcap");
+    if job.wants_log(options) && !is_whole_log(&log) {
+        return State::Again("it has no whole log".into());
+    }
+    let problems = folder.join("problems");
+    if !has_problems(&row, &problems, options.problems) {
+        return State::Again("it has not the contact problems that are asked for".into());
+    }
+    if let Some(reference) = job.reference()
+        && record.comparison.until_s.is_none()
+        && !matches!(state(&plan.reference(reference), plan, options), State::Done(_))
+    {
+        return State::Again("it was not compared: its reference did not end".into());
+    }
+    let files = [path, log, problems].into_iter().filter(|file| file.exists()).collect();
+    State::Done(Box::new(Finished { files, notes: record.notes, accepted: !row.is_refused(), row }))
+}
+
+/// Would the run end like this again?
+fn repeats(row: &SummaryRow) -> bool {
+    !matches!(row.outcome, Outcome::TimedOut | Outcome::Error | Outcome::Cancelled) || !row.is_refused()
+}
+
+/// A log ends with the word it begins with.
+fn is_whole_log(path: &Path) -> bool {
+    let end = || {
+        let mut file = File::open(path)?;
+        let mut end = [0; mcap::MAGIC.len()];
+        file.seek(SeekFrom::End(-(end.len() as i64)))?;
+        file.read_exact(&mut end).map(|()| end)
+    };
+    end().is_ok_and(|end: [u8; mcap::MAGIC.len()]| end == mcap::MAGIC)
+}
+
+fn has_problems(row: &SummaryRow, folder: &Path, wanted: Problems) -> bool {
+    let met = match wanted {
+        Problems::None => 0,
+        Problems::Inconsistent => row.metrics.inconsistent,
+        Problems::All => row.metrics.selections,
+    };
+    met == 0 || std::fs::read_dir(folder).is_ok_and(|files| files.count() as u64 >= met.min(MAX_PROBLEMS as u64))
+}
+
+/// Records of a scenario that no run of the plan has the key of.
+struct Earlier {
+    /// The folder of the last of each, by what distinguished the run and its seed.
+    with_seed: HashMap<String, String>,
+    /// The same without the seed, and the seed; none where there are several.
+    without: HashMap<String, Option<(String, u64)>>,
+    folder: std::path::PathBuf,
+}
+
+impl Earlier {
+    fn of(results: &Path, scenario: &str, keys: &HashSet<String>) -> Self {
+        let folder = results.join(scenario);
+        let mut earlier = Earlier { with_seed: HashMap::new(), without: HashMap::new(), folder };
+        let Ok(entries) = std::fs::read_dir(&earlier.folder) else { return earlier };
+        let names = entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned());
+        let written = |name: &String| earlier.folder.join(name).join("run.json").metadata()?.modified();
+        let names = names.filter(|name| !keys.contains(name));
+        let mut names: Vec<_> = names.filter_map(|name| Some((written(&name).ok()?, name))).collect();
+        names.sort();
+        for (_, name) in names {
+            let Ok(record) = RunRecord::read(&earlier.folder.join(&name).join("run.json")) else { continue };
+            let (place, seed) = (identity(&record.parameters), record.seed);
+            let own = Some((name.clone(), seed));
+            let known = earlier.without.entry(place.clone()).or_insert_with(|| own.clone());
+            *known = own.filter(|_| known.as_ref().is_some_and(|(_, other)| *other == seed));
+            earlier.with_seed.insert(format!("{place} {seed}"), name);
+        }
+        earlier
+    }
+
+    fn is_empty(&self) -> bool {
+        self.with_seed.is_empty()
+    }
+
+    /// The record of the run that had the same swept values and the same seed, if it is clear which that is.
+    fn like(&self, job: &Job) -> Option<RunRecord> {
+        let place = identity(&job.parameters());
+        let same_seed = self.with_seed.get(&format!("{place} {}", job.run.scenario.seed));
+        let name = same_seed.or_else(|| self.without.get(&place)?.as_ref().map(|(name, _)| name))?;
+        RunRecord::read(&self.folder.join(name).join("run.json")).ok()
+    }
+}
+
+fn identity(parameters: &[(String, ParamValue)]) -> String {
+    parameters.iter().map(|(name, value)| format!("{name}={value}\n")).collect()
+}

@@ -1,0 +1,77 @@
+//! `runner merge`: the results of shards in one folder.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use stiction::record::merge::{MergeError, Merged, Shards};
+use stiction::record::table;
+
+use super::Exit;
+use super::terminal::{complain, plural, print};
+
+/// Below the help.
+pub const HELP: &str = "Exit codes:
+  0, 1, 3  as of one batch of all these runs
+  2        wrong usage, results of other plans, runs that are missing or differ; nothing was written";
+
+/// Runs that are shown line by line.
+const MOST_SHOWN: usize = 1000;
+
+/// Arguments of `merge`.
+#[derive(Args, Debug)]
+pub struct Merge {
+    /// Folders of results, one of each shard
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Folder of the results of all
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Take what is there when shards or runs are missing
+    #[arg(long)]
+    partial: bool,
+}
+
+impl Merge {
+    /// Checks everything, then writes everything.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let refused = |error: MergeError| {
+            complain(&format!("error: {error}"));
+            Exit::Invalid
+        };
+        let shards = Shards::open(&self.folders).map_err(refused)?;
+        shards.check_output(&self.output).map_err(refused)?;
+        let missing = shards.check().map_err(refused)?;
+        let word = if self.partial { "warning" } else { "error" };
+        missing.iter().for_each(|what| complain(&format!("{word}: {what}")));
+        if !missing.is_empty() && !self.partial {
+            complain("nothing was written; --partial takes what is there");
+            return Err(Exit::Invalid);
+        }
+        let merged = shards.write(&self.output).map_err(refused)?;
+        print(&summary(&merged))?;
+        Ok(match () {
+            () if merged.unfinished > 0 => Exit::Unfinished,
+            () if merged.failed > 0 => Exit::Failed,
+            () => Exit::Success,
+        })
+    }
+}
+
+fn summary(merged: &Merged) -> String {
+    let rows: Vec<_> = merged.runs.iter().map(|run| run.record.summary_row()).collect();
+    let mut out = if rows.len() <= MOST_SHOWN { table(&rows) + "\n" } else { String::new() };
+    let outcomes = merged.tally.outcomes().into_iter().map(|(outcome, count)| format!("{count} {outcome}"));
+    let words: Vec<String> = outcomes.collect();
+    // A String takes every write.
+    let _ = write!(out, "{}: {}", plural(merged.tally.runs(), "run"), words.join(", "));
+    let (held, expected) = merged.tally.expectations();
+    if expected > 0 {
+        let _ = write!(out, "; {held} of {expected} expectations held");
+    }
+    out += "\nwritten:\n";
+    for path in [&merged.summary.csv, &merged.summary.parquet, &merged.runs_log, &merged.page] {
+        let _ = writeln!(out, "  {}", path.display());
+    }
+    out
+}

@@ -1,0 +1,184 @@
+//! Shards put together to the folder that one run of all would have left.
+//!
+//! Every shard says in its `shard.jsonl` which runs of the plan it has, and where in the plan they stand. Everything is checked
+//! before anything is written: the shards are of one plan, all are there, every run has its record, and what two of them
+//! have is the same in both. Lists and records are read one by one, so that memory does not grow with the number of runs.
+
+mod gather;
+mod place;
+mod walk;
+
+use super::{RecordError, ShardHead, ShardList};
+use std::path::{Path, PathBuf};
+
+pub use gather::Merged;
+use walk::Holder;
+
+/// Runs that are named of those with the same trouble.
+const MOST_NAMED: usize = 10;
+
+/// Why shards cannot be put together. Nothing has been written, unless it is a file that could not be.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// A folder that holds no shard.
+    #[error("{}: no results of a shard: it has no {}", folder.display(), super::SHARD_LIST)]
+    NoShard {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The folder to write is one of those to read.
+    #[error("{}: the folder to write is one of those to read", folder.display())]
+    Onto {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// Two shards of different plans.
+    #[error("{} and {} are no shards of one plan: {what}", a.display(), b.display())]
+    OtherPlan {
+        /// A folder.
+        a: PathBuf,
+        /// Another.
+        b: PathBuf,
+        /// What tells them apart.
+        what: String,
+    },
+    /// What is missing or differs, one thing a line.
+    #[error("{}", .0.join("\n"))]
+    Runs(Vec<String>),
+}
+
+/// Shards of one plan.
+#[derive(Debug)]
+pub struct Shards {
+    folders: Vec<PathBuf>,
+    heads: Vec<ShardHead>,
+}
+
+impl Shards {
+    /// Reads what the folders are.
+    ///
+    /// # Errors
+    /// One of them is no shard, or they are not of one plan.
+    pub fn open(folders: &[PathBuf]) -> Result<Self, MergeError> {
+        let heads = folders.iter().map(|folder| match ShardList::open(folder) {
+            Ok(list) => Ok(list.head),
+            Err(RecordError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
+                Err(MergeError::NoShard { folder: folder.clone() })
+            }
+            Err(error) => Err(error.into()),
+        });
+        let shards = Shards { folders: folders.to_vec(), heads: heads.collect::<Result<_, _>>()? };
+        for (folder, head) in shards.folders.iter().zip(&shards.heads).skip(1) {
+            let first = &shards.heads[0];
+            let what = match () {
+                () if head.program != first.program => format!("made by {} and {}", first.program, head.program),
+                () if head.of != first.of => format!("one of {} and one of {}", first.of, head.of),
+                () if head.runs != first.runs => format!("the plans have {} and {} runs", first.runs, head.runs),
+                () if head.plan != first.plan => "their scenarios, values, robots or other files differ".to_owned(),
+                () => continue,
+            };
+            return Err(MergeError::OtherPlan { a: shards.folders[0].clone(), b: folder.clone(), what });
+        }
+        Ok(shards)
+    }
+
+    /// Runs of the whole plan.
+    pub fn runs(&self) -> usize {
+        self.heads.first().map_or(0, |head| head.runs)
+    }
+
+    /// Looks at every run: is it there, and the same wherever it is? Returns what is missing, one thing a line.
+    ///
+    /// # Errors
+    /// Runs that two shards have and that differ; lists that contradict each other or cannot be read.
+    pub fn check(&self) -> Result<Vec<String>, MergeError> {
+        let mut missing = self.missing_shards();
+        let mut absent: Vec<Vec<String>> = vec![Vec::new(); self.folders.len()];
+        let mut counts = vec![0; self.folders.len()];
+        let (mut differ, mut differing) = (Vec::new(), 0);
+        let (mut place, mut gaps) = (0, 0);
+        self.walk(&mut |holders: &[Holder]| {
+            let run = &holders[0].run;
+            gaps += run.at - place;
+            place = run.at + 1;
+            if let Some(other) = holders.iter().find(|h| h.run != *run) {
+                return Err(self.contradiction(holders[0].shard, other.shard));
+            }
+            let mut first = None;
+            for holder in holders {
+                match holder.read() {
+                    Some(record) => match &first {
+                        None => first = Some((holder, record)),
+                        Some((other, known)) => {
+                            if let Some(what) = walk::difference(other, known, holder, &record) {
+                                differing += 1;
+                                if differ.len() < MOST_NAMED {
+                                    differ.push(what);
+                                }
+                            }
+                        }
+                    },
+                    None => {
+                        counts[holder.shard] += 1;
+                        if absent[holder.shard].len() < MOST_NAMED {
+                            absent[holder.shard].push(format!("{} {}", run.scenario, run.key));
+                        }
+                    }
+                }
+            }
+            Ok(())
+        })?;
+        gaps += self.runs().saturating_sub(place);
+        if gaps > 0 && missing.is_empty() {
+            return Err(MergeError::Runs(vec![format!(
+                "{gaps} runs of the plan are in no shard: a list is not whole"
+            )]));
+        }
+        if differing > 0 {
+            differ.insert(0, format!("{differing} runs are in several folders and differ:"));
+            return Err(MergeError::Runs(differ));
+        }
+        for (shard, count) in counts.into_iter().enumerate().filter(|(_, count)| *count > 0) {
+            let (folder, head) = (self.folders[shard].display(), &self.heads[shard]);
+            let dots = if count > MOST_NAMED { ", ..." } else { "" };
+            let words = absent[shard].join(", ");
+            missing.push(format!(
+                "{folder} (shard {}/{}) has no result of {count} of its runs: {words}{dots}; run it again with --resume",
+                head.shard, head.of
+            ));
+        }
+        Ok(missing)
+    }
+
+    fn missing_shards(&self) -> Vec<String> {
+        let Some(of) = self.heads.first().map(|head| head.of) else { return Vec::new() };
+        let there = |number: &u64| self.heads.iter().any(|head| head.shard == *number);
+        let numbers: Vec<u64> = (1..=of).filter(|number| !there(number)).collect();
+        if numbers.is_empty() {
+            return Vec::new();
+        }
+        let words: Vec<String> = numbers.iter().take(MOST_NAMED).map(u64::to_string).collect();
+        let dots = if numbers.len() > MOST_NAMED { ", ..." } else { "" };
+        vec![format!("{} of {of} shards are missing: {}{dots}", numbers.len(), words.join(", "))]
+    }
+
+    fn contradiction(&self, a: usize, b: usize) -> MergeError {
+        let what = "their lists have different runs at one place".to_owned();
+        MergeError::OtherPlan { a: self.folders[a].clone(), b: self.folders[b].clone(), what }
+    }
+
+    /// May this be the folder to write?
+    ///
+    /// # Errors
+    /// It is one of those to read.
+    pub fn check_output(&self, output: &Path) -> Result<(), MergeError> {
+        let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        match self.folders.iter().find(|folder| real(folder) == real(output)) {
+            Some(folder) => Err(MergeError::Onto { folder: folder.clone() }),
+            None => Ok(()),
+        }
+    }
+}

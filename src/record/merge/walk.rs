@@ -1,0 +1,101 @@
+//! The lists of several shards side by side, in the order of the plan.
+
+use super::{MergeError, Shards};
+use crate::record::{RecordError, RunRecord, ShardList, ShardRun};
+use serde_json::Value;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::path::{Path, PathBuf};
+
+/// A shard that has a run.
+pub(super) struct Holder<'a> {
+    pub shard: usize,
+    pub folder: &'a Path,
+    pub run: ShardRun,
+}
+
+impl Holder<'_> {
+    /// The run's record; none if it is not there or not whole.
+    pub fn read(&self) -> Option<RunRecord> {
+        RunRecord::read(&self.record()).ok().filter(|r| r.key == self.run.key && r.scenario == self.run.scenario)
+    }
+
+    pub fn record(&self) -> PathBuf {
+        self.run.folder(self.folder).join("run.json")
+    }
+}
+
+impl Shards {
+    /// Tells of every run that some shard has, with all that have it.
+    pub(super) fn walk(&self, tell: &mut dyn FnMut(&[Holder]) -> Result<(), MergeError>) -> Result<(), MergeError> {
+        let mut lists = self.folders.iter().map(|f| ShardList::open(f)).collect::<Result<Vec<_>, RecordError>>()?;
+        let mut waiting: Vec<Option<ShardRun>> = Vec::new();
+        let mut next = BinaryHeap::new();
+        for (shard, list) in lists.iter_mut().enumerate() {
+            let run = list.next().transpose()?;
+            next.extend(run.as_ref().map(|run| Reverse((run.at, shard))));
+            waiting.push(run);
+        }
+        while let Some(&Reverse((at, _))) = next.peek() {
+            let mut holders = Vec::new();
+            while let Some(&Reverse((_, shard))) = next.peek().filter(|Reverse((other, _))| *other == at) {
+                next.pop();
+                if let Some(run) = waiting[shard].take() {
+                    holders.push(Holder { shard, folder: &self.folders[shard], run });
+                }
+                waiting[shard] = lists[shard].next().transpose()?;
+                if let Some(run) = &waiting[shard] {
+                    if run.at <= at {
+                        let what = format!("{}: the list is not in order", self.folders[shard].display());
+                        return Err(MergeError::Runs(vec![what]));
+                    }
+                    next.push(Reverse((run.at, shard)));
+                }
+            }
+            tell(&holders)?;
+        }
+        Ok(())
+    }
+}
+
+/// What tells two results of one run apart, in words; times and machines may differ, and the log may be missing in one.
+pub(super) fn difference(a: &Holder, of_a: &RunRecord, b: &Holder, of_b: &RunRecord) -> Option<String> {
+    let (x, y) = (comparable(of_a), comparable(of_b));
+    let name = |what: &str| {
+        let (run, a, b) = (&a.run, a.folder.display(), b.folder.display());
+        Some(format!("{} {}: {what} in {a} and {b}", run.scenario, run.key))
+    };
+    if let Some(what) = first_difference("", &x, &y) {
+        return name(&what);
+    }
+    let logs = [a, b].map(|holder| std::fs::read(holder.record().with_file_name("log.mcap")).ok());
+    match logs {
+        [Some(x), Some(y)] if x != y => name("the log differs"),
+        _ => None,
+    }
+}
+
+/// A record without what depends on the clock.
+pub(super) fn comparable(record: &RunRecord) -> Value {
+    let mut value = serde_json::to_value(record).unwrap_or(Value::Null);
+    if let Value::Object(map) = &mut value {
+        map.remove("timing");
+    }
+    value
+}
+
+/// `metrics.steps is 3 and 4`
+pub(super) fn first_difference(path: &str, a: &Value, b: &Value) -> Option<String> {
+    let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+    match (a, b) {
+        _ if a == b => None,
+        (Value::Object(a), Value::Object(b)) => {
+            let names = a.keys().chain(b.keys().filter(|name| !a.contains_key(*name)));
+            let value =
+                |map: &serde_json::Map<String, Value>, name: &str| map.get(name).cloned().unwrap_or(Value::Null);
+            names.into_iter().find_map(|name| first_difference(&below(name), &value(a, name), &value(b, name)))
+        }
+        _ if path == "resolved" => Some("the scenario differs".into()),
+        _ => Some(format!("{path} is {a} and {b}")),
+    }
+}

@@ -1,0 +1,263 @@
+//! The runs of a file, made one at a time: a sweep of millions is never in memory.
+
+use std::{
+    ops::Range,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use super::{
+    diagnostic::{Diagnostic, Diagnostics, Findings, Severity},
+    events,
+    expand::{Origin, Run},
+    file::ScenarioFile,
+    grid::{Cell, Grid},
+    inputs::{Files, Input},
+    overrides,
+    path::Path,
+    reference::Reference,
+    scenario::{self, Scenario},
+    source::{Sources, Span},
+    spec::contact::{ContactMethod, LcpSpec, NcpSpec, PenaltySpec},
+    tree::Node,
+};
+
+/// Errors after which an expansion gives up.
+const MAX_ERRORS: usize = 50;
+
+/// Repetitions that are made from one reading of their values.
+const AT_ONCE: u32 = 64;
+
+/// A file with its overrides and its sweep, from which each run can be made by its number.
+pub struct Expansion {
+    file: ScenarioFile,
+    sources: Sources,
+    base: Arc<Node>,
+    grid: Grid,
+    /// Files that were read stay as they were read.
+    files: Mutex<Files>,
+}
+
+impl ScenarioFile {
+    /// Reads overrides and sweep; the runs are judged by [`Expansion::check`].
+    ///
+    /// # Errors
+    /// What is wrong with the overrides or with the sweep as such; more than `max_runs` runs.
+    pub fn expansion(&self, overrides: &[(String, toml::Value)], max_runs: usize) -> Result<Expansion, Diagnostics> {
+        let mut sources = self.sources.clone();
+        let mut findings = Findings::default();
+        let mut base = Node::clone(&self.root);
+        let fixed = overrides::apply(&mut base, overrides, &mut sources, &mut findings);
+        if findings.has_errors() {
+            return Err(findings.into_diagnostics(&sources));
+        }
+        let grid = Grid::read(&base, &fixed, &sources, max_runs, &mut findings);
+        if findings.has_errors() {
+            // Mistakes outside the sweep are told together with those in it.
+            findings.append(scenario::read(&base).1);
+            return Err(findings.into_diagnostics(&sources));
+        }
+        base.remove("sweep");
+        Ok(Expansion { file: self.clone(), sources, base: Arc::new(base), grid, files: Mutex::default() })
+    }
+}
+
+impl Expansion {
+    /// The file.
+    pub fn file(&self) -> &ScenarioFile {
+        &self.file
+    }
+
+    /// How many runs there are.
+    pub fn runs(&self) -> usize {
+        self.grid.runs()
+    }
+
+    /// Makes every run once, in order, and gives it away; a warning that several runs share stands with the first of them.
+    /// Returns what there is to warn of in the file as a whole.
+    ///
+    /// # Errors
+    /// Everything found wrong with any of the runs.
+    pub fn check(&self, give: &mut dyn FnMut(Run)) -> Result<Diagnostics, Diagnostics> {
+        let mut findings = Findings::default();
+        let mut idle = Idle::default();
+        let repeat = self.grid.repeat;
+        let parts = |cell| (0..repeat).step_by(AT_ONCE as usize).map(move |at| (cell, at..repeat.min(at + AT_ONCE)));
+        for (cell, repetitions) in (0..self.grid.cells()).flat_map(parts) {
+            let made = self.cell(cell, repetitions, &mut findings);
+            if findings.errors() >= MAX_ERRORS {
+                break;
+            }
+            for run in made.unwrap_or_default() {
+                idle.look(&run);
+                give(run);
+            }
+        }
+        if findings.has_errors() { Err(findings.into_diagnostics(&self.sources)) } else { Ok(idle.warnings()) }
+    }
+
+    /// One run by its number, from 0; none when there is no such run, or something in it is wrong.
+    pub fn run(&self, number: usize) -> Option<Run> {
+        let repeat = self.grid.repeat.max(1);
+        let repetition = (number % repeat as usize) as u32;
+        let runs = self.cell(number / repeat as usize, repetition..repetition + 1, &mut Findings::default());
+        runs?.pop().filter(|_| number < self.runs())
+    }
+
+    /// Some repetitions of a combination of values; none when something in them is wrong, which then is among the findings.
+    fn cell(&self, number: usize, repetitions: Range<u32>, findings: &mut Findings) -> Option<Vec<Run>> {
+        let (sources, cell) = (&self.sources, self.grid.cell(number));
+        let swept = cell.values();
+        let mut root = Node::clone(&self.base);
+        let mut found = Findings::default();
+        for (path, value) in &swept {
+            if let Err(error) = path.set(&mut root, value.clone()) {
+                found.error(error.span, error.message, None);
+            }
+        }
+        let (scenario, read) = scenario::read(&root);
+        found.append(read);
+        found.explain(|span| other_place(span, &swept, &self.base, sources));
+        let mut warnings = findings.append(found).into_diagnostics(sources);
+        let mut reference = Reference::read(&root, sources, findings);
+        let of_reference = reference.as_mut().map(|r| std::mem::take(&mut r.warnings)).unwrap_or_default();
+        warnings.0.extend(of_reference.into_diagnostics(sources).0);
+        let scenario = scenario?;
+        let (inputs, of_reference) = {
+            let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut of = |scenario: &Scenario| files.of(scenario, &self.file.path, &root, findings);
+            (of(&scenario), reference.as_ref().map(|r| of(&r.scenario)).unwrap_or_default())
+        };
+        let made = Made { expansion: self, root: &root, swept: &swept };
+        let mut runs = Vec::new();
+        for repetition in repetitions {
+            let index = number * self.grid.repeat as usize + repetition as usize;
+            let seeded =
+                |scenario: &Scenario, by: u32| Scenario { seed: scenario.seed + u64::from(by), ..scenario.clone() };
+            let reference = match &reference {
+                Some(reference) => {
+                    let by = if reference.fixes_seed() { 0 } else { repetition };
+                    let scenario = seeded(&reference.scenario, by);
+                    let (run, _) = made.run(index, scenario, &of_reference, &reference.values, findings)?;
+                    Some(Box::new(run))
+                }
+                None => None,
+            };
+            let (run, table) = made.run(index, seeded(&scenario, repetition), &inputs, &[], findings)?;
+            let (parameters, warnings) = (Cell::parameters(&cell, &root, &table), std::mem::take(&mut warnings));
+            runs.push(Run { parameters, warnings, reference, ..run });
+        }
+        Some(runs)
+    }
+}
+
+/// What all runs of a cell are made of.
+struct Made<'a> {
+    expansion: &'a Expansion,
+    root: &'a Node,
+    swept: &'a [(Path, Node)],
+}
+
+impl Made<'_> {
+    fn run(
+        &self,
+        index: usize,
+        scenario: Scenario,
+        inputs: &[Input],
+        values: &[(Path, Node)],
+        findings: &mut Findings,
+    ) -> Option<(Run, toml::Table)> {
+        let Expansion { file, sources, base, .. } = self.expansion;
+        match resolved(&scenario) {
+            Ok((resolved_toml, table)) => {
+                let mut run = Run {
+                    name: file.name(),
+                    file: file.path.clone(),
+                    index,
+                    resolved_toml,
+                    scenario,
+                    parameters: Vec::new(),
+                    warnings: Diagnostics::default(),
+                    reference: None,
+                    inputs: inputs.to_vec(),
+                    events: Vec::new(),
+                    origin: Origin {
+                        sources: sources.clone(),
+                        base: base.clone(),
+                        swept: self.swept.iter().chain(values).cloned().collect(),
+                    },
+                };
+                // What is wrong with them stands among the findings, and no run is made.
+                run.events = events::of(&run, sources, findings).unwrap_or_default();
+                Some((run, table))
+            }
+            Err(message) => {
+                findings.error(Path::internal("seed").locate(self.root).1, message, None);
+                None
+            }
+        }
+    }
+}
+
+/// Parameters that are given to a contact method that no run of the file uses.
+#[derive(Default)]
+struct Idle {
+    used: Vec<ContactMethod>,
+    /// The warning, as it is with the first run that gives them.
+    told: Vec<(ContactMethod, Diagnostic)>,
+}
+
+impl Idle {
+    fn look(&mut self, run: &Run) {
+        let contact = &run.scenario.contact;
+        if !self.used.contains(&contact.method) {
+            self.used.push(contact.method);
+        }
+        let given = [
+            (ContactMethod::Penalty, contact.penalty != PenaltySpec::default()),
+            (ContactMethod::Lcp, contact.lcp != LcpSpec::default()),
+            (ContactMethod::Ncp, contact.ncp != NcpSpec::default()),
+        ];
+        for (method, _) in given.into_iter().filter(|(_, given)| *given) {
+            if self.told.iter().any(|(known, _)| *known == method) {
+                continue;
+            }
+            let name = method.name();
+            let message = format!("`contact.{name}` has no effect: `contact.method` is \"{}\"", contact.method.name());
+            let warning = run.diagnose(&format!("contact.{name}"), Severity::Warning, true, message, None);
+            self.told.push((method, warning));
+        }
+    }
+
+    fn warnings(mut self) -> Diagnostics {
+        self.told.retain(|(method, _)| !self.used.contains(method));
+        let place = |m: &ContactMethod| [ContactMethod::Penalty, ContactMethod::Lcp].iter().position(|x| x == m);
+        self.told.sort_by_key(|(method, _)| place(method).unwrap_or(usize::MAX));
+        Diagnostics(self.told.into_iter().map(|(_, warning)| warning).collect())
+    }
+}
+
+/// What stands in the file where a swept value that is wrong was put: the other half of the mistake.
+fn other_place(span: &Span, swept: &[(Path, Node)], base: &Node, sources: &Sources) -> Option<String> {
+    let within = |outer: &Span| outer.start <= span.start && span.end <= outer.end;
+    let (path, _) =
+        swept.iter().find(|(path, value)| within(&value.span) || path.segments.iter().any(|s| within(&s.1)))?;
+    let name = |count: usize| path.segments[..count].iter().map(|s| s.0.as_str()).collect::<Vec<_>>().join(".");
+    let there = (1..=path.segments.len()).rev().find(|count| path.first(*count).get(base).is_some());
+    let Some(count) = there else {
+        return Some(format!("the file itself has no `{}`", name(1)));
+    };
+    let (key, value) = path.first(count).locate(base);
+    let place = Diagnostic::error(sources, &key, "", None).location();
+    // An overridden key is shown where it was overridden, and that is all there is to say.
+    let one_place = within(&value);
+    (!one_place).then(|| format!("`{}` is at {place}", name(count)))
+}
+
+/// The scenario with every value written out, as a text and as a table.
+fn resolved(scenario: &Scenario) -> Result<(String, toml::Table), String> {
+    if i64::try_from(scenario.seed).is_err() {
+        return Err(format!("`seed` with its repetitions reaches {}, which TOML cannot hold", scenario.seed));
+    }
+    let wrong = |error: toml::ser::Error| format!("the scenario cannot be written out: {error}");
+    Ok((toml::to_string(scenario).map_err(wrong)?, toml::Table::try_from(scenario).map_err(wrong)?))
+}

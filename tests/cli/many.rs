@@ -1,0 +1,49 @@
+//! More runs than are kept in memory.
+
+use std::fs::{self, File};
+
+use polars_io::SerReader;
+use polars_io::parquet::read::ParquetReader;
+use stiction::record::MOST_KEPT;
+
+use super::Place;
+use crate::same::rows;
+
+#[test]
+fn runs_that_are_not_kept_are_in_the_summary_in_their_order() {
+    let place = Place::new();
+    let runs = MOST_KEPT + 60;
+    // One of them does not end as it should, long after memory is full.
+    place.block(
+        "s.toml",
+        &format!(
+            "[log]\nrate = 0\n[[expect]]\nmetric = \"duration_s\"\nmax = 0.0015\n[sweep]\nzip = [{{ seed = {{ linspace = [1, {runs}, {runs}] }}, duration = [{}0.002, 0.001] }}]\n",
+            "0.001, ".repeat(runs - 2)
+        ),
+    );
+    let most = (runs + 1).to_string();
+    let arguments = ["s.toml", "--max-runs", &most];
+    place.runner(&arguments[..1]).exits(2);
+    let done = place.runner(&arguments).exits(1);
+    assert!(done.stdout.contains(&format!("{runs} runs: {} passed, 1 failed", runs - 1)), "{}", done.stdout);
+    assert!(done.stdout.contains("duration_s is 0.002, above 0.0015"), "those that went wrong are shown");
+    assert!(done.stdout.lines().count() < 100, "and no others: {} lines", done.stdout.lines().count());
+    let table = place.summary("results");
+    let seeds: Vec<String> = (1..=runs).map(|seed| seed.to_string()).collect();
+    assert_eq!(table.column("seed"), seeds);
+    let outcomes = table.column("outcome");
+    assert_eq!(outcomes.iter().position(|outcome| *outcome == "failed"), Some(runs - 2));
+    let parquet = File::open(place.path("results/summary.parquet")).unwrap();
+    let frame = ParquetReader::new(parquet).finish().unwrap();
+    assert_eq!(frame.height(), runs);
+    assert_eq!(frame.column("seed").unwrap().u64().unwrap().get(runs - 1), Some(runs as u64));
+    let page = fs::read_to_string(place.path("results/report.html")).unwrap();
+    assert!(page.contains(&format!("{runs} runs of 1 scenario")), "the numbers are of all");
+    assert!(page.contains("60 more runs are counted here"), "and it says what is not shown");
+    assert!(page.len() < 4 << 20, "{} bytes", page.len());
+    // Read back from records they are the same rows.
+    let before = rows(&table);
+    let done = place.runner(&[&arguments[..], &["--resume"]].concat()).exits(1);
+    assert!(done.stderr.contains(&format!("resumed: {runs} runs done already")), "{}", done.stderr);
+    assert_eq!(rows(&place.summary("results")), before);
+}

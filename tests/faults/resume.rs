@@ -1,0 +1,192 @@
+//! `--resume`: what is taken, what is made again, and why.
+
+use std::fs;
+
+use stiction::record::RunRecord;
+
+use super::{ARGUMENTS, ENDS, batch};
+use crate::cli::{Done, Place};
+use crate::same::assert_same;
+
+fn resume(place: &Place, arguments: &[&str]) -> Done {
+    place.runner(&[arguments, &["--resume"]].concat())
+}
+
+/// The line about runs that are made again.
+#[track_caller]
+fn again(done: &Done) -> &str {
+    let mut lines = done.stderr.lines().filter(|line| line.contains(" again: "));
+    let line = lines.next().unwrap_or_else(|| panic!("no reason in {}", done.stderr));
+    assert_eq!(lines.next(), None, "{}", done.stderr);
+    line.trim()
+}
+
+#[test]
+fn what_is_done_is_taken_as_it_is() {
+    let place = batch();
+    place.runner(&[&ARGUMENTS[..], &["-o", "whole"]].concat()).exits(ENDS);
+    place.runner(&ARGUMENTS).exits(ENDS);
+    let when = |place: &Place| {
+        let key = place.summary("results").column("key")[0].to_owned();
+        fs::metadata(place.path("results/thrown").join(key).join("run.json")).unwrap().modified().unwrap()
+    };
+    let before = when(&place);
+    let done = resume(&place, &ARGUMENTS).exits(ENDS);
+    assert!(done.stderr.contains("resumed: 16 runs and 4 reference runs done already"), "{}", done.stderr);
+    assert!(!done.stderr.contains("[1") && !done.stderr.contains("again"), "nothing was run: {}", done.stderr);
+    assert_eq!(when(&place), before);
+    assert_same(&place.path("whole"), &place.path("results"));
+    // One record is lost: its run is made, and the reference that it needs, and nothing else.
+    let keys: Vec<String> = place.summary("results").column("key").iter().map(|k| k.to_string()).collect();
+    fs::remove_file(place.path("results/slides").join(&keys[12]).join("run.json")).unwrap();
+    let done = resume(&place, &ARGUMENTS).exits(ENDS);
+    assert!(done.stderr.contains("resumed: 15 runs and 3 reference runs done already"), "{}", done.stderr);
+    assert!(done.stderr.contains("1 run for the first time"), "{}", done.stderr);
+    let lines: Vec<&str> = done.stderr.lines().filter(|l| l.starts_with('[')).collect();
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    assert!(lines[1].starts_with("[20/20] slides "), "{lines:?}");
+    // Its line has been written twice; that is the one thing that tells.
+    let told = fs::read_to_string(place.path("results/runs.jsonl")).unwrap();
+    assert_eq!(told.lines().count(), 17);
+    let once: Vec<&str> = told.lines().take(16).collect();
+    place.write("results/runs.jsonl", once.join("\n") + "\n");
+    assert_same(&place.path("whole"), &place.path("results"));
+}
+
+#[test]
+fn a_reference_that_somebody_removed_is_made_again() {
+    let place = batch();
+    place.runner(&[&ARGUMENTS[..], &["-o", "whole"]].concat()).exits(ENDS);
+    place.runner(&ARGUMENTS).exits(ENDS);
+    fs::remove_dir_all(place.path("results/slides/references")).unwrap();
+    let done = resume(&place, &ARGUMENTS).exits(ENDS);
+    assert!(done.stderr.contains("resumed: 16 runs done already"), "{}", done.stderr);
+    assert_same(&place.path("whole"), &place.path("results"));
+}
+
+/// A change of each kind of input, and what is said of it.
+#[test]
+fn it_says_what_changed() {
+    let place = Place::new();
+    let home = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let copy = |from: &str, to: &str| fs::read_to_string(home.join(from)).map(|text| place.write(to, text).path(to));
+    copy("robots/hoap2/hoap2.toml", "hoap2/hoap2.toml").unwrap();
+    let urdf = copy("robots/hoap2/hoap2.urdf", "hoap2/hoap2.urdf").unwrap();
+    copy("scenarios/motions/bow.toml", "bow.toml").unwrap();
+    copy("scenarios/tasks/wave.luau", "wave.luau").unwrap();
+    let mesh = "solid m\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid m\n";
+    place.write("hoap2/badge.stl", mesh);
+    let shape = "<visual><geometry><mesh filename=\"badge.stl\" scale=\"0.01 0.01 0.01\"/></geometry></visual>";
+    let text = fs::read_to_string(&urdf).unwrap();
+    let text = text.replacen("<collision>", &format!("{shape}<collision>"), 1);
+    assert!(text.contains(shape));
+    place.write("hoap2/hoap2.urdf", &text);
+    let scenario = |friction: &str| {
+        place.write(
+            "s.toml",
+            format!(
+                "duration = 0.02\n[robot]\nmodel = \"hoap2/hoap2.toml\"\n[floor]\nfriction = {friction}
+[[task]]\ntype = \"playback\"\nfile = \"bow.toml\"
+[[task]]\ntype = \"script\"\nfile = \"wave.luau\"\nparams = {{ amplitude = 0.3, frequency = 1.0, duration = 3.5 }}
+[sweep.grid]\n\"integrator.max_step\" = [0.01, 0.005]\n"
+            ),
+        );
+    };
+    let changed = |file: &str, from: &str, to: &str| {
+        let text = fs::read_to_string(place.path(file)).unwrap();
+        assert!(text.contains(from), "{file}");
+        place.write(file, text.replacen(from, to, 1));
+    };
+    let now = || {
+        let done = resume(&place, &["s.toml"]);
+        assert!(matches!(done.code, Some(0)), "{}", done.stderr);
+        again(&done).strip_suffix(", such as s integrator.max_step=0.01").unwrap().to_owned()
+    };
+    scenario("0.5");
+    let first = resume(&place, &["s.toml"]).exits(0);
+    assert!(first.stderr.contains("  2 runs for the first time"), "{}", first.stderr);
+    scenario("0.6");
+    assert_eq!(
+        now(),
+        "2 runs again: `floor.friction.kinetic` was 0.5, is 0.6; `floor.friction.static` was 0.5, is 0.6"
+    );
+    changed("hoap2/hoap2.toml", "\n", "\n# A note.\n");
+    assert_eq!(now(), "2 runs again: robot file hoap2.toml changed");
+    changed("hoap2/hoap2.urdf", "<visual>", "<!-- A note. --><visual>");
+    assert_eq!(now(), "2 runs again: robot file hoap2.urdf changed");
+    changed("hoap2/badge.stl", "vertex 1 0 0", "vertex 2 0 0");
+    assert_eq!(now(), "2 runs again: mesh badge.stl changed");
+    changed("bow.toml", "HOAP-2 bows", "It bows");
+    assert_eq!(now(), "2 runs again: `task.0.file`, the file bow.toml changed");
+    changed("wave.luau", "Raises", "Lifts");
+    changed("s.toml", "duration", "gravity = [0, 0, -9.8]\nduration");
+    assert_eq!(
+        now(),
+        "2 runs again: `gravity` was [0.0, 0.0, -9.81], is [0.0, 0.0, -9.8]; `task.1.file`, the file wave.luau changed"
+    );
+    // As another version of the program would have left them.
+    let last: Vec<String> = place.summary("results").column("key").iter().map(|key| key.to_string()).collect();
+    for entry in fs::read_dir(place.path("results/s")).unwrap() {
+        let folder = entry.unwrap().path();
+        if !last.iter().any(|key| folder.ends_with(key)) {
+            fs::remove_dir_all(folder).unwrap();
+            continue;
+        }
+        let mut record = RunRecord::read(&folder.join("run.json")).unwrap();
+        let other: String = record.key.chars().rev().collect();
+        (record.program, record.key) = ("stiction 0.0.9".into(), other.clone());
+        record.write(&folder.with_file_name(other).join("run.json")).unwrap();
+        fs::remove_dir_all(folder).unwrap();
+    }
+    assert_eq!(now(), format!("2 runs again: the program was stiction 0.0.9, is {}", stiction::record::PROGRAM));
+}
+
+#[test]
+fn runs_that_the_clock_or_trouble_ended_are_made_again_and_others_are_not() {
+    let place = Place::new();
+    // The first ends before it may, the third takes longer than it may.
+    place.block(
+        "s.toml",
+        "[log]\nrate = 1\n[[expect]]\nmetric = \"duration_s\"\nmin = 0.1\n[sweep.grid]\nduration = [0.05, 0.1, 1e9]\n",
+    );
+    place.runner(&["s.toml", "--timeout", "1", "-j", "1"]).exits(3);
+    assert_eq!(place.summary("results").column("outcome"), ["failed", "passed", "timed-out"]);
+    let key = place.summary("results").column("key")[2].to_owned();
+    assert!(place.path("results/s").join(&key).join("log.mcap").is_file(), "a run that did not finish keeps its log");
+    let done = resume(&place, &["s.toml", "--timeout", "1", "-j", "1"]).exits(3);
+    assert_eq!(again(&done), "1 run again: it ended as `timed-out`, s duration=1000000000.0");
+    assert!(done.stderr.contains("resumed: 2 runs done already"), "{}", done.stderr);
+    // Its expectation did not hold: it would not hold again, and the exit code says so.
+    let done = resume(&place, &["s.toml", "--set", "duration=0.05"]).exits(1);
+    assert!(done.stderr.contains("resumed: 1 run done already"), "{}", done.stderr);
+}
+
+#[test]
+fn what_is_asked_for_now_must_be_there() {
+    let place = Place::new();
+    place.block("s.toml", "");
+    let arguments = ["s.toml", "--set", "duration=0.1"];
+    place.runner(&[&arguments[..], &["--no-log"]].concat()).exits(0);
+    let done = resume(&place, &arguments).exits(0);
+    assert_eq!(again(&done), "1 run again: it has no whole log, s");
+    let key = place.summary("results").column("key")[0].to_owned();
+    let run = |name: &str| place.path("results/s").join(&key).join(name);
+    assert!(run("log.mcap").is_file());
+    // Half a log or half a record, as a power failure may leave them.
+    let log = fs::read(run("log.mcap")).unwrap();
+    fs::write(run("log.mcap"), &log[..log.len() / 2]).unwrap();
+    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: it has no whole log, s");
+    assert_eq!(fs::read(run("log.mcap")).unwrap(), log);
+    fs::write(run("run.json"), "{").unwrap();
+    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its record is no whole record, s");
+    let mut record = RunRecord::read(&run("run.json")).unwrap();
+    record.key = "0123456789abcdef".into();
+    record.write(&run("run.json")).unwrap();
+    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its record is that of another run, s");
+    // Repetitions for timing are no part of the key: the run is taken, and timed.
+    place.block("s.toml", "[compare]\ntiming_repeats = 2\n");
+    let done = resume(&place, &arguments).exits(0);
+    assert!(done.stderr.contains("resumed: 1 run done already"), "{}", done.stderr);
+    assert!(place.summary("results").numbers("timing_cpu_min_s")[0] > 0.0);
+    assert!(!resume(&place, &arguments).exits(0).stderr.contains("timing: repetition"), "once is enough");
+}
