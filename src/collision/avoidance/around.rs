@@ -1,7 +1,7 @@
 //! Method 4: an intermediate posture from which the way to the goal is free.
 //!
-//! At the first posture x of the wanted motion that is too near, with the gradient of the pair's distance d over the frozen
-//! joints (n the normal from A to B, a and b the nearest points, z_k and o_k axis and origin of joint k)
+//! At the first posture x of the wanted motion that is too near, with the gradient of the pair's distance d over the joints
+//! that are stopped short of their goals (n the normal from A to B, a and b the nearest points, z_k and o_k axis and origin of joint k)
 //!
 //! ```text
 //! g_k = n . (z_k x (b - o_k))  for a joint that carries B,   - n . (z_k x (a - o_k))  for one that carries A
@@ -96,12 +96,14 @@ impl Avoider {
 
     fn look_around(&mut self, robot: Robot, pair: usize) {
         let n = self.frozen.len();
+        self.mark_movable();
+        self.detour.joints.copy_from_slice(&self.marked);
         if !self.find_gradient(robot, pair) {
             return;
         }
         let mut against = 0.0;
         for j in 0..n {
-            let toward = if self.frozen[j] { self.goal[j] - self.trial.anchor[j] } else { 0.0 };
+            let toward = if self.detour.joints[j] { self.goal[j] - self.trial.anchor[j] } else { 0.0 };
             self.detour.toward[j] = toward;
             against += toward * self.detour.gradient[j];
         }
@@ -112,10 +114,9 @@ impl Avoider {
                 let step = along * (self.detour.toward[j] - against * u) + away * u;
                 self.detour.posture[j] = (self.trial.anchor[j] + step).clamp(limits.lower, limits.upper);
             }
-            self.marked.copy_from_slice(&self.frozen);
+            self.marked.copy_from_slice(&self.detour.joints);
             let reached = self.try_marked(robot, |avoider, j| avoider.way_to_rest(j, avoider.detour.posture[j]));
             if reached && self.leads_on(robot) {
-                self.detour.joints.copy_from_slice(&self.frozen);
                 self.detour.left = PATIENCE;
                 return;
             }
@@ -135,14 +136,14 @@ impl Avoider {
         self.trial.is_free(robot, &self.onward)
     }
 
-    /// The unit gradient of a pair's distance over the frozen joints where the wanted motion first comes too near; false when
+    /// The unit gradient of a pair's distance over the joints to be moved where the wanted motion first comes too near; false when
     /// they cannot change it.
     fn find_gradient(&mut self, robot: Robot, pair: usize) -> bool {
         let nearest = self.first_too_near(robot, pair);
         let gradient = &mut self.detour.gradient;
         gradient.fill(0.0);
         let poses = self.trial.prover.poses();
-        for lever in robot.levers.of(pair).iter().filter(|l| self.frozen[l.joint]) {
+        for lever in robot.levers.of(pair).iter().filter(|l| self.detour.joints[l.joint]) {
             let pose = &poses[lever.joint + 1];
             let axis = pose.rotation.column(2).into_owned();
             let (point, sign) = if lever.second { (nearest.on_b, 1.0) } else { (nearest.on_a, -1.0) };

@@ -6,12 +6,17 @@
 //! 3. As 2; then random postures of the stopped joints are tried, and what brings them nearer to the goal g is kept:
 //!    less of `sum (q_k - g_k)^2` over them.
 //! 4. As 2; then a detour around the obstacle is looked for ([`super::around`]), and then as 3.
+//!
+//! Joints that are where the tasks want them are stopped, but never moved by 3 and 4: the robot may be standing on them.
 
 use super::Limits;
 use super::avoider::Avoider;
 use super::path::Path;
 use super::trial::Robot;
 use crate::motion::spline::Point;
+
+/// A joint this near to its goal is there, rad or m.
+const AT_GOAL: f64 = 1e-3;
 
 /// Random postures that methods 3 and 4 look at in a cycle.
 const DRAWS: usize = 24;
@@ -159,9 +164,16 @@ impl Avoider {
         (0..self.frozen.len()).filter(|j| self.frozen[*j]).map(|j| missed(&j)).sum()
     }
 
+    /// Marks the joints that methods 3 and 4 may move: frozen, and not where they are wanted.
+    pub(super) fn mark_movable(&mut self) {
+        for j in 0..self.marked.len() {
+            self.marked[j] = self.frozen[j] && (self.goal[j] - self.trial.anchor[j]).abs() > AT_GOAL;
+        }
+    }
+
     /// Method 3: random postures of the frozen joints.
     fn perturb(&mut self, robot: Robot) {
-        self.marked.copy_from_slice(&self.frozen);
+        self.mark_movable();
         let count = self.marked.iter().filter(|m| **m).count();
         if count == 0 {
             return;
