@@ -45,7 +45,7 @@ pub use kept::{Kept, MOST_KEPT};
 pub use log::messages;
 pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
-pub use log::{EstimateSeries, JointReadings, SoleReadings};
+pub use log::{EstimateSeries, JointReadings, SelfCollisionSeries, SoleReadings};
 pub use parameter::{ParamValue, is_truth};
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
 pub use rebuild::{FoundRun, Records, read_records};

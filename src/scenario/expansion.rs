@@ -6,7 +6,6 @@ use std::{
 };
 
 use super::{
-    availability,
     diagnostic::{Diagnostic, Diagnostics, Findings, Severity},
     events,
     expand::{Origin, Run},
@@ -52,7 +51,6 @@ impl ScenarioFile {
             return Err(findings.into_diagnostics(&sources));
         }
         let grid = Grid::read(&base, &fixed, &sources, max_runs, &mut findings);
-        availability::check(&base, &mut findings);
         if findings.has_errors() {
             // Mistakes outside the sweep are told together with those in it.
             findings.append(scenario::read(&base).1);

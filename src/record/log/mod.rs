@@ -18,6 +18,7 @@ pub mod messages;
 mod read;
 mod residual;
 pub mod ros;
+mod self_contact;
 mod shapes;
 mod sink;
 mod state;
@@ -28,7 +29,7 @@ use crate::robot::Model;
 use crate::sim::{Observer, SimEvent, Snapshot};
 use nalgebra::{Isometry3, Vector3};
 pub use read::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
-pub use read::{EstimateSeries, JointReadings, SoleReadings};
+pub use read::{EstimateSeries, JointReadings, SelfCollisionSeries, SoleReadings};
 use sink::Sink;
 use std::path::Path;
 pub use topics::{ParseTopicError, Topics};
@@ -79,6 +80,7 @@ fn open_topics(sink: &mut Sink, model: &Model, header: &LogHeader) -> Result<Vec
         topics.push(Box::new(state::StateTopic::open(sink, model)?));
         topics.push(Box::new(state::JointStates::open(sink, model, header)?));
         topics.push(Box::new(estimate::EstimateTopic::new(model)));
+        topics.push(Box::new(self_contact::SelfCollisionTopic::new(model)));
     }
     if header.topics.contact {
         topics.push(Box::new(contact::ContactTopic::open(sink, model)?));

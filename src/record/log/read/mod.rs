@@ -5,11 +5,13 @@
 
 mod estimate;
 mod file;
+mod self_contact;
 mod series;
 mod ticks;
 
 pub use estimate::{EstimateSeries, JointReadings, SoleReadings};
 pub use file::LogError;
+pub use self_contact::SelfCollisionSeries;
 pub use series::{Attachment, JointSeries, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
 
 use file::LogFile;
