@@ -10,7 +10,7 @@ use crate::cli::Table;
 
 /// Columns of the summary that differ between equal runs.
 pub fn is_time(column: &str) -> bool {
-    ["wall_s", "cpu_s", "real_time_factor"].contains(&column) || column.starts_with("timing_")
+    ["wall_s", "real_time_factor"].contains(&column) || column.ends_with("cpu_s") || column.starts_with("timing_")
 }
 
 /// All files below a folder, by their paths from there, in order.
