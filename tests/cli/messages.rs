@@ -172,3 +172,21 @@ fn a_run_that_takes_long_is_named_while_it_runs_and_at_the_end() {
     assert!(done.stdout.contains(&format!("slow: s {key} took 1.5")), "{}", done.stdout);
     assert_eq!(done.stdout.matches("slow: ").count(), 1);
 }
+
+#[test]
+fn runs_that_are_there_already_are_told_as_such() {
+    let place = Place::new();
+    place.block("s.toml", "[sweep]\nrepeat = 2\n");
+    let short = ["s.toml", "--set", "duration=0.05"];
+    place.runner(&[&short[..], &["--filter", "seed == 1"]].concat()).exits(0);
+    let again = ["--resume", "--message-format", "json", "--junit", "junit.xml"];
+    let done = place.runner(&[&short[..], &again].concat()).exits(0);
+    let lines = lines(&done);
+    assert_eq!(events(&lines), ["batch-started", "run-finished", "run-started", "run-finished", "batch-finished"]);
+    assert_eq!((&lines[1]["resumed"], &lines[3]["resumed"]), (&true.into(), &false.into()));
+    assert_eq!((&lines[1]["seed"], &lines[1]["accepted"]), (&1.into(), &true.into()));
+    assert_eq!(lines[4]["outcomes"], serde_json::json!({ "passed": 2 }));
+    let junit = std::fs::read_to_string(place.path("junit.xml")).unwrap();
+    assert!(junit.contains("tests=\"2\" skipped=\"0\" failures=\"0\" errors=\"0\""), "{junit}");
+    assert_eq!(junit.matches("<property name=\"resumed\" value=\"true\"/>").count(), 1);
+}
