@@ -13,7 +13,7 @@
 //! but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is whole. Simulated
 //! results depend on the run alone; wall-clock figures have columns and an object of their own.
 
-mod atomic;
+pub(crate) mod atomic;
 pub mod changes;
 mod columns;
 mod comparison;
@@ -37,9 +37,10 @@ pub use columns::{NUMERIC_COLUMNS, SummaryRow, metric, truth_columns};
 pub use comparison::{Comparison, Repeats, TruthError};
 pub use error::RecordError;
 pub use log::messages;
-pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
+pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, PointSeries, RunInfo};
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
-pub use log::{EstimateSeries, JointReadings, SoleReadings};
+pub use log::{EstimateSeries, Frame, JointReadings, Scene, SoleReadings};
+pub use log::{SoleSeries, Trajectory, VertexSeries};
 pub use parameter::{ParamValue, is_truth};
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
 pub use rebuild::{FoundRun, Records, read_records};
