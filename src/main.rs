@@ -14,6 +14,8 @@ fn main() -> Exit {
         Command::Report(report) => report.execute(),
         Command::Compare(compare) => compare.execute(),
         Command::Export(export) => export.execute(),
+        Command::Replay(replay) => replay.execute(),
+        Command::View(view) => view.execute(),
         Command::Schema(schema) => schema.execute(),
     };
     done.unwrap_or_else(|failed| failed)

@@ -40,7 +40,7 @@ use crate::sim::{Outcome, Problems};
 
 pub use cancel::{Cancellation, Reason};
 pub use finding::{Finding, Findings, Severity};
-pub use plan::{Job, Plan, Role, prepare};
+pub use plan::{Job, Plan, Role, prepare, prepare_file};
 pub use progress::Progress;
 pub use run::End;
 pub use simulate::simulate;

@@ -128,6 +128,21 @@ pub fn prepare(
     if findings.errors() > 0 { Err(findings) } else { Ok((Plan { jobs, references, files }, findings)) }
 }
 
+/// The same for one file whose text is at hand, such as that of a record.
+///
+/// # Errors
+/// See [`prepare`].
+pub fn prepare_file(file: &ScenarioFile) -> Result<(Plan, Findings), Findings> {
+    let mut planner = Planner { max_runs: scenario::DEFAULT_MAX_RUNS, ..Planner::default() };
+    planner.add_file(file, &[]);
+    let Planner { jobs, references, findings, .. } = planner;
+    if findings.errors() > 0 {
+        Err(findings)
+    } else {
+        Ok((Plan { jobs, references, files: vec![file.path.clone()] }, findings))
+    }
+}
+
 /// A file named twice, by itself and by its folder, is one file.
 fn distinct(files: &[PathBuf]) -> Vec<PathBuf> {
     let mut seen = BTreeSet::new();
@@ -155,9 +170,15 @@ type Shape = (usize, usize);
 
 impl Planner {
     fn add(&mut self, path: &Path, overrides: &[(String, toml::Value)]) {
-        let expanded = scenario::load(path).and_then(|file| Ok((file.expand_at_most(overrides, self.max_runs)?, file)));
-        match expanded {
-            Ok((runs, file)) => self.add_runs(runs, &file),
+        match scenario::load(path) {
+            Ok(file) => self.add_file(&file, overrides),
+            Err(diagnostics) => self.findings.extend(diagnostics),
+        }
+    }
+
+    fn add_file(&mut self, file: &ScenarioFile, overrides: &[(String, toml::Value)]) {
+        match file.expand_at_most(overrides, self.max_runs) {
+            Ok(runs) => self.add_runs(runs, file),
             Err(diagnostics) => self.findings.extend(diagnostics),
         }
     }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use super::{Exit, terminal};
 
 /// Commands, for those who misspell one.
-const COMMANDS: [&str; 8] = ["run", "check", "list", "inspect", "report", "compare", "export", "schema"];
+const COMMANDS: [&str; 10] =
+    ["run", "check", "list", "inspect", "report", "compare", "export", "replay", "view", "schema"];
 
 /// The files, those of a folder in alphabetical order.
 pub fn scenario_files(typed: &[PathBuf]) -> Result<Vec<PathBuf>, Exit> {

@@ -8,10 +8,12 @@ mod inputs;
 mod inspect;
 mod list;
 mod prepare;
+mod replay;
 mod report;
 mod run;
 mod schema;
 mod terminal;
+mod view;
 
 use clap::{Parser, Subcommand};
 
@@ -49,6 +51,12 @@ pub enum Command {
     Compare(compare::Compare),
     /// Write a log's time series as CSV, Parquet or columns of text
     Export(export::Export),
+    /// Run again from records and compare bit for bit
+    #[command(after_help = replay::HELP)]
+    Replay(replay::Replay),
+    /// Play a run's log in three dimensions in the browser
+    #[command(after_help = view::HELP)]
+    View(view::View),
     /// Print the JSON Schema of a file format
     Schema(schema::Schema),
 }

@@ -113,7 +113,8 @@ fn help_names_what_exists_and_nothing_else() {
         .take_while(|l| !l.is_empty())
         .filter_map(|l| l.split_whitespace().next())
         .collect();
-    assert_eq!(commands, ["run", "check", "list", "inspect", "report", "compare", "export", "schema", "help"]);
+    let known = ["run", "check", "list", "inspect", "report", "compare", "export", "replay", "view", "schema", "help"];
+    assert_eq!(commands, known);
 }
 
 #[test]

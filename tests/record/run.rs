@@ -146,7 +146,13 @@ pub fn record() -> RunRecord {
         program: "stiction 0.1.0".into(),
         inputs: vec![hash_input("block.urdf", b"abc")],
         resolved: "schema = 1\n[robot]\nmodel = \"größe.urdf\"\n".into(),
-        timing: Timing { wall_s: 0.7, cpu_s: 0.1 + 0.7, machine: Machine::here(), repeats: Some(repeats()) },
+        timing: Timing {
+            wall_s: 0.7,
+            cpu_s: 0.1 + 0.7,
+            machine: Machine::here(),
+            file: None,
+            repeats: Some(repeats()),
+        },
     }
 }
 
