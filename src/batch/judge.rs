@@ -69,6 +69,7 @@ mod tests {
             cpu_s: 1.0,
             real_time_factor: 1.0,
             repeats: None,
+            avoidance: None,
         }
     }
 

@@ -10,7 +10,7 @@ use crate::record::{
     Comparison, InputHash, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, hash_input, metric,
 };
 use crate::script::stoppable;
-use crate::sim::{Metrics, Outcome, Problems};
+use crate::sim::{AvoidanceTime, Metrics, Outcome, Problems};
 
 /// How the body of a run ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,8 @@ pub struct End {
     pub comparison: Comparison,
     /// Its motion, if it was to be kept.
     pub trajectory: Option<ReferenceMotion>,
+    /// Processor time that avoidance of self-collision took.
+    pub avoidance: Option<AvoidanceTime>,
 }
 
 impl End {
@@ -38,7 +40,15 @@ impl End {
     /// An end of which there is nothing more to say.
     pub fn of(outcome: Outcome) -> Self {
         let (message, notes) = (String::new(), Vec::new());
-        Self { outcome, message, metrics: None, notes, comparison: Comparison::default(), trajectory: None }
+        Self {
+            outcome,
+            message,
+            metrics: None,
+            notes,
+            comparison: Comparison::default(),
+            trajectory: None,
+            avoidance: None,
+        }
     }
 }
 
@@ -56,7 +66,7 @@ pub(super) fn run(
     let clock = Clock::start();
     let mut end = guard::catch(|| stoppable(cancellation.shared(), || body(job, &wanted, cancellation.flag())))
         .unwrap_or_else(End::error);
-    let timing = clock.read();
+    let timing = Timing { avoidance: end.avoidance, ..clock.read() };
     if end.outcome == Outcome::Cancelled && cancellation.reason() == Some(Reason::TimedOut) {
         end.outcome = Outcome::TimedOut;
         end.message = timed_out(options);

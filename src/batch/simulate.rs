@@ -104,7 +104,8 @@ fn advance(mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -
         Err(stop) => return End { outcome: stop.outcome, ..End::error(stop.message) },
     };
     let (outcome, message) = simulation.run(observer, cancel);
-    End { message, metrics: Some(simulation.metrics().clone()), notes, ..End::of(outcome) }
+    let avoidance = simulation.avoidance_time();
+    End { message, metrics: Some(simulation.metrics().clone()), notes, avoidance, ..End::of(outcome) }
 }
 
 fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordError> {

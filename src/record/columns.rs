@@ -1,7 +1,7 @@
 //! The columns of the summary: names, order and where each value comes from. These names are the user's contract.
 
 use super::{Comparison, ParamValue, Repeats, Verdict};
-use crate::sim::{Metrics, Outcome};
+use crate::sim::{AvoidanceTime, Metrics, Outcome};
 
 /// One run in the summary.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +36,8 @@ pub struct SummaryRow {
     pub real_time_factor: f64,
     /// Times of its repetitions, if there were any.
     pub repeats: Option<Repeats>,
+    /// Processor time that avoidance of self-collision took, where there was any.
+    pub avoidance: Option<AvoidanceTime>,
 }
 
 /// A value of the summary that is a number.
@@ -158,12 +160,25 @@ pub(super) const COLUMNS: &[Column] = columns! {
     "max_estimate_error_rad" Real |r| r.metrics.max_estimate_error_rad;
     "final_estimate_error_m" Real |r| r.metrics.final_estimate_error_m;
     "final_estimate_error_rad" Real |r| r.metrics.final_estimate_error_rad;
+    "min_self_distance_m" Real |r| r.metrics.min_self_distance_m;
+    "self_collisions" Real |r| r.metrics.self_collisions.map(|n| n as f64);
+    "self_near_s" Real |r| r.metrics.self_near_s;
+    "avoidance_cycles" Real |r| r.metrics.avoidance_cycles.map(|n| n as f64);
+    "avoidance_early_cycles" Real |r| r.metrics.avoidance_early_cycles.map(|n| n as f64);
+    "avoidance_blocked_cycles" Real |r| r.metrics.avoidance_blocked_cycles.map(|n| n as f64);
+    "avoidance_tests_mean" Real |r| r.metrics.avoidance_tests_mean;
+    "avoidance_tests_max" Real |r| r.metrics.avoidance_tests_max.map(|n| n as f64);
+    "avoidance_held_share" Real |r| r.metrics.avoidance_held_share;
+    "avoidance_rms_deviation" Real |r| r.metrics.avoidance_rms_deviation;
+    "avoidance_max_deviation" Real |r| r.metrics.avoidance_max_deviation;
     "error_final_position_m" Real |r| r.comparison.error_final_position_m;
     "error_final_rotation_rad" Real |r| r.comparison.error_final_rotation_rad;
     "timing_wall_min_s" Real |r| r.repeats.map(|t| t.wall_min_s);
     "timing_wall_median_s" Real |r| r.repeats.map(|t| t.wall_median_s);
     "timing_cpu_min_s" Real |r| r.repeats.map(|t| t.cpu_min_s);
     "timing_cpu_median_s" Real |r| r.repeats.map(|t| t.cpu_median_s);
+    "avoidance_cpu_s" Real |r| r.avoidance.map(|a| a.total_s);
+    "avoidance_cycles_cpu_s" Real |r| r.avoidance.map(|a| a.cycles_s);
 };
 
 /// Candidates tested per selection; empty when there was no selection.

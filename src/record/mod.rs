@@ -39,7 +39,7 @@ pub use error::RecordError;
 pub use log::messages;
 pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, PointSeries, RunInfo};
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
-pub use log::{EstimateSeries, Frame, JointReadings, Scene, SoleReadings};
+pub use log::{EstimateSeries, Frame, JointReadings, Scene, SelfCollisionSeries, SoleReadings};
 pub use log::{SoleSeries, Trajectory, VertexSeries};
 pub use parameter::{ParamValue, is_truth};
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};

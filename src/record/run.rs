@@ -1,7 +1,7 @@
 //! `run.json`: what one run was, how it ended and what it measured.
 
 use super::{Comparison, ParamValue, RecordError, Repeats, SummaryRow, Verdict, atomic, number};
-use crate::sim::{Metrics, Outcome};
+use crate::sim::{AvoidanceTime, Metrics, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::io::Write;
@@ -88,6 +88,9 @@ pub struct Timing {
     /// Times of its repetitions, if there were any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeats: Option<Repeats>,
+    /// Of the processor time, what avoidance of self-collision took.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub avoidance: Option<AvoidanceTime>,
 }
 
 /// The machine a run was made on.
@@ -162,6 +165,7 @@ impl RunRecord {
             cpu_s: self.timing.cpu_s,
             real_time_factor: self.metrics.duration_s / self.timing.wall_s,
             repeats: self.timing.repeats,
+            avoidance: self.timing.avoidance,
         }
     }
 }
@@ -303,4 +307,26 @@ struct MetricsRecord {
     final_estimate_error_m: Option<f64>,
     #[serde(default, with = "number::some_real")]
     final_estimate_error_rad: Option<f64>,
+    #[serde(default, with = "number::some_real")]
+    min_self_distance_m: Option<f64>,
+    #[serde(default)]
+    self_collisions: Option<u64>,
+    #[serde(default, with = "number::some_real")]
+    self_near_s: Option<f64>,
+    #[serde(default)]
+    avoidance_cycles: Option<u64>,
+    #[serde(default)]
+    avoidance_early_cycles: Option<u64>,
+    #[serde(default)]
+    avoidance_blocked_cycles: Option<u64>,
+    #[serde(default, with = "number::some_real")]
+    avoidance_tests_mean: Option<f64>,
+    #[serde(default)]
+    avoidance_tests_max: Option<u64>,
+    #[serde(default, with = "number::some_real")]
+    avoidance_held_share: Option<f64>,
+    #[serde(default, with = "number::some_real")]
+    avoidance_rms_deviation: Option<f64>,
+    #[serde(default, with = "number::some_real")]
+    avoidance_max_deviation: Option<f64>,
 }

@@ -6,7 +6,6 @@ use std::{
 };
 
 use super::{
-    availability,
     diagnostic::{Diagnostic, Diagnostics, Findings, Severity},
     events::{self, Event},
     file::{ScenarioFile, resolve},
@@ -161,7 +160,6 @@ fn expand(
         return None;
     }
     let grid = Grid::read(&base, &fixed, sources, max_runs, findings);
-    availability::check(&base, findings);
     if findings.has_errors() {
         // Mistakes outside the sweep are told together with those in it.
         findings.append(scenario::read(&base).1);

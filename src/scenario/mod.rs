@@ -8,7 +8,6 @@
 //! with file, line and column, the line itself, and a guess at what was meant. Files that a scenario names beside
 //! its robot are read, but nothing here opens a robot file, loads a mesh or steps.
 
-mod availability;
 mod axis;
 mod checks;
 mod decode;
@@ -59,13 +58,13 @@ pub use spec::{
         AnchorSpec, CarriedObject, ConstantForce, Directions, DragForce, ForceFrame, ForceSpec, JointFrictionForce,
         PathShape, Profile, PushForce, RampForce, RandomPushes, ScriptForce, SineSpec, SpringForce, WaypointSpec,
     },
-    planned::SelfCollisionSpec,
     random::{Distribution, RandomSpec, Sampling},
     robot::{
         BaseSpec, InertiaSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec,
         SoleSpec,
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec},
+    self_collision::SelfCollisionSpec,
     sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
     task::{

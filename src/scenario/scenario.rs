@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    availability, checks,
+    checks,
     decode::{DecodeError, NodeDeserializer},
     diagnostic::Findings,
     quantity::{json, positive},
@@ -18,9 +18,9 @@ use super::{
         expect::Expect,
         floor::FloorSpec,
         force::ForceSpec,
-        planned::SelfCollisionSpec,
         robot::RobotSpec,
         run::{LogSpec, StopSpec},
+        self_collision::SelfCollisionSpec,
         sensors::SensorsSpec,
         sweep::SweepSpec,
         tagged::{self, Tagged},
@@ -134,7 +134,6 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
     if !check_format(root, &mut findings) {
         return (None, findings);
     }
-    availability::check(root, &mut findings);
     let default = Scenario::default();
     let mut part = Sections { root, known: vec!["schema"], findings: &mut findings };
     let scenario = Scenario {

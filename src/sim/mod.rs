@@ -32,6 +32,7 @@ mod prescribe;
 mod project;
 pub mod report;
 mod sample;
+pub mod self_contact;
 pub mod sensors;
 pub mod setup;
 pub mod simulation;

@@ -55,6 +55,26 @@ pub struct Snapshot {
     pub energy: Balance,
     /// What the robot knew at its last control tick; none when sensors and estimator tell the truth.
     pub estimate: Option<EstimateSnapshot>,
+    /// How near the robot is to touching itself; none when nobody asks.
+    pub self_contact: Option<SelfContactSnapshot>,
+}
+
+/// How near the robot is to touching itself, and what is done about it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SelfContactSnapshot {
+    /// Names of the bodies of the watched pairs.
+    pub pairs: Vec<[String; 2]>,
+    /// Of the nearest pair: distance (below 0: depth of the overlap), m, its number in `pairs`, and the nearest points, world; none
+    /// without pairs.
+    pub nearest: Option<(f64, usize, Vector3<f64>, Vector3<f64>)>,
+    /// Cycles of avoidance so far.
+    pub cycles: u64,
+    /// Postures tested in the last of them.
+    pub tests: u64,
+    /// For each joint: is it kept from where the tasks want it? Empty when collisions are only reported.
+    pub frozen: Vec<bool>,
+    /// Where the tasks want the joints, within their ranges, rad or m; empty in the same case.
+    pub wanted: Vec<f64>,
 }
 
 /// Readings of the sensors and the estimated base at a control tick. World axes unless said, SI units.
@@ -125,7 +145,7 @@ pub struct SoleSnapshot {
 pub struct SimEvent {
     /// Simulated time, s.
     pub time: f64,
-    /// Short kind: `touchdown`, `liftoff`, `slip`, `stick`, `impact`, `jam`, `inconsistent`, `state`, `border`, `forced`, `fallen`, `task`, `event`, ...
+    /// Short kind: `touchdown`, `liftoff`, `slip`, `stick`, `impact`, `jam`, `inconsistent`, `state`, `border`, `forced`, `fallen`, `task`, `event`, `self-collision`, ...
     pub kind: &'static str,
     /// What it is about (a sole, a joint, a task), may be empty.
     pub subject: String,
@@ -168,6 +188,15 @@ impl Outcome {
             Outcome::Cancelled => "cancelled",
         }
     }
+}
+
+/// Processor time of avoidance.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct AvoidanceTime {
+    /// In all, s.
+    pub total_s: f64,
+    /// Of this, in ticks with a cycle, s.
+    pub cycles_s: f64,
 }
 
 /// What one run measured: the columns of the summary between `duration_s` and the marks, timings apart.
@@ -301,6 +330,28 @@ pub struct Metrics {
     pub final_estimate_error_m: Option<f64>,
     /// The angle at the last tick, rad.
     pub final_estimate_error_rad: Option<f64>,
+    /// Smallest distance of two watched bodies, m; below 0 the depth of their overlap; none without `[self_collision]`.
+    pub min_self_distance_m: Option<f64>,
+    /// Times that two watched bodies began to overlap.
+    pub self_collisions: Option<u64>,
+    /// Time in which two were nearer than the margin, s.
+    pub self_near_s: Option<f64>,
+    /// Cycles of avoidance; none when collisions are not avoided.
+    pub avoidance_cycles: Option<u64>,
+    /// Of these, those between the regular ones.
+    pub avoidance_early_cycles: Option<u64>,
+    /// Cycles in which a joint could not go where the tasks want it.
+    pub avoidance_blocked_cycles: Option<u64>,
+    /// Postures tested in a cycle, on average.
+    pub avoidance_tests_mean: Option<f64>,
+    /// The most.
+    pub avoidance_tests_max: Option<u64>,
+    /// Share of ticks and joints at which a joint was kept from where the tasks want it.
+    pub avoidance_held_share: Option<f64>,
+    /// Root mean square over ticks and joints of what is asked less what the tasks want, rad or m.
+    pub avoidance_rms_deviation: Option<f64>,
+    /// The greatest such difference.
+    pub avoidance_max_deviation: Option<f64>,
 }
 
 impl Metrics {

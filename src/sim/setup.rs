@@ -5,6 +5,7 @@ use super::estimate::EstimatorSetup;
 use super::imu::Imu;
 use super::loads::Load;
 use super::patch::Patch;
+use super::self_contact::SelfContactSetup;
 use super::sensors::SensorErrors;
 use crate::contact::method::Parameters;
 use crate::contact::problem::Tolerances;
@@ -148,6 +149,8 @@ pub struct Setup {
     pub imu: Imu,
     /// Where tasks have the base's state from.
     pub estimator: EstimatorSetup,
+    /// What is done about self-collision; none: nothing is known of it.
+    pub self_contact: Option<SelfContactSetup>,
     /// Seed of all random numbers drawn while running.
     pub seed: u64,
     /// Events, in the order in which they happen.

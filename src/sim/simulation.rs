@@ -13,6 +13,7 @@ use super::measure::Tally;
 use super::plant::{Plant, load_scale};
 use super::report::{Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::sample::Sampler;
+use super::self_contact::SelfContact;
 use super::sensors::Sensors;
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
 use crate::contact::candidate::Solution;
@@ -56,6 +57,8 @@ pub struct Simulation {
     pub(super) loads: Loads,
     pub(super) sensors: Sensors,
     pub(super) estimator: Estimator,
+    /// None when nobody asks.
+    pub(super) self_contact: Option<Box<SelfContact>>,
     pub(super) metrics: Metrics,
     /// Work of velocity jumps since the start, J: impacts, jams, and what a new contact state ends.
     pub(super) work: f64,
@@ -168,6 +171,14 @@ impl Simulation {
             setup.tasks.tick_always();
             snapshot.estimate = Some(super::observe::blank_estimate(&model));
         }
+        let self_contact = setup.self_contact.take().map(|own| {
+            if own.avoid.is_some() {
+                setup.tasks.tick_always();
+            }
+            let (command, period) = (&setup.tasks.command, setup.tasks.period());
+            Box::new(SelfContact::new(own, &model, command, &plant.state, period))
+        });
+        snapshot.self_contact = self_contact.as_ref().map(|own| own.blank());
         let v = &plant.state.v;
         let launch = if model.nb() == 6 { Vector3::new(v[0], v[1], v[2]) } else { Vector3::zeros() };
         let mut sim = Simulation {
@@ -177,6 +188,7 @@ impl Simulation {
             loads,
             sensors,
             estimator,
+            self_contact,
             metrics: Metrics::default(),
             work: 0.0,
             flows: Flows::default(),
@@ -258,6 +270,7 @@ impl Simulation {
         self.stepper = stepper;
         begun?;
         self.started = true;
+        self.watch_self(observer)?;
         self.measure();
         // A state saved at the start is one with contact.
         for k in 0..self.happened {
@@ -304,6 +317,7 @@ impl Simulation {
         self.stepper = Some(stepper);
         self.check_forces()?;
         result?;
+        self.watch_self(observer)?;
         self.check_fallen(observer)
     }
 
@@ -350,7 +364,7 @@ impl Simulation {
             let event = SimEvent { time, kind: "task", subject: name.to_string(), message };
             failure = observer.event(&event).err().or(failure.take());
         });
-        self.plant.command.copy_from(&self.tasks.command);
+        self.pass_command();
         self.plant.plan(self.tasks.period(), self.tasks.next_tick());
         failure.map_or(ran, Err).map_err(|m| Stop::new(Outcome::Error, m))
     }
@@ -421,6 +435,9 @@ impl Simulation {
         for (to, (_, position)) in self.snapshot.points.iter_mut().zip(self.tasks.points()) {
             to.position = position;
         }
+        if let (Some(own), Some(out)) = (&mut self.self_contact, &mut self.snapshot.self_contact) {
+            own.fill(&self.plant.model, &self.plant.state, &self.plant.ws, out);
+        }
         observer.snapshot(&self.snapshot).map_err(|m| Stop::new(Outcome::Error, m))
     }
 
@@ -449,6 +466,9 @@ impl Simulation {
         m.final_base_rpy = [roll, pitch, yaw];
         if self.plant.model.nb() == 6 {
             m.final_base_velocity = [state.v[0], state.v[1], state.v[2]];
+        }
+        if let Some(own) = &self.self_contact {
+            own.sum_up(&mut self.metrics);
         }
         self.plant.evaluate_free();
         self.audit();

@@ -62,7 +62,7 @@ fn table() -> Vec<Broken> {
         // Scenario: types and ranges.
         scenario("wrong type", "[floor]\nheight = \"low\" #@@"),
         scenario("unknown word", "[contact]\nmethod = \"exakt\" #@@"),
-        scenario("not available yet", "[self_collision] #@@\nmethod = 2"),
+        scenario("no such method", "[self_collision]\nmethod = 5 #@@"),
         scenario("negative friction", "[floor]\nfriction = -0.1 #@@"),
         scenario("not finite", "[floor]\nheight = inf #@@"),
         scenario("bad angle", "[floor]\nrpy = [0, \"30 dge\", 0] #@@"),

@@ -1,6 +1,7 @@
 //! Self-collision: distances that prove themselves, pairs that are watched, answers that do not depend on what was asked
 //! before.
 
+mod avoidance;
 mod coherence;
 mod depth;
 mod distance;
@@ -8,6 +9,7 @@ mod inspect;
 mod kinematics;
 mod pairs;
 mod random_bodies;
+mod run;
 
 use std::path::Path;
 

@@ -37,6 +37,7 @@ fn every_topic_is_there_with_its_schema_and_one_message_per_tick() {
         ("/robot_description", "std_msgs/msg/String", "ros2msg", "cdr", 1),
         ("/scene", "foxglove.SceneUpdate", "protobuf", "protobuf", 1),
         ("/scene/contact", "foxglove.SceneUpdate", "protobuf", "protobuf", ticks),
+        ("/self_collision", "stiction.SelfCollision", "protobuf", "protobuf", ticks),
         ("/state", "stiction.State", "protobuf", "protobuf", ticks),
         ("/tf", "foxglove.FrameTransforms", "protobuf", "protobuf", ticks),
     ];
@@ -51,7 +52,7 @@ fn only_the_chosen_topics_are_written() {
         found.into_keys().collect::<Vec<_>>().join(" ")
     };
     assert_eq!(topics(&[]), "/events /log");
-    assert_eq!(topics(&["state"]), "/events /joint_states /log /robot_description /state");
+    assert_eq!(topics(&["state"]), "/events /joint_states /log /robot_description /self_collision /state");
     assert_eq!(topics(&["contact"]), "/contact /events /log /residual");
     assert_eq!(topics(&["scene", "contact"]), "/contact /events /log /residual /scene /scene/contact /tf");
     assert!(Topics::from_names(&["state", "colour"]).unwrap_err().to_string().contains("`colour`"));

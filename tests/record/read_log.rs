@@ -32,6 +32,22 @@ fn same_vectors(found: &[Vector3<f64>], get: impl Fn(&Snapshot) -> Vector3<f64>)
 }
 
 #[test]
+fn self_collision_is_read_to_the_last_bit() {
+    let read = written(TICKS, Topics::ALL).self_collision.unwrap();
+    let own = |s: &Snapshot| s.self_contact.clone().unwrap();
+    same(&read.distance, |s| own(s).nearest.unwrap().0);
+    same(&read.tests, |s| own(s).tests as f64);
+    same(&read.frozen, |s| own(s).frozen.iter().filter(|f| **f).count() as f64);
+    let pairs: Vec<String> = snapshots().map(|s| own(&s).pairs[own(&s).nearest.unwrap().1].join("/")).collect();
+    assert_eq!(read.pair, pairs);
+    for (j, (name, slides, wanted)) in read.wanted.iter().enumerate() {
+        assert_eq!((name.as_str(), *slides), (["hip", "ankle"][j], false));
+        same(wanted, |s| own(s).wanted[j]);
+    }
+    assert!(written(3, Topics::NONE).self_collision.is_none());
+}
+
+#[test]
 fn the_motion_is_read_to_the_last_bit() {
     let read = written(TICKS, Topics::ALL);
     assert!(read.complete);

@@ -5,7 +5,7 @@ use stiction::record::{
     Comparison, Machine, ParamValue, RUN_SCHEMA, RecordError, Repeats, RunRecord, RunsLog, Timing, TruthError, Verdict,
     hash_input,
 };
-use stiction::sim::{Metrics, Outcome};
+use stiction::sim::{AvoidanceTime, Metrics, Outcome};
 
 /// Metrics whose digits would show any rounding on the way.
 pub fn metrics() -> Metrics {
@@ -73,6 +73,17 @@ pub fn metrics() -> Metrics {
         max_estimate_error_rad: None,
         final_estimate_error_m: Some(1e-3),
         final_estimate_error_rad: Some(0.004),
+        min_self_distance_m: Some(-0.011),
+        self_collisions: Some(13),
+        self_near_s: Some(0.17),
+        avoidance_cycles: Some(14),
+        avoidance_early_cycles: Some(15),
+        avoidance_blocked_cycles: Some(16),
+        avoidance_tests_mean: Some(1.7),
+        avoidance_tests_max: Some(18),
+        avoidance_held_share: Some(0.19),
+        avoidance_rms_deviation: Some(0.021),
+        avoidance_max_deviation: Some(0.22),
     }
 }
 
@@ -152,6 +163,7 @@ pub fn record() -> RunRecord {
             machine: Machine::here(),
             file: None,
             repeats: Some(repeats()),
+            avoidance: Some(AvoidanceTime { total_s: 0.015, cycles_s: 0.005 }),
         },
     }
 }
@@ -210,7 +222,7 @@ fn inputs_are_hashed_with_blake3() {
 fn timings_and_machine_are_apart_from_results() {
     let json: serde_json::Value = serde_json::to_value(record()).unwrap();
     let timing = json["timing"].as_object().unwrap();
-    assert_eq!(timing.keys().collect::<Vec<_>>(), ["cpu_s", "machine", "repeats", "wall_s"]);
+    assert_eq!(timing.keys().collect::<Vec<_>>(), ["avoidance", "cpu_s", "machine", "repeats", "wall_s"]);
     assert_eq!(timing["machine"]["os"], std::env::consts::OS);
     assert_eq!(json["outcome"], "fallen");
     assert_eq!(json["metrics"]["energy_error_J"], -4.900_000_000_000_001);

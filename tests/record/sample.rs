@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use stiction::contact::residual::Residual;
 use stiction::record::{Document, LogHeader, LogWriter, Topics};
 use stiction::robot::{Base, Drive, Geometry, Joint, JointKind, Link, LinkId, Merged, Model, Shape, Sole};
-use stiction::sim::{Balance, Observer, SimEvent, Snapshot, SoleSnapshot};
+use stiction::sim::{Balance, Observer, SelfContactSnapshot, SimEvent, Snapshot, SoleSnapshot};
 use stiction::task::Point;
 
 pub const URDF: &str = r#"<robot name="sample">
@@ -209,6 +209,14 @@ pub fn snapshot(tick: usize) -> Snapshot {
         },
         external: if tick.is_multiple_of(2) { vec![(vector(tick, 400), vector(tick, 403) * 30.0)] } else { Vec::new() },
         estimate: None,
+        self_contact: Some(SelfContactSnapshot {
+            pairs: vec![["trunk".into(), "ball".into()], ["trunk".into(), "shank".into()]],
+            nearest: Some((wobble(tick, 520), tick % 2, vector(tick, 521), vector(tick, 524))),
+            cycles: tick as u64,
+            tests: 3 * tick as u64,
+            frozen: vec![tick.is_multiple_of(3), true],
+            wanted: vec![wobble(tick, 530), wobble(tick, 531)],
+        }),
     }
 }
 

@@ -185,7 +185,11 @@ const BELOW_ROBOT: &[Broken] = &[
         "`force.0.anchor.position` has no meaning beside `waypoints`",
         "",
     ),
-    Broken("[self_collision]\nmethod = 2", (3, 2), "`self_collision` is not available yet", ""),
+    Broken("[self_collision]\nmethod = 5", (4, 10), "must be from 0 to 4, not 5", ""),
+    Broken("[self_collision]\nrate = 0", (4, 8), "must be greater than 0", ""),
+    Broken("[self_collision]\nmargin = -0.001", (4, 10), "must be 0 or greater, not -0.001", ""),
+    Broken("[self_collision]\nmax_jerk = inf", (4, 12), "finite", ""),
+    Broken("[self_collision]\nmetod = 1", (4, 1), "unknown key `metod`", "did you mean `method`?"),
     // Comparisons.
     Broken("[compare]", (3, 1), "`compare` needs `reference`, `truth` or `timing_repeats`", ""),
     Broken("[compare]\nreference = { a = 1 }", (4, 15), "unknown key `a`", "known here"),

@@ -163,6 +163,31 @@ impl Detector {
         &self.colliding
     }
 
+    /// How near one pair is; exact, however far apart.
+    pub fn proximity(&mut self, model: &CollisionModel, pair: usize) -> Proximity {
+        let [a, b] = self.scene.posed(&model.bodies, self.pairs[pair]);
+        let work = (&mut self.warm[pair], &mut self.epa, &mut self.counts);
+        // Nothing is farther than infinity.
+        exact(pair, &a, &b, f64::INFINITY, work).expect("not beyond")
+    }
+
+    /// A lower bound of the distance of one pair, m: the distance itself where that is less than `enough`; 0 when they overlap.
+    pub fn clearance(&mut self, model: &CollisionModel, pair: usize, enough: f64) -> f64 {
+        self.counts.boxes += 1;
+        let bodies = self.pairs[pair];
+        let gap = f64::from(self.scene.gap_squared(bodies)).sqrt();
+        if gap > enough {
+            return gap;
+        }
+        self.counts.exact += 1;
+        let [a, b] = self.scene.posed(&model.bodies, bodies);
+        match gjk::distance(&a, &b, &mut self.warm[pair], enough) {
+            Outcome::Beyond => enough,
+            Outcome::Apart { v, .. } => v.norm(),
+            Outcome::Overlap { .. } => 0.0,
+        }
+    }
+
     /// Is one pair nearer than `margin`, m? A pair that is not proven to be farther counts as nearer.
     pub fn is_within(&mut self, model: &CollisionModel, pair: usize, margin: f64) -> bool {
         self.counts.boxes += 1;

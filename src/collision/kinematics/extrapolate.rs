@@ -23,7 +23,7 @@ pub fn extrapolate(model: &Model, q: &[f64], qd: &[f64], qdd: &[f64], t: f64, ou
 }
 
 /// Integral of the clamped speed.
-fn capped_travel(v: f64, a: f64, limit: f64, t: f64) -> f64 {
+pub(crate) fn capped_travel(v: f64, a: f64, limit: f64, t: f64) -> f64 {
     if a == 0.0 || !limit.is_finite() {
         return (v.clamp(-limit, limit)) * t + a * t * t / 2.0;
     }

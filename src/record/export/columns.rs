@@ -3,7 +3,7 @@
 use super::super::log::messages::Residual;
 use super::instants::Sample;
 use super::table::Values;
-use crate::record::{EstimateSeries, JointSeries, Motion, SoleSeries, Trajectory};
+use crate::record::{EstimateSeries, JointSeries, Motion, SelfCollisionSeries, SoleSeries, Trajectory};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Name of the first column.
@@ -53,6 +53,9 @@ pub(super) fn of(log: &Trajectory) -> Vec<Column<'_>> {
     }
     if let Some(estimate) = &log.estimate {
         all.estimate(estimate);
+    }
+    if let Some(own) = &log.self_collision {
+        all.self_collision(own);
     }
     all.0
 }
@@ -156,6 +159,21 @@ impl<'a> Columns<'a> {
             if let Some(held) = &sole.held {
                 self.0.push(Column { name: format!("{of_sole}.static"), get: Get::Flag(held) });
             }
+        }
+    }
+
+    fn self_collision(&mut self, own: &'a SelfCollisionSeries) {
+        self.scalar("self_collision.distance_m", &own.distance);
+        self.0.push(Column { name: "self_collision.pair".into(), get: Get::Text(&own.pair) });
+        if own.wanted.is_empty() {
+            return;
+        }
+        let held = |series: &'a [f64]| move |s: Sample| Some(series[s.before]);
+        self.real("self_collision.tests", held(&own.tests));
+        self.real("self_collision.frozen_joints", held(&own.frozen));
+        for (name, slides, wanted) in &own.wanted {
+            let unit = if *slides { "m" } else { "rad" };
+            self.scalar(format!("joint.{name}.wanted_position_{unit}"), wanted);
         }
     }
 

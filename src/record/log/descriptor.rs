@@ -12,6 +12,7 @@ enum Of {
 }
 
 const DOUBLE: Of = Of::Scalar(Type::Double);
+const UINT64: Of = Of::Scalar(Type::Uint64);
 const BOOL: Of = Of::Scalar(Type::Bool);
 const STRING: Of = Of::Scalar(Type::String);
 const VECTOR3: Of = Of::Message("Vector3");
@@ -108,6 +109,21 @@ fn messages() -> Vec<DescriptorProto> {
                 one(12, "specific_force", VECTOR3),
                 many(13, "soles", Of::Message("Wrench")),
                 many(14, "static_soles", BOOL),
+            ],
+        ),
+        message(
+            "SelfCollision",
+            [
+                one(1, "time", DOUBLE),
+                one(2, "distance", DOUBLE),
+                one(3, "first", STRING),
+                one(4, "second", STRING),
+                one(5, "on_first", VECTOR3),
+                one(6, "on_second", VECTOR3),
+                one(7, "cycles", UINT64),
+                one(8, "tests", UINT64),
+                many(9, "frozen", BOOL),
+                many(10, "wanted", DOUBLE),
             ],
         ),
         message(

@@ -261,6 +261,42 @@ pub struct Estimate {
     pub static_soles: Vec<bool>,
 }
 
+/// How near the robot is to touching itself, topic `/self_collision`; written where the scenario has `[self_collision]`. Joint
+/// arrays follow the channel's metadata entry `joints`; they are empty when collisions are only reported.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct SelfCollision {
+    /// Simulated time, s.
+    #[prost(double, tag = "1")]
+    pub time: f64,
+    /// Distance of the nearest pair of bodies, m; below 0 the depth of its overlap; infinite without pairs.
+    #[prost(double, tag = "2")]
+    pub distance: f64,
+    /// Its first body.
+    #[prost(string, tag = "3")]
+    pub first: String,
+    /// Its second body.
+    #[prost(string, tag = "4")]
+    pub second: String,
+    /// The first body's nearest point, world, m.
+    #[prost(message, optional, tag = "5")]
+    pub on_first: Option<Vector3>,
+    /// The second body's.
+    #[prost(message, optional, tag = "6")]
+    pub on_second: Option<Vector3>,
+    /// Cycles of avoidance so far.
+    #[prost(uint64, tag = "7")]
+    pub cycles: u64,
+    /// Postures tested in the last of them.
+    #[prost(uint64, tag = "8")]
+    pub tests: u64,
+    /// For each joint: is it kept from where the tasks want it?
+    #[prost(bool, repeated, tag = "9")]
+    pub frozen: Vec<bool>,
+    /// Where the tasks want the joints, rad or m; what they are asked is in `/state`.
+    #[prost(double, repeated, tag = "10")]
+    pub wanted: Vec<f64>,
+}
+
 /// Something that happened, topic `/events`.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Event {

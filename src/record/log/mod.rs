@@ -18,6 +18,7 @@ pub mod messages;
 mod read;
 mod residual;
 pub mod ros;
+mod self_contact;
 mod shapes;
 mod sink;
 mod state;
@@ -28,7 +29,7 @@ use crate::robot::Model;
 use crate::sim::{Observer, SimEvent, Snapshot};
 use nalgebra::{Isometry3, Vector3};
 pub use read::{Attachment, JointSeries, LogError, LoggedEvent, Motion, PointSeries, RunInfo};
-pub use read::{EstimateSeries, Frame, JointReadings, Scene, SoleReadings};
+pub use read::{EstimateSeries, Frame, JointReadings, Scene, SelfCollisionSeries, SoleReadings};
 pub use read::{SoleSeries, Trajectory, VertexSeries};
 use sink::Sink;
 use std::path::Path;
@@ -80,6 +81,7 @@ fn open_topics(sink: &mut Sink, model: &Model, header: &LogHeader) -> Result<Vec
         topics.push(Box::new(state::StateTopic::open(sink, model)?));
         topics.push(Box::new(state::JointStates::open(sink, model, header)?));
         topics.push(Box::new(estimate::EstimateTopic::new(model)));
+        topics.push(Box::new(self_contact::SelfCollisionTopic::new(model)));
     }
     if header.topics.contact {
         topics.push(Box::new(contact::ContactTopic::open(sink, model)?));

@@ -1,7 +1,6 @@
 //! Entries that say by `type` what they are: one registry line per type.
 
 use crate::scenario::{
-    availability,
     decode::{DecodeError, NodeDeserializer},
     diagnostic::Findings,
     suggest,
@@ -40,8 +39,6 @@ pub fn read<T: Tagged>(entry: &Node, path: &str, findings: &mut Findings) -> Opt
     match T::decode(name, NodeDeserializer(&rest)) {
         Some(Ok(value)) => return Some(value),
         Some(Err(error)) => error.at(&entry.span).report(path, findings),
-        // Reported by the table of what is not available.
-        None if availability::is_planned(kind, name) => {}
         None => {
             let help = suggest::help(name, T::TYPES.iter().copied());
             findings.error(tag.span.clone(), format!("unknown {kind} type `{name}`"), Some(help));

@@ -9,6 +9,7 @@ mod names;
 mod planned;
 mod playback;
 mod script;
+mod self_contact;
 mod sensors;
 mod start;
 mod tasks;
@@ -44,6 +45,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let forces = forces::forces(run, &model, &mut errors);
     let loads = forces::loads(run, &model, &mut errors);
     let tasks = tasks::tasks(run, &model, &start, &mut notes, &mut errors);
+    let self_contact = self_contact::self_contact(run, robot, &model, &start, &mut notes, &mut errors);
     let contact = ContactSetup {
         method: s.contact.method.name().to_owned(),
         parameters: parameters(&s.contact),
@@ -85,6 +87,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         sensors: sensors::errors(&s.sensors),
         imu,
         estimator,
+        self_contact,
         seed: s.seed,
         duration: s.duration,
         log_rate: s.log.rate,

@@ -6,12 +6,14 @@
 mod estimate;
 mod file;
 mod scene;
+mod self_contact;
 mod series;
 mod ticks;
 
 pub use estimate::{EstimateSeries, JointReadings, SoleReadings};
 pub use file::LogError;
 pub use scene::{Frame, Scene};
+pub use self_contact::SelfCollisionSeries;
 pub use series::{
     Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
 };

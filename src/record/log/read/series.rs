@@ -2,6 +2,7 @@
 
 use super::super::messages::Residual;
 use super::estimate::EstimateSeries;
+use super::self_contact::SelfCollisionSeries;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// A run as its log tells it. A group of topics the scenario did not log (`log.topics`) is `None`.
@@ -24,6 +25,8 @@ pub struct Trajectory {
     pub residuals: Option<Vec<Residual>>,
     /// What the robot knew; where sensors or estimator do not tell the truth. One entry per tick.
     pub estimate: Option<EstimateSeries>,
+    /// How near the robot is to touching itself; where the scenario asks. One entry per tick.
+    pub self_collision: Option<SelfCollisionSeries>,
     /// What happened, in the order of time; not bound to ticks.
     pub events: Vec<LoggedEvent>,
 }

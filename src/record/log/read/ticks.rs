@@ -1,12 +1,12 @@
 //! From messages to series: collects each topic, sees that they tell of the same ticks and bodies, and turns rows into
 //! columns.
 
-use super::super::messages::{Contact, Estimate, Event, Quaternion, Residual, State, Vector3 as Triple};
-use super::estimate;
+use super::super::messages::{Contact, Estimate, Event, Quaternion, Residual, SelfCollision, State, Vector3 as Triple};
 use super::file::{LogError, LogFile};
 use super::series::{
     Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
 };
+use super::{estimate, self_contact};
 use nalgebra::{UnitQuaternion, Vector3};
 use prost::Message as _;
 use std::collections::BTreeMap;
@@ -20,6 +20,7 @@ pub(super) struct Ticks {
     residual: Option<Vec<Residual>>,
     estimate: Option<Vec<Estimate>>,
     estimated_soles: Vec<String>,
+    self_collision: Option<Vec<SelfCollision>>,
     events: Vec<Event>,
 }
 
@@ -38,6 +39,7 @@ impl Ticks {
                     all.estimated_soles = list(topic, metadata, "soles").map_err(|reason| file.damage(reason))?;
                     all.estimate = Some(Vec::new());
                 }
+                "/self_collision" => all.self_collision = Some(Vec::new()),
                 _ => {}
             }
         }
@@ -57,6 +59,7 @@ impl Ticks {
             "/contact" => self.contact.get_or_insert_default().push(Contact::decode(data)?),
             "/residual" => self.residual.get_or_insert_default().push(Residual::decode(data)?),
             "/estimate" => self.estimate.get_or_insert_default().push(Estimate::decode(data)?),
+            "/self_collision" => self.self_collision.get_or_insert_default().push(SelfCollision::decode(data)?),
             "/events" => self.events.push(Event::decode(data)?),
             _ => {}
         }
@@ -70,6 +73,7 @@ impl Ticks {
             self.contact.as_ref().map(Vec::len),
             self.residual.as_ref().map(Vec::len),
             self.estimate.as_ref().map(Vec::len),
+            self.self_collision.as_ref().map(Vec::len),
         ];
         let known = || counts.iter().flatten().copied();
         let (Some(least), Some(most)) = (known().min(), known().max()) else { return };
@@ -78,6 +82,7 @@ impl Ticks {
             self.contact.iter_mut().for_each(|v| v.truncate(least));
             self.residual.iter_mut().for_each(|v| v.truncate(least));
             self.estimate.iter_mut().for_each(|v| v.truncate(least));
+            self.self_collision.iter_mut().for_each(|v| v.truncate(least));
         }
     }
 
@@ -117,6 +122,10 @@ impl Ticks {
             same("/estimate", &mut all.iter().map(|e| e.time))?;
             estimate::check(all, self.joints.len(), self.estimated_soles.len())?;
         }
+        if let Some(all) = &self.self_collision {
+            same("/self_collision", &mut all.iter().map(|e| e.time))?;
+            self_contact::check(all, self.joints.len())?;
+        }
         let shown = |s: &State| s.points.iter().map(|p| p.name.clone()).collect::<Vec<_>>();
         let first = self.state.iter().flatten().next().map(shown);
         for s in self.state.iter().flatten() {
@@ -139,6 +148,7 @@ impl Ticks {
             attachments,
             times: self.times(),
             estimate: self.estimate.map(|rows| estimate::series(&self.joints, &self.estimated_soles, &rows)),
+            self_collision: self.self_collision.map(|rows| self_contact::series(&self.joints, &rows)),
             motion: self.state.map(|rows| motion(&self.joints, &rows)),
             soles: self.contact.map(|rows| soles(&rows)),
             residuals: self.residual,

@@ -1,0 +1,290 @@
+//! From what the tasks want to what the drives are asked, tick by tick.
+
+use std::sync::Arc;
+
+use super::around::Detour;
+use super::bound::Levers;
+use super::guard::{Fading, Guard, Way};
+use super::path::Path;
+use super::tally::Tally;
+use super::trial::{Robot, Trial};
+use super::wanted::Wanted;
+use super::{Limits, methods};
+use crate::collision::CollisionModel;
+use crate::motion::spline::Point;
+use crate::random::Stream;
+use crate::robot::Model;
+
+/// How collisions are avoided.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// 1 to 4 as in the paper's Table I.
+    pub method: u8,
+    /// Cycles per second.
+    pub rate: f64,
+    /// Distance that counts as touching, m.
+    pub margin: f64,
+    /// By joint.
+    pub limits: Vec<Limits>,
+    /// Of random perturbations.
+    pub seed: u64,
+}
+
+/// What the joints are asked at a tick, before and after; one entry per joint.
+pub struct Asked<'a> {
+    /// Does the joint follow its position?
+    pub follows: &'a [bool],
+    /// Measured positions, of those that do not.
+    pub measured: &'a [f64],
+    /// Their measured velocities.
+    pub rates: &'a [f64],
+    /// Positions.
+    pub position: &'a mut [f64],
+    /// Velocities.
+    pub velocity: &'a mut [f64],
+}
+
+/// See [`super`]. Allocates nothing after its first cycles.
+pub struct Avoider {
+    pub(super) collision: Arc<CollisionModel>,
+    pub(super) levers: Levers,
+    pub(super) settings: Settings,
+    pub(super) trial: Trial,
+    pub(super) wanted: Wanted,
+    pub(super) detour: Detour,
+    pub(super) random: Stream,
+    /// Joints that the method at hand keeps from where the tasks want them.
+    pub(super) frozen: Vec<bool>,
+    /// Where the tasks want the joints, one cycle ahead.
+    pub(super) goal: Vec<f64>,
+    /// Paths to there; where none keeps the limits, what the joint does otherwise.
+    pub(super) proposed: Vec<Path>,
+    /// Scratch of the methods: paths, a posture, joints.
+    pub(super) best: Vec<Path>,
+    pub(super) onward: Vec<Path>,
+    pub(super) posture: Vec<f64>,
+    pub(super) marked: Vec<bool>,
+    /// Time of the tick at hand, s.
+    pub(super) now: f64,
+    guard: Guard,
+    /// Of the joints that are not free.
+    paths: Vec<Path>,
+    refused: Vec<bool>,
+    /// Time of the last tick, s.
+    last: f64,
+    next: u64,
+    /// What was done.
+    pub tally: Tally,
+}
+
+impl Avoider {
+    /// For a robot that is asked to hold `start` at first, with `period` seconds from tick to tick.
+    pub fn new(
+        model: &Model,
+        collision: Arc<CollisionModel>,
+        settings: Settings,
+        start: &[f64],
+        (begin, period): (f64, f64),
+    ) -> Self {
+        let levers = Levers::new(model, &collision);
+        let robot = Robot { model, collision: &collision, levers: &levers, margin: settings.margin };
+        let resting: Vec<Path> = start.iter().map(|&q| Path::resting(q)).collect();
+        let n = start.len();
+        Avoider {
+            trial: Trial::new(robot, start),
+            wanted: Wanted::new(start, period),
+            detour: Detour::new(n),
+            random: Stream::new(settings.seed, &["self-collision"]),
+            frozen: vec![false; n],
+            goal: start.to_vec(),
+            proposed: resting.clone(),
+            best: resting.clone(),
+            onward: resting.clone(),
+            posture: start.to_vec(),
+            marked: vec![false; n],
+            now: begin,
+            guard: Guard::new(n),
+            paths: resting,
+            refused: vec![false; n],
+            last: begin - period,
+            next: 0,
+            tally: Tally::default(),
+            collision,
+            levers,
+            settings,
+        }
+    }
+
+    /// Pairs nearer than the margin in a posture, with their distances, m: from there nothing can be promised.
+    pub fn near_at(&mut self, model: &Model, q: &[f64]) -> Vec<(usize, f64)> {
+        let trial = &mut self.trial;
+        trial.prover.place(model, &self.collision, &mut trial.detector, q);
+        let near = trial.detector.colliding(&self.collision, self.settings.margin).to_vec();
+        near.into_iter().map(|pair| (pair, trial.detector.proximity(&self.collision, pair).distance)).collect()
+    }
+
+    /// Is a joint kept from where the tasks want it?
+    pub fn frozen(&self) -> &[bool] {
+        &self.frozen
+    }
+
+    /// Where the tasks wanted a joint at the last tick, within its range.
+    pub fn wanted(&self, joint: usize) -> f64 {
+        self.wanted.now(joint).q
+    }
+
+    /// One tick at time `now`: `asked` comes as the tasks want it and goes as it is safe.
+    pub fn tick(&mut self, model: &Model, now: f64, asked: &mut Asked) {
+        self.now = now;
+        for j in 0..asked.follows.len() {
+            match (asked.follows[j], self.guard.way[j]) {
+                (false, _) => {
+                    self.guard.way[j] = Way::Loose;
+                    self.paths[j] = Path::resting(asked.measured[j]);
+                }
+                (true, Way::Loose) => self.guard.way[j] = Way::Held,
+                _ => {}
+            }
+        }
+        self.wanted.push(asked.position, asked.velocity, &self.settings.limits);
+        let due = now >= self.next as f64 / self.settings.rate - 1e-9;
+        if due {
+            self.next = (now * self.settings.rate + 1e-6).floor() as u64 + 1;
+        }
+        if due || !self.guard_allows(model) {
+            self.tally.early += u64::from(!due);
+            self.cycle(model, asked, due);
+        }
+        self.last = now;
+        for j in (0..asked.follows.len()).filter(|j| asked.follows[*j]) {
+            let wanted = self.wanted.now(j);
+            let out = self.out(j, now);
+            (asked.position[j], asked.velocity[j]) = (out.q, out.v);
+            let off = (out.q - wanted.q).abs();
+            let tally = &mut self.tally;
+            tally.ticks += 1;
+            tally.held_back += u64::from(self.frozen[j]);
+            tally.squares += off * off;
+            tally.greatest = tally.greatest.max(off);
+        }
+    }
+
+    fn out(&self, j: usize, t: f64) -> Point {
+        match self.guard.way[j] {
+            Way::Free => self.guard.asked(j, &self.wanted.now(j), t),
+            _ => self.paths[j].at(t),
+        }
+    }
+
+    fn guard_allows(&mut self, model: &Model) -> bool {
+        let robot = Robot { model, collision: &self.collision, levers: &self.levers, margin: self.settings.margin };
+        let limits = &self.settings.limits;
+        let refused = (self.now, self.refused.as_mut_slice());
+        self.guard.allows(robot, &self.trial, &self.wanted, &self.paths, limits, refused)
+    }
+
+    /// Decides anew where the joints go, from where they were at the last tick.
+    fn cycle(&mut self, model: &Model, asked: &Asked, due: bool) {
+        let before = self.trial.detector.counts.postures;
+        self.look_ahead(asked);
+        let collision = self.collision.clone();
+        // Levers are only read, and by this cycle alone.
+        let levers = std::mem::take(&mut self.levers);
+        let robot = Robot { model, collision: &collision, levers: &levers, margin: self.settings.margin };
+        self.trial.measure(robot);
+        let free = methods::decide(self, robot);
+        self.adopt(robot, due);
+        self.levers = levers;
+        while !self.guard_allows(model) {
+            for j in 0..self.refused.len() {
+                if self.refused[j] && self.guard.way[j] == Way::Free {
+                    self.guard.way[j] = Way::Held;
+                }
+            }
+        }
+        let tests = self.trial.detector.counts.postures - before;
+        let tally = &mut self.tally;
+        tally.cycles += 1;
+        tally.blocked += u64::from(!free);
+        tally.tests += tests;
+        (tally.tests_last, tally.tests_max) = (tests, tally.tests_max.max(tests));
+    }
+
+    /// Where the joints are, what they do otherwise, and the paths to where the tasks want them.
+    fn look_ahead(&mut self, asked: &Asked) {
+        let (begin, period) = (self.last, 1.0 / self.settings.rate);
+        self.trial.begin = begin;
+        self.frozen.fill(false);
+        for (j, limits) in self.settings.limits.iter().enumerate() {
+            let (here, otherwise) = match self.guard.way[j] {
+                Way::Free => {
+                    let mut here = self.guard.asked(j, &self.wanted.before(j), begin);
+                    here.v = here.v.clamp(-limits.speed, limits.speed);
+                    here.a = here.a.clamp(-limits.acceleration, limits.acceleration);
+                    (here, Path::stop(here, begin, limits))
+                }
+                Way::Held | Way::Loose => (self.paths[j].at(begin), self.paths[j]),
+            };
+            self.trial.anchor[j] = here.q;
+            self.trial.otherwise[j] = otherwise;
+            self.trial.reset(j);
+            self.goal[j] = self.wanted.ahead(j, period, period, limits).q;
+            self.proposed[j] = otherwise;
+            if self.guard.way[j] == Way::Loose {
+                // It may go on as it moves.
+                self.trial.reach[j] = asked.rates[j].abs() * period;
+                continue;
+            }
+            let path = self.way_to_wanted(j, here, begin, period);
+            if let Some(path) = path {
+                self.proposed[j] = path;
+                self.trial.set(j, path);
+            }
+        }
+    }
+
+    /// The soonest path to where the tasks want a joint that keeps the limits.
+    fn way_to_wanted(&self, j: usize, here: Point, begin: f64, period: f64) -> Option<Path> {
+        let limits = &self.settings.limits[j];
+        methods::soonest(here, begin, self.now - begin + period, limits, |duration| {
+            self.wanted.ahead(j, begin + duration - self.now, period, limits)
+        })
+    }
+
+    /// Lets the joints follow the paths of the trial, free where they may be. Only regular cycles set a joint free: between
+    /// them one that was refused stays on its path.
+    fn adopt(&mut self, robot: Robot, due: bool) {
+        let period = 1.0 / self.settings.rate;
+        for (j, limits) in self.settings.limits.iter().enumerate() {
+            let path = self.trial.paths[j];
+            let was = self.guard.way[j];
+            if was == Way::Loose {
+                continue;
+            }
+            self.paths[j] = path;
+            self.guard.way[j] = Way::Held;
+            if self.frozen[j] || path != self.proposed[j] || (was == Way::Held && !due) {
+                continue;
+            }
+            let (here, wanted) = (path.at(self.trial.begin), self.wanted.before(j));
+            let fade = match was {
+                Way::Free => Some(self.guard.fade[j]),
+                _ => Fading::new(&here, &wanted, self.trial.begin, period, limits),
+            };
+            if let Some(fade) = fade {
+                self.guard.way[j] = Way::Free;
+                self.guard.fade[j] = fade;
+            }
+        }
+        for pair in 0..self.collision.pairs.len() {
+            if self.trial.is_clear(robot, pair) {
+                continue;
+            }
+            for lever in robot.levers.of(pair) {
+                if self.guard.way[lever.joint] == Way::Free {
+                    self.guard.way[lever.joint] = Way::Held;
+                }
+            }
+        }
+    }
+}

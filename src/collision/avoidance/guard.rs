@@ -1,0 +1,128 @@
+//! Joints that are asked exactly what the tasks want, between two tests.
+//!
+//! With c the posture of the last test, d its distances, and t_k the greatest distance of joint k from c on what it can still
+//! do (a free joint: where it is, and its stop from there; another one: the rest of its path), nothing touches as long as
+//!
+//! ```text
+//! d_p - sum over k of min(L_k, r_k) t_k > margin         for every pair p with a free joint ([`super::bound`])
+//! ```
+//!
+//! and the limits hold. That is asked of every tick before it is passed on.
+
+use super::Limits;
+use super::path::Path;
+use super::trial::{Robot, Trial};
+use super::wanted::Wanted;
+use crate::motion::spline::{Point, quintic};
+
+/// Shortest and longest time in which the difference between a path and the wanted motion fades, s.
+const FADE: (f64, f64) = (0.05, 0.5);
+
+/// Part of the limits of acceleration and jerk that a fade may take.
+const PART: f64 = 0.5;
+
+/// How a joint is treated.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Way {
+    /// It is asked what the tasks want.
+    Free,
+    /// It follows its path.
+    Held,
+    /// It follows no positions, or is passive: where it is, is measured.
+    Loose,
+}
+
+/// A difference from the wanted motion that fades.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fading {
+    from: Point,
+    since: f64,
+    length: f64,
+}
+
+impl Fading {
+    pub const NONE: Fading = Fading { from: Point { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY, length: 1.0 };
+
+    /// Of a joint that is at `here` where `wanted` is wanted; none when that would take more than its part of the limits.
+    pub fn new(here: &Point, wanted: &Point, since: f64, period: f64, limits: &Limits) -> Option<Self> {
+        let from = Point { q: here.q - wanted.q, v: here.v - wanted.v, a: here.a - wanted.a };
+        let length = period.clamp(FADE.0, FADE.1);
+        let (q, v, a) = (from.q.abs(), from.v.abs(), from.a.abs());
+        // The quintic's jerk is greatest at its start or end, its acceleration less than the sum of those of its parts.
+        let jerk = 60.0 * q / length.powi(3) + 36.0 * v / length.powi(2) + 9.0 * a / length;
+        let acceleration = 5.8 * q / length.powi(2) + 4.0 * v / length + a;
+        let fits = jerk <= PART * limits.jerk && acceleration <= PART * limits.acceleration;
+        fits.then_some(Fading { from, since, length })
+    }
+
+    /// What is left at time `t`.
+    pub fn at(&self, t: f64) -> Point {
+        let s = t - self.since;
+        if s >= self.length { Point::default() } else { quintic(&self.from, &Point::default(), self.length, s) }
+    }
+}
+
+/// What the free joints are asked at a tick.
+pub(super) struct Guard {
+    pub way: Vec<Way>,
+    pub fade: Vec<Fading>,
+    /// Greatest distance of each joint from the anchor in what it can still do.
+    travel: Vec<f64>,
+}
+
+impl Guard {
+    pub fn new(joints: usize) -> Self {
+        Guard { way: vec![Way::Free; joints], fade: vec![Fading::NONE; joints], travel: vec![0.0; joints] }
+    }
+
+    /// What a free joint is asked at time `t` where `wanted` is wanted.
+    pub fn asked(&self, joint: usize, wanted: &Point, t: f64) -> Point {
+        let e = self.fade[joint].at(t);
+        Point { q: wanted.q + e.q, v: wanted.v + e.v, a: wanted.a + e.a }
+    }
+
+    /// May the free joints be asked what is wanted now? `held` has the paths of the others. Marks those that may not in
+    /// `refused`.
+    pub fn allows(
+        &mut self,
+        robot: Robot,
+        trial: &Trial,
+        wanted: &Wanted,
+        held: &[Path],
+        limits: &[Limits],
+        (now, refused): (f64, &mut [bool]),
+    ) -> bool {
+        refused.fill(false);
+        let mut fine = true;
+        for (j, limit) in limits.iter().enumerate() {
+            if self.way[j] != Way::Free {
+                self.travel[j] = held[j].reach(trial.anchor[j], now);
+                continue;
+            }
+            let (want, fading) = (wanted.now(j), self.fade[j].at(now) != Point::default());
+            let asked = self.asked(j, &want, now);
+            let stop = Path::stop(asked, now, limit);
+            let jerk = if fading { (1.0 - PART) * limit.jerk } else { limit.jerk };
+            // Rounding of differences of a limit that is met exactly.
+            let more = 1.0 + 1e-6;
+            let keeps = wanted.jerk(j).abs() <= jerk * more
+                && asked.a.abs() <= limit.acceleration * more
+                && asked.v.abs() <= limit.speed * more
+                && stop.stays(now, limit);
+            if !keeps {
+                refused[j] = true;
+                fine = false;
+            }
+            self.travel[j] = stop.reach(trial.anchor[j], now).max((asked.q - trial.anchor[j]).abs());
+        }
+        for pair in 0..trial.clearance.len() {
+            let levers = robot.levers.of(pair);
+            let free = levers.iter().any(|lever| self.way[lever.joint] == Way::Free);
+            if free && !trial.stays_clear(robot, pair, &self.travel) {
+                fine = false;
+                levers.iter().filter(|l| self.way[l.joint] == Way::Free).for_each(|l| refused[l.joint] = true);
+            }
+        }
+        fine
+    }
+}

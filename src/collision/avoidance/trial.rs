@@ -1,0 +1,173 @@
+//! One set of paths under proof, beside the paths that the joints follow otherwise.
+
+use super::bound::Levers;
+use super::path::Path;
+use super::prover::Prover;
+use crate::collision::{CollisionModel, Detector, Proximity};
+use crate::robot::Model;
+
+/// What a trial is about: robot, bodies, levers.
+#[derive(Clone, Copy)]
+pub(super) struct Robot<'a> {
+    pub model: &'a Model,
+    pub collision: &'a CollisionModel,
+    pub levers: &'a Levers,
+    pub margin: f64,
+}
+
+/// How much farther than it has to a distance is looked at, relative and in m, so that the motions of the ticks to come find room.
+const MORE: (f64, f64) = (1.5, 0.02);
+
+/// Samples of a path that leads out of the margin.
+const SAMPLES: usize = 8;
+
+/// Workspace of a cycle.
+pub(super) struct Trial {
+    pub detector: Detector,
+    pub prover: Prover,
+    /// The beginning of all paths, s.
+    pub begin: f64,
+    /// The posture there.
+    pub anchor: Vec<f64>,
+    /// Lower bounds of the pairs' distances there, m.
+    pub clearance: Vec<f64>,
+    /// Distances of the bodies from the joints' axes there.
+    radii: Vec<f64>,
+    /// What the joints do otherwise: proven before.
+    pub otherwise: Vec<Path>,
+    /// What is tried.
+    pub paths: Vec<Path>,
+    /// Greatest distance of each from the anchor.
+    pub reach: Vec<f64>,
+    /// Is the path another than `otherwise`?
+    pub changed: Vec<bool>,
+    /// Pairs for which the last trial failed, ascending.
+    pub colliding: Vec<usize>,
+    open: Vec<usize>,
+    posture: Vec<f64>,
+}
+
+impl Trial {
+    pub fn new(robot: Robot, start: &[f64]) -> Self {
+        let n = robot.collision.pairs.len();
+        Trial {
+            detector: Detector::new(robot.collision),
+            prover: Prover::new(robot.model, robot.levers, n),
+            radii: vec![0.0; robot.levers.count()],
+            begin: 0.0,
+            anchor: start.to_vec(),
+            clearance: vec![0.0; n],
+            otherwise: start.iter().map(|&q| Path::resting(q)).collect(),
+            paths: start.iter().map(|&q| Path::resting(q)).collect(),
+            reach: vec![0.0; start.len()],
+            changed: vec![false; start.len()],
+            colliding: Vec::with_capacity(n),
+            open: Vec::with_capacity(n),
+            posture: start.to_vec(),
+        }
+    }
+
+    /// Lets a joint try a path.
+    pub fn set(&mut self, joint: usize, path: Path) {
+        self.paths[joint] = path;
+        self.reach[joint] = path.reach(self.anchor[joint], self.begin);
+        self.changed[joint] = true;
+    }
+
+    /// Lets it do what it does otherwise.
+    pub fn reset(&mut self, joint: usize) {
+        self.set(joint, self.otherwise[joint]);
+        self.changed[joint] = false;
+    }
+
+    /// Measures the distances at the anchor, as far as the present reaches ask for them.
+    pub fn measure(&mut self, robot: Robot) {
+        self.prover.place(robot.model, robot.collision, &mut self.detector, &self.anchor);
+        for (pair, clearance) in self.clearance.iter_mut().enumerate() {
+            let need = robot.margin + robot.levers.change(pair, &self.reach);
+            *clearance = self.detector.clearance(robot.collision, pair, MORE.0 * need + MORE.1);
+            robot.levers.measure(pair, self.prover.poses(), &mut self.radii);
+        }
+    }
+
+    /// Does the test at the anchor alone prove that a pair is free?
+    pub fn is_clear(&self, robot: Robot, pair: usize) -> bool {
+        self.stays_clear(robot, pair, &self.reach)
+    }
+
+    /// Does it prove that wherever the joints are, if within `travel` of the anchor?
+    pub fn stays_clear(&self, robot: Robot, pair: usize, travel: &[f64]) -> bool {
+        self.clearance[pair] - robot.levers.change_from(pair, &self.radii, travel) > robot.margin
+    }
+
+    /// Is the trial proven to be free? If not, `colliding` holds pairs that are not.
+    pub fn succeeds(&mut self, robot: Robot) -> bool {
+        self.open.clear();
+        self.colliding.clear();
+        let mut leaving = false;
+        for pair in 0..self.clearance.len() {
+            let moves = robot.levers.of(pair).iter().any(|lever| self.changed[lever.joint]);
+            if !moves || self.is_clear(robot, pair) {
+                continue;
+            }
+            // What is too near from the start is none of the prover's business.
+            let near = self.clearance[pair] <= robot.margin;
+            leaving |= near;
+            if !near {
+                self.open.push(pair);
+            }
+        }
+        if !self.open.is_empty() {
+            let parts = (robot.model, robot.collision, robot.levers);
+            let (paths, pairs, found) = (&self.paths, &self.open, &mut self.colliding);
+            self.prover.prove(parts, &mut self.detector, paths, self.begin, robot.margin, pairs, found);
+        }
+        if leaving {
+            for pair in 0..self.clearance.len() {
+                let moves = robot.levers.of(pair).iter().any(|lever| self.changed[lever.joint]);
+                if moves && self.clearance[pair] <= robot.margin && !self.leaves(robot, pair) {
+                    self.colliding.push(pair);
+                }
+            }
+            self.colliding.sort_unstable();
+        }
+        self.colliding.is_empty()
+    }
+
+    /// Does a pair that is within the margin at the anchor come no nearer at any of some samples, and get farther apart? This can
+    /// only be where a joint that does not follow its command has moved, or a motion was changed from outside.
+    fn leaves(&mut self, robot: Robot, pair: usize) -> bool {
+        let end = self.paths.iter().map(Path::end).fold(self.begin, f64::max);
+        let mut before = f64::NEG_INFINITY;
+        for k in 0..=SAMPLES {
+            let t = self.begin + (end - self.begin) * k as f64 / SAMPLES as f64;
+            self.posture.iter_mut().zip(&self.paths).for_each(|(q, path)| *q = path.at(t).q);
+            self.prover.place(robot.model, robot.collision, &mut self.detector, &self.posture);
+            let now = self.detector.proximity(robot.collision, pair).distance;
+            if now < before {
+                return false;
+            }
+            before = now;
+        }
+        true
+    }
+
+    /// Nearest points of a pair at time `t` of `paths`, in which the prover's poses then are.
+    pub fn proximity_at(&mut self, robot: Robot, paths: &[Path], t: f64, pair: usize) -> Proximity {
+        self.posture.iter_mut().zip(paths).for_each(|(q, path)| *q = path.at(t).q);
+        self.prover.place(robot.model, robot.collision, &mut self.detector, &self.posture);
+        self.detector.proximity(robot.collision, pair)
+    }
+
+    /// Is everything free on `paths`, wherever they begin?
+    pub fn is_free(&mut self, robot: Robot, paths: &[Path]) -> bool {
+        self.open.clear();
+        self.open.extend(0..self.clearance.len());
+        let parts = (robot.model, robot.collision, robot.levers);
+        let (begin, pairs, found) = (self.begin, &self.open, &mut self.colliding);
+        self.prover.prove(parts, &mut self.detector, paths, begin, robot.margin, pairs, found);
+        let free = self.colliding.is_empty();
+        self.colliding.clear();
+        free
+    }
+}

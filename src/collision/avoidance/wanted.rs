@@ -1,0 +1,194 @@
+//! What the tasks want of the joints, as a motion: their positions tick by tick, with velocities, accelerations and jerk, and
+//! where that leads.
+//!
+//! Velocities that tasks tell are taken where they fit the positions, `|dq - (v + v') T / 2| <= T |v - v'| / 10 + J T^3` with the
+//! time T between ticks and the jerk limit J; their change is the acceleration. Otherwise both are backward differences over
+//! [`WINDOW`], long enough that the last digits of a filtered reading are no acceleration.
+
+use super::Limits;
+use crate::collision::kinematics::capped_travel;
+use crate::motion::spline::Point;
+
+/// Time over which differences are taken, s, or a tick where that is longer.
+const WINDOW: f64 = 0.01;
+
+/// The wanted motion of all joints.
+pub(super) struct Wanted {
+    period: f64,
+    /// Ticks to a window.
+    stride: usize,
+    joints: usize,
+    /// The last 3 `stride` + 1 ticks, one after the other, of all joints.
+    ring: Vec<f64>,
+    newest: usize,
+    velocity: Vec<f64>,
+    now: Vec<Point>,
+    before: Vec<Point>,
+    /// For how many ticks the velocities told fit.
+    fitting: Vec<u32>,
+}
+
+impl Wanted {
+    /// At rest at `start`; ticks come `period` seconds apart.
+    pub fn new(start: &[f64], period: f64) -> Self {
+        let stride = (WINDOW / period - 1e-9).ceil().max(1.0) as usize;
+        let now: Vec<Point> = start.iter().map(|&q| Point { q, v: 0.0, a: 0.0 }).collect();
+        Wanted {
+            period,
+            stride,
+            joints: start.len(),
+            ring: start.repeat(3 * stride + 1),
+            newest: 0,
+            velocity: vec![0.0; start.len()],
+            before: now.clone(),
+            fitting: vec![3; start.len()],
+            now,
+        }
+    }
+
+    /// What is wanted at the next tick.
+    pub fn push(&mut self, position: &[f64], velocity: &[f64], limits: &[Limits]) {
+        self.newest = (self.newest + 1) % (3 * self.stride + 1);
+        let at = self.newest * self.joints;
+        for (j, limit) in limits.iter().enumerate() {
+            self.ring[at + j] = position[j].clamp(limit.lower, limit.upper);
+        }
+        self.before.copy_from_slice(&self.now);
+        for (j, limit) in limits.iter().enumerate() {
+            let fits = self.fits(j, position[j], velocity[j], limit.jerk);
+            self.fitting[j] = if fits { (self.fitting[j] + 1).min(3) } else { 0 };
+            self.now[j] = self.estimate(j, velocity[j]);
+        }
+        self.velocity.copy_from_slice(velocity);
+    }
+
+    /// Does the velocity told at this tick fit the position asked?
+    fn fits(&self, j: usize, asked: f64, told: f64, jerk: f64) -> bool {
+        let (t, last) = (self.period, self.velocity[j]);
+        let q = self.back(j, 0);
+        let bend = q - self.before[j].q - 0.5 * t * (told + last);
+        // Where the range cuts it short, the velocity told is not that of the motion.
+        q == asked && bend.abs() <= 0.1 * t * (told - last).abs() + jerk * t * t * t
+    }
+
+    fn estimate(&self, j: usize, told: f64) -> Point {
+        let q = self.back(j, 0);
+        if self.fitting[j] > 0 {
+            return Point { q, v: told, a: (told - self.velocity[j]) / self.period };
+        }
+        let h = self.window();
+        let (x, y) = (self.back(j, 1), self.back(j, 2));
+        Point { q, v: (3.0 * q - 4.0 * x + y) / (2.0 * h), a: (q - 2.0 * x + y) / (h * h) }
+    }
+
+    /// Length of a window, s.
+    pub fn window(&self) -> f64 {
+        self.stride as f64 * self.period
+    }
+
+    /// The position `k` windows ago.
+    fn back(&self, j: usize, k: usize) -> f64 {
+        let n = 3 * self.stride + 1;
+        self.ring[(self.newest + n - k * self.stride) % n * self.joints + j]
+    }
+
+    /// The motion at the last tick.
+    pub fn now(&self, j: usize) -> Point {
+        self.now[j]
+    }
+
+    /// The motion at the tick before.
+    pub fn before(&self, j: usize) -> Point {
+        self.before[j]
+    }
+
+    /// Its jerk: from tick to tick where velocities are told, or else its mean over the last three windows.
+    pub fn jerk(&self, j: usize) -> f64 {
+        if self.fitting[j] == 3 {
+            return (self.now[j].a - self.before[j].a) / self.period;
+        }
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.back(j, k));
+        (a - 3.0 * b + 3.0 * c - d) / self.window().powi(3)
+    }
+
+    /// Where it leads `ahead` seconds after the last tick: the acceleration lasts for `horizon`, the speed is capped by its
+    /// limit and lasts for `horizon` more, and the range ends it.
+    pub fn ahead(&self, j: usize, ahead: f64, horizon: f64, limits: &Limits) -> Point {
+        let Point { q, v, a } = self.now[j];
+        let s = ahead.min(horizon);
+        let reached = q + capped_travel(v, a, limits.speed, s);
+        let speed = (v.clamp(-limits.speed, limits.speed) + a * s).clamp(-limits.speed, limits.speed);
+        let on = (ahead - s).min(horizon);
+        let position = reached + speed * on;
+        let within = position.clamp(limits.lower, limits.upper);
+        if within != position || ahead > 2.0 * horizon {
+            return Point { q: within, v: 0.0, a: 0.0 };
+        }
+        let a = if on > 0.0 { 0.0 } else { a.clamp(-limits.acceleration, limits.acceleration) };
+        Point { q: position, v: speed, a }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: [Limits; 1] = [Limits { lower: -2.0, upper: 2.0, speed: 5.0, acceleration: 40.0, jerk: 800.0 }];
+
+    /// q = 0.5 sin(3 t), pushed with or without its velocity, to 1 s.
+    fn sine(period: f64, told: bool) -> Wanted {
+        let mut wanted = Wanted::new(&[0.0], period);
+        for k in 1..=(1.0 / period).round() as i32 {
+            let t = f64::from(k) * period;
+            wanted.push(&[0.5 * (3.0 * t).sin()], &[if told { 1.5 * (3.0 * t).cos() } else { 0.0 }], &LIMITS);
+        }
+        wanted
+    }
+
+    #[test]
+    fn motions_are_seen_with_and_without_told_velocities() {
+        let (v, a, jerk) = (1.5 * 3f64.cos(), -4.5 * 3f64.sin(), -13.5 * 3f64.cos());
+        for (told, window) in [(true, 0.001), (false, 0.01)] {
+            let found = sine(0.001, told);
+            let now = found.now(0);
+            // Backward differences: v to h^2 q''' / 3 (told: exact), a to h q''' and half of that for told velocities.
+            assert!((now.v - v).abs() <= if told { 0.0 } else { 13.5 * window * window / 3.0 * 1.1 }, "{now:?} {v}");
+            assert!((now.a - a).abs() <= 13.5 * window * 1.1, "{now:?} {a}");
+            // The mean of the last 30 ms lags by 15 ms (told: 1 ms); the fourth derivative is at most 40.5.
+            let late = if told { 0.001 } else { 0.015 };
+            assert!((found.jerk(0) - jerk).abs() <= 40.5 * late * 1.1, "{} {jerk}", found.jerk(0));
+        }
+    }
+
+    #[test]
+    fn a_velocity_that_is_not_that_of_the_positions_is_not_believed() {
+        let mut wanted = Wanted::new(&[0.0], 0.002);
+        for k in 1..=100 {
+            wanted.push(&[0.002 * f64::from(k)], &[0.0], &LIMITS);
+        }
+        // A ramp of 1 per second, to rounding of 0.2 over a window of 10 ms.
+        assert!((wanted.now(0).v - 1.0).abs() < 1e-12 && wanted.now(0).a.abs() < 1e-10, "{:?}", wanted.now(0));
+    }
+
+    #[test]
+    fn ahead_is_capped_by_speed_and_range() {
+        let mut wanted = Wanted::new(&[0.0], 0.1);
+        for k in 1..=4 {
+            let t = 0.1 * f64::from(k);
+            wanted.push(&[2.0 * t * t], &[4.0 * t], &LIMITS);
+        }
+        // At 0.32 with 1.6 per second and 4 more each second.
+        let p = wanted.ahead(0, 0.1, 0.1, &LIMITS[0]);
+        assert!((p.q - 0.5).abs() < 1e-12 && (p.v - 2.0).abs() < 1e-12 && (p.a - 4.0).abs() < 1e-9, "{p:?}");
+        // The acceleration ends after the horizon; what was reached then goes on for as long again and stands.
+        let p = wanted.ahead(0, 0.15, 0.1, &LIMITS[0]);
+        assert!((p.q - 0.6).abs() < 1e-12 && (p.v - 2.0).abs() < 1e-12 && p.a == 0.0, "{p:?}");
+        let p = wanted.ahead(0, 1.0, 0.1, &LIMITS[0]);
+        assert!((p.q - 0.7).abs() < 1e-12 && p.v == 0.0 && p.a == 0.0, "{p:?}");
+        let slow = Limits { speed: 1.8, ..LIMITS[0] };
+        // 1.8 is reached after 50 ms: 0.085 there, 0.09 in the rest.
+        assert!((wanted.ahead(0, 0.1, 0.1, &slow).q - (0.32 + 0.085 + 0.09)).abs() < 1e-12);
+        let near = Limits { upper: 0.4, ..LIMITS[0] };
+        assert_eq!(wanted.ahead(0, 0.1, 0.1, &near), Point { q: 0.4, v: 0.0, a: 0.0 });
+    }
+}

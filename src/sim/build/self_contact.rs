@@ -1,0 +1,55 @@
+//! Self-collision of a run.
+
+use crate::collision::avoidance::{Avoider, Limits, Settings};
+use crate::collision::shared;
+use crate::robot::{Model, Robot};
+use crate::scenario::{Diagnostic, Run};
+use crate::sim::self_contact::SelfContactSetup;
+use crate::sim::setup::Start;
+
+/// What `[self_collision]` asks for. A start too near to a collision is an error where collisions are to be avoided.
+pub(super) fn self_contact(
+    run: &Run,
+    robot: &Robot,
+    model: &Model,
+    start: &Start,
+    notes: &mut Vec<String>,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<SelfContactSetup> {
+    let spec = run.scenario.self_collision.as_ref()?;
+    let collision = shared(model, &robot.self_collision);
+    if collision.pairs.is_empty() {
+        notes.push(format!("`self_collision`: no two bodies of `{}` are watched", model.name));
+    }
+    let mut setup = SelfContactSetup { collision: collision.clone(), margin: spec.margin, avoid: None };
+    if spec.method == 0 {
+        return Some(setup);
+    }
+    let limit = |joint| Limits::new(joint, spec.max_speed, spec.max_acceleration, spec.max_jerk);
+    let settings = Settings {
+        method: spec.method,
+        rate: spec.rate,
+        margin: spec.margin,
+        limits: model.joints.iter().map(limit).collect(),
+        seed: run.scenario.seed,
+    };
+    if start.joints.len() == model.nj() {
+        let mut avoider = Avoider::new(model, collision.clone(), settings.clone(), &start.joints, (0.0, 1.0));
+        for (pair, distance) in avoider.near_at(model, &start.joints) {
+            let [a, b] = collision.pairs[pair].bodies.map(|b| collision.bodies[b].name.as_str());
+            let where_ = if distance > 0.0 {
+                format!("{distance:.4} m apart")
+            } else {
+                format!("{:.4} m into each other", -distance)
+            };
+            let message = format!(
+                "`{a}` and `{b}` start {where_}: nearer than `self_collision.margin` = {} m, so nothing can be promised",
+                spec.margin
+            );
+            let help = "start elsewhere, make the margin smaller, or list the pair under `ignore` in the robot file's `[self_collision]`";
+            errors.push(run.error_at("self_collision.margin", message, Some(help.into())));
+        }
+    }
+    setup.avoid = Some(settings);
+    Some(setup)
+}

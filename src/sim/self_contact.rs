@@ -1,0 +1,225 @@
+//! Does the robot touch itself, and what is done about it, in a run.
+//!
+//! After every step the distance of the nearest pair of bodies is known as far as it matters: with d at the posture c of the
+//! last test, and L_k the greatest lever of joint k in any pair, no pair is nearer than
+//!
+//! ```text
+//! d - sum over k of L_k |q_k - c_k|
+//! ```
+//!
+//! and as long as that is above the margin and above the smallest distance so far, there is nothing to test.
+
+use std::sync::Arc;
+
+use super::error::Stop;
+use super::report::{AvoidanceTime, Metrics, Observer, Outcome, SelfContactSnapshot, SimEvent};
+use super::simulation::Simulation;
+use crate::collision::avoidance::{self, Asked, Avoider, Settings};
+use crate::collision::{CollisionModel, Detector, LinkPose, place};
+use crate::dynamics::{State, Workspace};
+use crate::robot::{DriveMode, Model};
+use crate::task::Command;
+use cpu_time::ThreadTime;
+
+/// What a run knows of self-collision.
+#[derive(Clone)]
+pub struct SelfContactSetup {
+    /// Bodies and pairs.
+    pub collision: Arc<CollisionModel>,
+    /// Distance that counts as near, m.
+    pub margin: f64,
+    /// How collisions are avoided; none: they are only reported.
+    pub avoid: Option<Settings>,
+}
+
+/// See the module.
+pub(super) struct SelfContact {
+    collision: Arc<CollisionModel>,
+    detector: Detector,
+    poses: Vec<LinkPose>,
+    margin: f64,
+    avoider: Option<Avoider>,
+    /// Measured joint motion, of joints that follow no positions.
+    measured: (Vec<f64>, Vec<f64>),
+    follows: Vec<bool>,
+    /// Greatest lever of each joint, m/rad or 1.
+    levers: Vec<f64>,
+    /// Posture of the last test, and its least distance.
+    tested: Vec<f64>,
+    least: f64,
+    /// Until when is known, s.
+    until: f64,
+    touching: Vec<bool>,
+    smallest: f64,
+    near: f64,
+    collisions: u64,
+    /// Time that avoidance took.
+    spent: AvoidanceTime,
+}
+
+impl SelfContact {
+    pub fn new(setup: SelfContactSetup, model: &Model, command: &Command, state: &State, period: f64) -> Self {
+        let SelfContactSetup { collision, margin, avoid } = setup;
+        let nj = model.nj();
+        let start = (state.time, period);
+        SelfContact {
+            detector: Detector::new(&collision),
+            poses: vec![LinkPose::IDENTITY; model.links.len()],
+            margin,
+            avoider: avoid.map(|a| Avoider::new(model, collision.clone(), a, &command.position, start)),
+            measured: (vec![0.0; nj], vec![0.0; nj]),
+            follows: vec![true; nj],
+            levers: avoidance::levers(model, &collision),
+            tested: vec![f64::NAN; nj],
+            least: f64::NEG_INFINITY,
+            until: state.time,
+            touching: vec![false; collision.pairs.len()],
+            smallest: f64::INFINITY,
+            near: 0.0,
+            collisions: 0,
+            spent: AvoidanceTime { total_s: 0.0, cycles_s: 0.0 },
+            collision,
+        }
+    }
+
+    /// Makes what the joints are asked safe.
+    fn avoid(&mut self, model: &Model, state: &State, command: &mut Command) {
+        let Some(avoider) = &mut self.avoider else { return };
+        let clock = ThreadTime::try_now().ok();
+        self.measured.0.copy_from_slice(&state.joints);
+        self.measured.1.copy_from_slice(&state.v[model.nb()..]);
+        for (follows, mode) in self.follows.iter_mut().zip(&command.mode) {
+            *follows = matches!(mode, DriveMode::Position | DriveMode::Kinematic);
+        }
+        let mut asked = Asked {
+            follows: &self.follows,
+            measured: &self.measured.0,
+            rates: &self.measured.1,
+            position: &mut command.position,
+            velocity: &mut command.velocity,
+        };
+        let cycles = avoider.tally.cycles;
+        avoider.tick(model, state.time, &mut asked);
+        // Not every system has a clock per thread; NaN says so.
+        let spent = clock.and_then(|c| c.try_elapsed().ok()).map_or(f64::NAN, |d| d.as_secs_f64());
+        self.spent.total_s += spent;
+        if avoider.tally.cycles > cycles {
+            self.spent.cycles_s += spent;
+        }
+    }
+
+    /// Takes note of a posture; `tell(what, pair)` hears of pairs that begin or end to overlap.
+    fn watch(&mut self, model: &Model, state: &State, mut tell: impl FnMut(&str, usize, &CollisionModel)) {
+        let passed = state.time - self.until;
+        self.until = state.time;
+        let moved: f64 =
+            self.levers.iter().zip(&self.tested).zip(&state.joints).map(|((l, a), b)| l * (a - b).abs()).sum();
+        if self.least - moved > self.smallest.max(self.margin) {
+            return;
+        }
+        let distance = self.test(model, &state.joints);
+        self.smallest = self.smallest.min(distance);
+        if distance < self.margin {
+            self.near += passed;
+        }
+        if distance > 0.0 && !self.touching.contains(&true) {
+            return;
+        }
+        let overlapping = self.detector.colliding(&self.collision, 0.0);
+        for (pair, touching) in self.touching.iter_mut().enumerate() {
+            let now = overlapping.binary_search(&pair).is_ok();
+            if now != *touching {
+                tell(if now { "begins" } else { "ends" }, pair, &self.collision);
+                self.collisions += u64::from(now);
+                *touching = now;
+            }
+        }
+    }
+
+    /// Least distance in a posture, m; infinite without pairs.
+    fn test(&mut self, model: &Model, q: &[f64]) -> f64 {
+        place(model, q, &mut self.poses);
+        self.detector.place(&self.collision, &self.poses);
+        self.tested.copy_from_slice(q);
+        self.least = self.detector.closest(&self.collision, f64::INFINITY).map_or(f64::INFINITY, |p| p.distance);
+        self.least
+    }
+
+    /// Fills a snapshot with the posture of `ws`.
+    pub fn fill(&mut self, model: &Model, state: &State, ws: &Workspace, out: &mut SelfContactSnapshot) {
+        place(model, &state.joints, &mut self.poses);
+        self.detector.place(&self.collision, &self.poses);
+        let nearest = self.detector.closest(&self.collision, f64::INFINITY);
+        let world = |p| ws.links[0].rotation * p + ws.links[0].origin + ws.position;
+        out.nearest = nearest.map(|p| (p.distance, p.pair, world(p.on_a), world(p.on_b)));
+        if let Some(avoider) = &self.avoider {
+            (out.cycles, out.tests) = (avoider.tally.cycles, avoider.tally.tests_last);
+            out.frozen.copy_from_slice(avoider.frozen());
+            out.wanted.iter_mut().enumerate().for_each(|(j, w)| *w = avoider.wanted(j));
+        }
+    }
+
+    /// A snapshot of the right size.
+    pub fn blank(&self) -> SelfContactSnapshot {
+        let name = |pair: &crate::collision::Pair| pair.bodies.map(|b| self.collision.bodies[b].name.clone());
+        let joints = if self.avoider.is_some() { self.levers.len() } else { 0 };
+        SelfContactSnapshot {
+            pairs: self.collision.pairs.iter().map(name).collect(),
+            frozen: vec![false; joints],
+            wanted: vec![0.0; joints],
+            ..SelfContactSnapshot::default()
+        }
+    }
+
+    /// What was measured.
+    pub fn sum_up(&self, m: &mut Metrics) {
+        m.min_self_distance_m = Some(self.smallest).filter(|d| d.is_finite());
+        m.self_collisions = Some(self.collisions);
+        m.self_near_s = Some(self.near);
+        let Some(tally) = self.avoider.as_ref().map(|a| &a.tally) else { return };
+        m.avoidance_cycles = Some(tally.cycles);
+        m.avoidance_early_cycles = Some(tally.early);
+        m.avoidance_blocked_cycles = Some(tally.blocked);
+        m.avoidance_tests_mean = tally.tests_mean();
+        m.avoidance_tests_max = Some(tally.tests_max);
+        m.avoidance_held_share = tally.held_share();
+        m.avoidance_rms_deviation = tally.deviation();
+        m.avoidance_max_deviation = Some(tally.greatest);
+    }
+
+    /// Processor time that avoidance took; none without.
+    pub fn spent(&self) -> Option<AvoidanceTime> {
+        self.avoider.is_some().then_some(self.spent)
+    }
+}
+
+impl Simulation {
+    /// Passes on what the tasks ask, as far as it is safe.
+    pub(super) fn pass_command(&mut self) {
+        self.plant.command.copy_from(&self.tasks.command);
+        if let Some(own) = &mut self.self_contact {
+            let plant = &mut self.plant;
+            own.avoid(&plant.model, &plant.state, &mut plant.command);
+        }
+    }
+
+    /// Looks at the posture after a step.
+    pub(super) fn watch_self(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let Some(mut own) = self.self_contact.take() else { return Ok(()) };
+        let mut failure = None;
+        let state = &self.plant.state;
+        own.watch(&self.plant.model, state, |what, pair, collision| {
+            let [a, b] = collision.pairs[pair].bodies.map(|b| collision.bodies[b].name.as_str());
+            let (subject, message) = (format!("{a}/{b}"), format!("overlap of `{a}` and `{b}` {what}"));
+            let event = SimEvent { time: state.time, kind: "self-collision", subject, message };
+            failure = failure.take().or(observer.event(&event).err());
+        });
+        self.self_contact = Some(own);
+        failure.map_or(Ok(()), |m| Err(Stop::new(Outcome::Error, m)))
+    }
+
+    /// Processor time that avoidance of self-collision has taken; none without.
+    pub fn avoidance_time(&self) -> Option<AvoidanceTime> {
+        self.self_contact.as_ref().and_then(|own| own.spent())
+    }
+}

@@ -1,0 +1,335 @@
+//! Whatever the joints are told, what they are asked is free of collisions and within the limits; where nothing is in the way it is
+//! what they are told.
+
+use super::cbi;
+use crate::identities::allocations;
+use std::sync::{Arc, LazyLock};
+use stiction::collision::avoidance::{Asked, Avoider, Limits, Settings};
+use stiction::collision::{CollisionModel, Detector, LinkPose, place};
+use stiction::random::Stream;
+use stiction::robot::{Model, Robot};
+
+const MARGIN: f64 = 0.005;
+
+static CBI: LazyLock<(Robot, Arc<CollisionModel>)> = LazyLock::new(|| {
+    let robot = cbi();
+    let collision = Arc::new(CollisionModel::new(&robot.model, &robot.self_collision));
+    (robot, collision)
+});
+
+/// What joints are told: a posture and its velocity at a time.
+type Motion = dyn Fn(f64) -> (Vec<f64>, Vec<f64>);
+
+/// Three sines for each joint, around the middle of its range, that begin within a second from home; `width` is how much of the range
+/// they fill at most.
+fn sines(model: &Model, seed: u64, frequency: f64, width: f64) -> Box<Motion> {
+    let mut r = Stream::new(seed, &["sines"]);
+    let parts: Vec<[[f64; 2]; 3]> = model
+        .joints
+        .iter()
+        .map(|_| [0.6, 1.0, 1.4].map(|f| [f * frequency * (0.8 + 0.4 * r.unit()), std::f64::consts::TAU * r.unit()]))
+        .collect();
+    let spans: Vec<[f64; 3]> = model
+        .joints
+        .iter()
+        .zip(&model.home)
+        .map(|(j, h)| [*h, 0.5 * (j.lower + j.upper), 0.5 * (j.upper - j.lower)])
+        .collect();
+    Box::new(move |t| {
+        let s = t.clamp(0.0, 1.0);
+        let fade = s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+        let rate = 30.0 * (s * (1.0 - s)).powi(2);
+        let one = |(parts, [home, middle, half]): (&[[f64; 2]; 3], &[f64; 3])| {
+            let angle = |[f, p]: &[f64; 2]| std::f64::consts::TAU * f * t + p;
+            let x: f64 = parts.iter().map(|p| angle(p).sin() / 3.0).sum();
+            let v: f64 = parts.iter().map(|p| std::f64::consts::TAU * p[0] * angle(p).cos() / 3.0).sum();
+            let off = middle + width * half * x - home;
+            (home + fade * off, fade * width * half * v + rate * off)
+        };
+        parts.iter().zip(&spans).map(one).unzip()
+    })
+}
+
+/// An avoider, what it has asked so far, and a detector of its own.
+struct Bench {
+    avoider: Avoider,
+    limits: Vec<Limits>,
+    period: f64,
+    tick: u64,
+    asked: Vec<Vec<f64>>,
+    detector: Detector,
+    poses: Vec<LinkPose>,
+    /// Smallest distance of any watched pair met on straight lines from tick to tick.
+    least: f64,
+    /// Of these, how often what is told is itself nearer than the margin.
+    told_near: u64,
+}
+
+impl Bench {
+    fn new(method: u8, rate: f64, period: f64) -> Self {
+        let (robot, collision) = &*CBI;
+        let model = &robot.model;
+        let limits: Vec<Limits> = model.joints.iter().map(|j| Limits::new(j, 10.0, 50.0, 1000.0)).collect();
+        let settings = Settings { method, rate, margin: MARGIN, limits: limits.clone(), seed: 1 };
+        Bench {
+            avoider: Avoider::new(model, collision.clone(), settings, &model.home, (0.0, period)),
+            limits,
+            period,
+            tick: 0,
+            asked: vec![model.home.clone(); 4],
+            detector: Detector::new(collision),
+            poses: vec![LinkPose::IDENTITY; model.links.len()],
+            least: f64::INFINITY,
+            told_near: 0,
+        }
+    }
+
+    /// One tick; the positions and velocities asked.
+    fn ask(&mut self, (mut position, mut velocity): (Vec<f64>, Vec<f64>)) -> (Vec<f64>, Vec<f64>) {
+        let n = position.len();
+        let (follows, nothing) = (vec![true; n], vec![0.0; n]);
+        let mut asked = Asked {
+            follows: &follows,
+            measured: &nothing,
+            rates: &nothing,
+            position: &mut position,
+            velocity: &mut velocity,
+        };
+        self.avoider.tick(&CBI.0.model, self.tick as f64 * self.period, &mut asked);
+        self.tick += 1;
+        self.asked.remove(0);
+        self.asked.push(position.clone());
+        (position, velocity)
+    }
+
+    fn distance(&mut self, q: &[f64]) -> f64 {
+        place(&CBI.0.model, q, &mut self.poses);
+        self.detector.place(&CBI.1, &self.poses);
+        self.detector.closest(&CBI.1, f64::INFINITY).expect("there are pairs").distance
+    }
+
+    /// Ticks `motion` for some seconds and looks at everything between the ticks, too.
+    fn run(&mut self, motion: &Motion, seconds: f64) {
+        for _ in 0..(seconds / self.period).round() as u64 {
+            let told = motion(self.tick as f64 * self.period);
+            let near = self.distance(&told.0) < MARGIN;
+            self.told_near += u64::from(near);
+            self.ask(told);
+            for part in [0.25, 0.5, 0.75, 1.0] {
+                let [.., a, b] = self.asked.as_slice() else { unreachable!() };
+                let q: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + part * (b - a)).collect();
+                self.least = self.least.min(self.distance(&q));
+            }
+        }
+    }
+
+    /// Are the limits kept over the last ticks? Differences of positions are means of the derivatives, so below their bounds.
+    fn check_limits(&self) {
+        let [d, c, b, a] = self.asked.as_slice() else { unreachable!() };
+        let h = self.period;
+        for (j, limit) in self.limits.iter().enumerate() {
+            let (a, b, c, d) = (a[j], b[j], c[j], d[j]);
+            let rates = [(a - b) / h, (a - 2.0 * b + c) / h.powi(2), (a - 3.0 * b + 3.0 * c - d) / h.powi(3)];
+            let bounds = [limit.speed, limit.acceleration, limit.jerk];
+            for (k, (rate, bound)) in rates.iter().zip(bounds).enumerate() {
+                // Roundings of positions of about 1, each 1e-16, eight times in the third difference.
+                let rounding = 2e-15 / h.powi(k as i32 + 1);
+                // Where velocities are told their change is the mean acceleration a tick ago: one tick of jerk.
+                let more = if k == 1 { limit.jerk * h } else { 1e-3 * bound };
+                assert!(
+                    rate.abs() <= bound + more + rounding,
+                    "{j}: derivative {} is {rate} at tick {}",
+                    k + 1,
+                    self.tick
+                );
+            }
+            assert!(a >= limit.lower - 1e-9 && a <= limit.upper + 1e-9, "{j} at {a}");
+        }
+    }
+}
+
+#[test]
+fn nothing_ever_touches_by_any_method() {
+    for method in 1..=4 {
+        for (seed, frequency) in [(1, 0.1), (2, 0.4)] {
+            let motion = sines(&CBI.0.model, seed, frequency, 0.99);
+            let mut bench = Bench::new(method, 10.0, 0.002);
+            bench.run(&motion, 20.0);
+            // The proof is exact to rounding; between two ticks the path bends by at most 50 h^2 / 8 from the straight line, 25 um
+            // with all joints of a chain of 1 m: less than the room that is left by the resolution of the proof.
+            assert!(bench.least >= MARGIN - 5e-5, "method {method}: {}", bench.least);
+            // It had to do something.
+            assert!(bench.told_near > 100, "{}", bench.told_near);
+        }
+    }
+}
+
+#[test]
+fn limits_hold_on_smooth_and_on_broken_motions() {
+    let model = &CBI.0.model;
+    let smooth = sines(model, 3, 0.2, 0.99);
+    let mut r = Stream::new(4, &["jumps"]);
+    let postures: Vec<Vec<f64>> = (0..20)
+        .map(|_| model.joints.iter().map(|j| j.lower + (j.upper - j.lower) * (1.2 * r.unit() - 0.1)).collect())
+        .collect();
+    // A new posture at once every half a second, beyond the ranges, too.
+    let jumps = move |t: f64| {
+        let posture = &postures[(t / 0.5) as usize % postures.len()];
+        (posture.clone(), vec![0.0; posture.len()])
+    };
+    for method in [1, 2, 4] {
+        for motion in [&*smooth, &jumps] {
+            let mut bench = Bench::new(method, 10.0, 0.002);
+            for _ in 0..5000 {
+                bench.ask(motion(bench.tick as f64 * bench.period));
+                bench.check_limits();
+            }
+        }
+    }
+}
+
+#[test]
+fn where_nothing_is_in_the_way_joints_are_asked_what_they_are_told() {
+    let model = &CBI.0.model;
+    // The head alone, slowly: nothing comes near.
+    let motion = sines(model, 5, 0.1, 0.9);
+    let head = ["B_HN", "B_HR"].map(|n| model.joint(n).expect("it is there").0);
+    let mut bench = Bench::new(2, 10.0, 0.002);
+    for k in 0..5000 {
+        let (q, v) = motion(f64::from(k) * 0.002);
+        let (mut position, mut velocity) = (model.home.clone(), vec![0.0; model.nj()]);
+        head.iter().for_each(|&j| (position[j], velocity[j]) = (q[j], v[j]));
+        assert_eq!(bench.ask((position.clone(), velocity.clone())), (position, velocity), "tick {k}");
+    }
+    assert_eq!((bench.avoider.tally.blocked, bench.avoider.tally.greatest), (0, 0.0));
+}
+
+#[test]
+fn the_other_joints_go_on_by_method_2_and_all_stop_by_method_1() {
+    let model = &CBI.0.model;
+    let joint = |name: &str| model.joint(name).expect("it is there").0;
+    // The right hand into the thigh; the left arm and the head go their way.
+    let mut goal = model.home.clone();
+    for (name, angle) in [("R_SAA", 0.0f64), ("R_HR", -45.0), ("R_WFE", -20.0), ("L_SFE", 40.0), ("B_HN", 15.0)] {
+        goal[joint(name)] = angle.to_radians();
+    }
+    let told = move |t: f64| {
+        let s = (t / 2.0).min(1.0);
+        let (x, v) = (s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s), 15.0 * (s * (1.0 - s)).powi(2));
+        let way: Vec<f64> = goal.iter().zip(&model.home).map(|(g, h)| g - h).collect();
+        (model.home.iter().zip(&way).map(|(h, w)| h + x * w).collect(), way.iter().map(|w| v * w).collect())
+    };
+    let mut missed = Vec::new();
+    let goal = told(9.0).0;
+    for method in 1..=4 {
+        let mut bench = Bench::new(method, 10.0, 0.002);
+        bench.run(&told, 4.0);
+        let last = bench.asked[3].clone();
+        let off = |name: &str| (last[joint(name)] - goal[joint(name)]).abs();
+        assert!(bench.least >= MARGIN - 5e-5, "method {method}: {}", bench.least);
+        if method == 1 {
+            assert!(off("L_SFE") > 0.1 && off("B_HN") > 0.05, "{last:?}");
+            assert!(bench.avoider.frozen().iter().all(|f| *f));
+        } else {
+            // To rounding of the sums that a path is made of, or exactly, where it is free.
+            assert!(off("L_SFE") < 1e-9 && off("B_HN") < 1e-9, "{last:?}");
+            let frozen = bench.avoider.frozen();
+            assert!(frozen[joint("R_SAA")] && !frozen[joint("L_SFE")] && !frozen[joint("B_HN")]);
+        }
+        missed.push(["R_SAA", "R_HR", "R_WFE"].iter().map(|n| off(n).powi(2)).sum::<f64>());
+    }
+    // Random postures bring the hand nearer to where it cannot be.
+    assert!(missed[2] < 0.9 * missed[1] && missed[3] < 0.9 * missed[1], "{missed:?}");
+}
+
+#[test]
+fn what_was_in_the_way_is_forgotten() {
+    let model = &CBI.0.model;
+    let motion = sines(model, 2, 0.4, 0.99);
+    for method in 1..=4 {
+        let mut bench = Bench::new(method, 10.0, 0.002);
+        bench.run(&*motion, 15.0);
+        assert!(bench.avoider.tally.blocked > 0);
+        // Home again, at once: it gets there by itself and is then asked exactly that.
+        for _ in 0..3000 {
+            bench.ask((model.home.clone(), vec![0.0; model.nj()]));
+            bench.check_limits();
+        }
+        let (asked, _) = bench.ask((model.home.clone(), vec![0.0; model.nj()]));
+        let off = asked.iter().zip(&model.home).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // Method 1 to 3 may find no way.
+        if method == 4 {
+            assert!(off < 1e-9, "method {method}: {off}");
+        }
+    }
+}
+
+#[test]
+fn joints_that_follow_nothing_are_seen_where_they_are() {
+    let model = &CBI.0.model;
+    let n = model.nj();
+    let joint = |name: &str| model.joint(name).expect("it is there").0;
+    // The right shoulder is limp and hangs 8 degrees nearer to the body than it is told: the forearm, told through the thigh,
+    // must stop for where it is.
+    let mut bench = Bench::new(2, 10.0, 0.002);
+    let limp = joint("R_SAA");
+    let follows: Vec<bool> = (0..n).map(|j| j != limp).collect();
+    let mut measured = model.home.clone();
+    measured[limp] = 0.0;
+    let rates = vec![0.0; n];
+    let mut told_near = 0;
+    for k in 0..2000 {
+        let t = f64::from(k) * 0.002;
+        let x = (t / 2.0).min(1.0);
+        let (mut position, mut velocity) = (model.home.clone(), vec![0.0; n]);
+        for (name, angle) in [("R_HR", -45.0f64), ("R_WFE", -20.0)] {
+            position[joint(name)] = angle.to_radians() * x.powi(3) * (10.0 - 15.0 * x + 6.0 * x * x);
+            velocity[joint(name)] = angle.to_radians() * 15.0 * (x * (1.0 - x)).powi(2);
+        }
+        let mut told = position.clone();
+        told[limp] = 0.0;
+        told_near += u32::from(bench.distance(&told) < MARGIN);
+        let mut asked = Asked {
+            follows: &follows,
+            measured: &measured,
+            rates: &rates,
+            position: &mut position,
+            velocity: &mut velocity,
+        };
+        bench.avoider.tick(model, t, &mut asked);
+        // Its own entry is left as the task has it.
+        assert_eq!(position[limp], model.home[limp]);
+        position[limp] = 0.0;
+        assert!(bench.distance(&position) > MARGIN, "at {t}");
+    }
+    assert!(told_near > 100, "{told_near}");
+    assert!(bench.avoider.tally.blocked > 0);
+}
+
+#[test]
+fn the_same_bits_again_and_no_allocation() {
+    let model = &CBI.0.model;
+    for method in 1..=4 {
+        let motion = sines(model, 6, 0.2, 0.99);
+        let (mut one, mut other) = (Bench::new(method, 10.0, 0.002), Bench::new(method, 10.0, 0.002));
+        let n = model.nj();
+        let (follows, nothing) = (vec![true; n], vec![0.0; n]);
+        for k in 0..4000 {
+            let t = f64::from(k) * 0.002;
+            let (mut position, mut velocity) = motion(t);
+            let told = (position.clone(), velocity.clone());
+            let mut asked = Asked {
+                follows: &follows,
+                measured: &nothing,
+                rates: &nothing,
+                position: &mut position,
+                velocity: &mut velocity,
+            };
+            let made = allocations::count(|| one.avoider.tick(model, t, &mut asked));
+            assert_eq!(made, 0, "method {method}, tick {k}");
+            let (again, _) = other.ask(told);
+            assert!(again.iter().zip(&position).all(|(a, b)| a.to_bits() == b.to_bits()), "method {method}, tick {k}");
+        }
+        assert!(one.avoider.tally.blocked > 0);
+    }
+}

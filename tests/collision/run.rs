@@ -1,0 +1,143 @@
+//! `[self_collision]` in a run: what is reported against closed forms, and what avoidance makes of it.
+
+use crate::analytic::support::Told;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use stiction::robot;
+use stiction::scenario;
+use stiction::sim::{Metrics, Outcome, Simulation, build};
+
+/// Two boxes of 0.1 m on one rail, 0.5 m apart, each with a joint that moves it along.
+const RAIL: &str = r#"<robot name="rail">
+  <link name="world"/>
+  <link name="left"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+  <link name="right"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+  <joint name="a" type="prismatic"><parent link="world"/><child link="left"/><origin xyz="-0.3 0 0"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" effort="1" velocity="5"/></joint>
+  <joint name="b" type="prismatic"><parent link="world"/><child link="right"/><origin xyz="0.3 0 0"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" effort="1" velocity="5"/></joint>
+</robot>"#;
+
+/// Joint `a` goes by `way` within 1 s and stays; both are kinematic.
+fn text(way: f64, rest: &str) -> String {
+    let mut text = String::from("duration = 2.0\nrobot = { model = \"rail.toml\" }\ncontrol = { rate = 1000 }\n");
+    text += "integrator = { method = \"semi-implicit\", step = 1e-3 }\n";
+    let _ = writeln!(text, "task = [{{ type = \"posture\", duration = 1.0, joints = {{ a = {way} }} }}]\n{rest}");
+    text
+}
+
+fn prepared(text: &str) -> Result<Simulation, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    write("rail.urdf", RAIL);
+    write("rail.toml", "urdf = \"rail.urdf\"\nbase = \"fixed\"\nkinematic = [\"*\"]\n");
+    let file = scenario::parse(&folder.path().join("test.toml"), text).unwrap_or_else(|e| panic!("{e}"));
+    let run = &file.expand(&[]).unwrap_or_else(|e| panic!("{e}"))[0];
+    let robot = robot::load(&run.resolve(Path::new(&run.scenario.robot.model))).unwrap_or_else(|e| panic!("{e}"));
+    let setup = build::setup(run, &robot).map_err(|e| e.to_string())?;
+    Ok(Simulation::new(setup).unwrap_or_else(|e| panic!("{e}")))
+}
+
+fn run(text: &str) -> (Metrics, Told) {
+    let (mut sim, mut told) = (prepared(text).expect("it fits"), Told::default());
+    let (outcome, message) = sim.run(&mut told, &AtomicBool::new(false));
+    assert_eq!(outcome, Outcome::Passed, "{message}");
+    (sim.metrics().clone(), told)
+}
+
+/// The minimum-jerk path.
+fn path(t: f64) -> f64 {
+    let s = t.clamp(0.0, 1.0);
+    s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
+}
+
+/// When the path reaches a value.
+fn reached(value: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if path(middle) < value { low = middle } else { high = middle }
+    }
+    low
+}
+
+#[test]
+fn what_is_reported_is_the_closed_form() {
+    let (m, told) = run(&text(0.53, "self_collision = { method = 0, margin = 0.02 }"));
+    // 0.03 m into each other in the end; GJK and EPA are good to 1e-10.
+    assert!((m.min_self_distance_m.unwrap() + 0.03).abs() < 1e-9, "{:?}", m.min_self_distance_m);
+    assert_eq!(m.self_collisions, Some(1));
+    assert_eq!((m.avoidance_cycles, m.avoidance_rms_deviation), (None, None));
+    // Seen at the ends of steps of 1 ms.
+    let near = 2.0 - reached(0.48 / 0.53);
+    assert!((m.self_near_s.unwrap() - near).abs() <= 1e-3, "{:?} {near}", m.self_near_s);
+    let events: Vec<_> = told.events.iter().filter(|e| e.kind == "self-collision").collect();
+    assert_eq!(events.len(), 1);
+    let begins = reached(0.5 / 0.53);
+    assert!(events[0].time >= begins && events[0].time <= begins + 1e-3 + 1e-9, "{} {begins}", events[0].time);
+    assert_eq!(
+        (events[0].subject.as_str(), events[0].message.as_str()),
+        ("left/right", "overlap of `left` and `right` begins")
+    );
+    for s in &told.snapshots {
+        let own = s.self_contact.as_ref().expect("it is asked for");
+        let (distance, pair, a, b) = own.nearest.expect("there is a pair");
+        let truth = 0.5 + s.q[1] - s.q[0];
+        assert!((distance - truth).abs() < 1e-9, "{distance} {truth}");
+        assert_eq!(own.pairs[pair], ["left", "right"]);
+        // The facing sides.
+        assert!((a.x - (s.q[0] - 0.25)).abs() < 1e-9 && (b.x - (s.q[1] + 0.25)).abs() < 1e-9, "{a} {b}");
+        assert!(own.frozen.is_empty() && own.wanted.is_empty());
+    }
+}
+
+#[test]
+fn an_overlap_ends_and_begins_again() {
+    let posture = "{ type = \"posture\", duration = 1.0, joints = { a = 0 } }";
+    let sine = "{ type = \"sine\", joints = { a = { amplitude = 0.6, frequency = 1.0 } } }";
+    let text = text(0.0, "self_collision = { method = 0 }");
+    let (m, told) = run(&text.replace(posture, sine).replace("duration = 2.0", "duration = 3.0"));
+    let words: Vec<&str> =
+        told.events.iter().filter(|e| e.kind == "self-collision").map(|e| e.message.as_str()).collect();
+    let (begins, ends) = ("overlap of `left` and `right` begins", "overlap of `left` and `right` ends");
+    assert_eq!((words, m.self_collisions), (vec![begins, ends, begins, ends], Some(2)));
+}
+
+#[test]
+fn avoidance_keeps_the_margin_and_says_what_it_cost() {
+    for method in 1..=4 {
+        let (m, told) = run(&text(0.53, &format!("self_collision = {{ method = {method}, margin = 0.02 }}")));
+        let least = m.min_self_distance_m.unwrap();
+        assert!(least >= 0.02 && m.self_collisions == Some(0) && m.self_near_s == Some(0.0), "{least}");
+        assert_eq!(m.avoidance_cycles.unwrap() - m.avoidance_early_cycles.unwrap(), 20);
+        assert!(m.avoidance_blocked_cycles.unwrap() > 5 && m.avoidance_tests_mean.unwrap() >= 1.0);
+        let last = told.snapshots.last().unwrap();
+        let own = last.self_contact.as_ref().unwrap();
+        // Wanted is what the task says, asked is less; a joint that moves nothing of the pair is not there.
+        assert!((own.wanted[0] - 0.53).abs() < 1e-12 && own.wanted[1] == 0.0, "{:?}", own.wanted);
+        assert!(last.q[0] < 0.48 + 1e-9, "{}", last.q[0]);
+        assert!(m.avoidance_max_deviation.unwrap() >= 0.53 - last.q[0] - 1e-12);
+        if method == 4 {
+            // It goes as near as it finds worth a motion.
+            assert!(last.q[0] > 0.45, "{}", last.q[0]);
+        }
+    }
+    // Out of each other's way nothing is changed.
+    let (m, _) = run(&text(0.3, "self_collision = { method = 2, margin = 0.02 }"));
+    assert_eq!((m.avoidance_max_deviation, m.avoidance_blocked_cycles), (Some(0.0), Some(0)));
+}
+
+#[test]
+fn a_start_within_the_margin_is_refused() {
+    let told = |text: &str| match prepared(text) {
+        Ok(_) => String::new(),
+        Err(words) => words,
+    };
+    let words = told(&text(0.0, "self_collision = { method = 1, margin = 0.6 }"));
+    assert!(words.contains("`left` and `right` start 0.5000 m apart"), "{words}");
+    assert!(words.contains("self_collision") && words.contains("`ignore`"), "{words}");
+    assert_eq!(told(&text(0.0, "self_collision = { method = 0, margin = 0.6 }")), "");
+}
