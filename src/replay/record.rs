@@ -35,7 +35,12 @@ fn walk(place: &str, then: &Value, now: &Value, found: &mut Vec<(String, String,
                 walk(&below(&i.to_string()), &of(a), &of(b), found);
             }
         }
-        (a, b) if a.to_string() != b.to_string() => found.push((place.to_owned(), a.to_string(), b.to_string())),
-        _ => {}
+        (a, b) => {
+            // As words, since 0 and -0 are equal as numbers.
+            let (a, b) = (a.to_string(), b.to_string());
+            if a != b {
+                found.push((place.to_owned(), a, b));
+            }
+        }
     }
 }
