@@ -2,8 +2,8 @@
 
 use crate::collision::avoidance::{Avoider, Limits, Settings};
 use crate::collision::shared;
-use crate::robot::{Model, Robot};
-use crate::scenario::{Diagnostic, Run};
+use crate::robot::{Joint, Model, Robot};
+use crate::scenario::{Diagnostic, JointLimits, Run};
 use crate::sim::self_contact::SelfContactSetup;
 use crate::sim::setup::Start;
 
@@ -25,12 +25,22 @@ pub(super) fn self_contact(
     if spec.method == 0 {
         return Some(setup);
     }
-    let limit = |joint| Limits::new(joint, spec.max_speed, spec.max_acceleration, spec.max_jerk);
+    let ignored = run.scenario.robot.joint_limits == JointLimits::Ignore;
+    // A joint that starts outside its range may stay there.
+    let limit = |(joint, start): (&Joint, &f64)| {
+        let limits = Limits::new(joint, spec.max_speed, spec.max_acceleration, spec.max_jerk);
+        let (lower, upper) = if ignored {
+            (f64::NEG_INFINITY, f64::INFINITY)
+        } else {
+            (limits.lower.min(*start), limits.upper.max(*start))
+        };
+        Limits { lower, upper, ..limits }
+    };
     let settings = Settings {
         method: spec.method,
         rate: spec.rate,
         margin: spec.margin,
-        limits: model.joints.iter().map(limit).collect(),
+        limits: model.joints.iter().zip(&start.joints).map(limit).collect(),
         seed: run.scenario.seed,
     };
     if start.joints.len() == model.nj() {
