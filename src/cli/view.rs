@@ -1,7 +1,7 @@
 //! `runner view`: a run's log as a page on which it plays.
 
 use std::fmt::Display;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use clap::Args;
@@ -59,7 +59,7 @@ impl View {
         }
     }
 
-    fn write(&self, runs: &Runs, file: &PathBuf) -> Result<Exit, Exit> {
+    fn write(&self, runs: &Runs, file: &Path) -> Result<Exit, Exit> {
         let [run] = runs.shown() else {
             let (what, n) = (self.what.display(), runs.shown().len());
             return Err(refuse(format!("{what} holds {n} runs; a page holds one: name its folder")));
