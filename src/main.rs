@@ -16,6 +16,8 @@ fn main() -> Exit {
         Command::Merge(merge) => merge.execute(),
         Command::Compare(compare) => compare.execute(),
         Command::Export(export) => export.execute(),
+        Command::Replay(replay) => replay.execute(),
+        Command::View(view) => view.execute(),
         Command::Schema(schema) => schema.execute(),
         Command::Completions(completions) => completions.execute(),
         Command::Man(manual) => manual.execute(),

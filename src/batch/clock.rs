@@ -27,7 +27,7 @@ impl Clock {
     /// The same with the machine.
     pub fn read(&self) -> Timing {
         let Lap { wall_s, cpu_s } = self.lap();
-        Timing { wall_s, cpu_s, machine: Machine::here(), repeats: None, avoidance: None }
+        Timing { wall_s, cpu_s, machine: Machine::here(), file: None, repeats: None, avoidance: None }
     }
 }
 

@@ -56,7 +56,7 @@ pub use listen::{Listener, Nobody};
 pub use message::{
     BatchFinished, BatchStarted, CheckFinished, DiagnosticMessage, MESSAGE_SCHEMA, Message, Teller, message_schema,
 };
-pub use plan::{Job, Plan, Role, prepare};
+pub use plan::{Job, Plan, Role, prepare, prepare_file};
 pub use progress::Progress;
 pub use resume::{Again, Resumed};
 pub use run::End;

@@ -8,7 +8,7 @@ use super::robots::Robots;
 use super::{Finding, Findings, Options, Part, keys};
 use crate::record::{ParamValue, SHARD_LIST, is_truth};
 use crate::robot::{Robot, RobotError};
-use crate::scenario::{self, Diagnostics, Expansion, Run};
+use crate::scenario::{self, Diagnostics, Expansion, Run, ScenarioFile};
 use crate::sim::build::setup;
 
 /// Errors after which checking gives up.
@@ -261,12 +261,17 @@ pub fn prepare(
             break;
         }
     }
-    let Planner { robots, runs, references, sources, findings, .. } = planner;
-    if findings.errors() > 0 {
-        return Err(findings);
-    }
-    let robots = Arc::new(Mutex::new(robots));
-    Ok((Plan { runs, references, sources, robots, files, part: None }, findings))
+    planner.plan(files)
+}
+
+/// The same for one file whose text is at hand, such as that of a record.
+///
+/// # Errors
+/// See [`prepare`].
+pub fn prepare_file(file: &ScenarioFile) -> Result<(Plan, Findings), Findings> {
+    let mut planner = Planner { max_runs: scenario::DEFAULT_MAX_RUNS, ..Planner::default() };
+    planner.add_file(file, &[]);
+    planner.plan(vec![file.path.clone()])
 }
 
 /// A file named twice, by itself and by its folder, is one file.
@@ -294,10 +299,26 @@ struct Planner {
 type Shape = (usize, usize);
 
 impl Planner {
+    fn plan(self, files: Vec<PathBuf>) -> Result<(Plan, Findings), Findings> {
+        let Planner { robots, runs, references, sources, findings, .. } = self;
+        if findings.errors() > 0 {
+            return Err(findings);
+        }
+        let robots = Arc::new(Mutex::new(robots));
+        Ok((Plan { runs, references, sources, robots, files, part: None }, findings))
+    }
+
     fn add(&mut self, path: &Path, overrides: &[(String, toml::Value)]) {
+        match scenario::load(path) {
+            Ok(file) => self.add_file(&file, overrides),
+            Err(diagnostics) => self.findings.extend(diagnostics),
+        }
+    }
+
+    fn add_file(&mut self, file: &ScenarioFile, overrides: &[(String, toml::Value)]) {
         // One run more could not be numbered.
         let most = self.max_runs.min(NONE as usize);
-        match scenario::load(path).and_then(|file| file.expansion(overrides, most)).and_then(|e| self.check(e)) {
+        match file.expansion(overrides, most).and_then(|e| self.check(e)) {
             Ok((expansion, first, repeated)) => self.add_runs(expansion, &first, repeated),
             Err(diagnostics) => self.findings.extend(diagnostics),
         }

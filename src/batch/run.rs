@@ -183,7 +183,7 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
         program: PROGRAM.to_owned(),
         inputs: inputs(job),
         resolved: job.run.resolved_toml.clone(),
-        timing,
+        timing: Timing { file: Some(job.run.file.display().to_string()), ..timing },
     }
 }
 

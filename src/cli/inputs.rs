@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use super::{Exit, terminal};
 
 /// Commands, for those who misspell one.
-const COMMANDS: [&str; 11] =
-    ["run", "check", "list", "inspect", "report", "merge", "compare", "export", "schema", "completions", "man"];
+const COMMANDS: [&str; 13] = [
+    "run", "check", "list", "inspect", "report", "merge", "compare", "export", "replay", "view", "schema", "completions", "man",
+];
 
 /// The files, those of a folder in alphabetical order.
 pub fn scenario_files(typed: &[PathBuf]) -> Result<Vec<PathBuf>, Exit> {

@@ -13,10 +13,12 @@ mod machine;
 mod man;
 mod merge;
 mod prepare;
+mod replay;
 mod report;
 mod run;
 mod schema;
 mod terminal;
+mod view;
 
 use clap::{Parser, Subcommand};
 
@@ -66,6 +68,12 @@ pub enum Command {
     Compare(compare::Compare),
     /// Write a log's time series as CSV, Parquet or columns of text
     Export(export::Export),
+    /// Run again from records and compare bit for bit
+    #[command(after_help = replay::HELP)]
+    Replay(replay::Replay),
+    /// Play a run's log in three dimensions in the browser
+    #[command(after_help = view::HELP)]
+    View(view::View),
     /// Print the JSON Schema of a file format or of the messages
     Schema(schema::Schema),
     /// Print a script that completes command lines in a shell

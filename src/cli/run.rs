@@ -89,7 +89,8 @@ enum Which {
     All,
 }
 
-fn seconds(text: &str) -> Result<Duration, String> {
+/// A span of time above 0.
+pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     let number: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
     match Duration::try_from_secs_f64(number) {
         Ok(duration) if !duration.is_zero() => Ok(duration),

@@ -48,7 +48,7 @@ pub(super) fn publish(temporary: TempPath, path: &Path) -> Result<(), RecordErro
 }
 
 /// Writes a whole file through `fill` and publishes it; on error nothing is left and an older file stays as it was.
-pub(super) fn write(
+pub(crate) fn write(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), RecordError>,
 ) -> Result<(), RecordError> {

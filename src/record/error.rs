@@ -109,7 +109,7 @@ pub enum RecordError {
 
 impl RecordError {
     /// Gives an input or output error its path.
-    pub(super) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Io { path: path.to_owned(), source }
     }
 }

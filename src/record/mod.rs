@@ -14,7 +14,7 @@
 //! but `runs.jsonl` is written beside its final name and renamed when complete, so a file that is there is whole. Simulated
 //! results depend on the run alone; wall-clock figures have columns and an object of their own.
 
-mod atomic;
+pub(crate) mod atomic;
 pub mod changes;
 mod columns;
 mod comparison;
@@ -46,9 +46,10 @@ pub use error::RecordError;
 pub use junit::{JunitCase, JunitStatus, write_junit};
 pub use kept::{Kept, MOST_KEPT};
 pub use log::messages;
-pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
+pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, PointSeries, RunInfo};
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
-pub use log::{EstimateSeries, JointReadings, SelfCollisionSeries, SoleReadings};
+pub use log::{EstimateSeries, Frame, JointReadings, Scene, SelfCollisionSeries, SoleReadings};
+pub use log::{SoleSeries, Trajectory, VertexSeries};
 pub use number::Measure;
 pub use parameter::{ParamValue, is_truth};
 pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};

@@ -81,6 +81,10 @@ pub struct Timing {
     pub cpu_s: f64,
     /// Where.
     pub machine: Machine,
+    /// The scenario file as it was named: relative paths in [`RunRecord::resolved`] begin at its folder. Records of earlier
+    /// versions do not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
     /// Times of its repetitions, if there were any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeats: Option<Repeats>,

@@ -18,10 +18,10 @@ pub use stop::stoppable;
 
 use crate::random::Stream;
 use crate::robot::{DriveMode, LinkId, Model};
-use crate::task::{Command, Needs};
+use crate::task::{Command, Needs, Point};
 use fields::{Field, PARTS, Shape, TaskView, View};
 use mlua::{Buffer, Function, Table, Value};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use sandbox::Sandbox;
 use std::collections::HashSet;
 use std::sync::Mutex;
@@ -57,6 +57,8 @@ pub struct Script {
     bytes: Vec<u8>,
     input: Buffer,
     output: Buffer,
+    shown: Buffer,
+    points: Vec<Point>,
     robot: Table,
     refill: Function,
     allow: Function,
@@ -99,7 +101,11 @@ impl Script {
         let numbers = fields.iter().map(|f| f.shape.size()).sum();
         let input = sandbox.lua.create_buffer(vec![0; 8 * numbers]).map_err(wrong)?;
         let output = sandbox.lua.create_buffer(vec![0; 8 * 6 * model.nj()]).map_err(wrong)?;
+        let points = points(&sandbox, file, purpose)?;
+        let shown = sandbox.lua.create_buffer(vec![0; 8 * 4 * points.len()]).map_err(wrong)?;
         let layout = layout(&sandbox, &fields, (&input, &output), purpose).map_err(wrong)?;
+        let names: Vec<&str> = points.iter().map(|point| point.name.as_str()).collect();
+        layout.set("points", names).and_then(|()| layout.set("shown", &shown)).map_err(wrong)?;
         sandbox.call::<()>(&inside.get("lay").map_err(wrong)?, layout)?;
         let globals = sandbox.lua.globals();
         let function = |name: &str| match globals.get::<Value>(name).map_err(wrong)? {
@@ -128,6 +134,8 @@ impl Script {
             fields,
             input,
             output,
+            shown,
+            points,
             needs,
             filled,
             still: Vec::new(),
@@ -139,6 +147,11 @@ impl Script {
     /// The parts of the augmented data it reads.
     pub fn needs(&self) -> Needs {
         self.needs
+    }
+
+    /// The points it shows: those of its list `points`.
+    pub fn points(&self) -> &[Point] {
+        &self.points
     }
 
     /// Does it have a function `change`?
@@ -173,6 +186,7 @@ impl Script {
         self.show(view, Stage::Run)?;
         let answer: Value = self.sandbox.call(&self.run, self.robot.clone())?;
         self.read(command);
+        self.read_points();
         self.goes_on(&self.run, answer)
     }
 
@@ -253,6 +267,26 @@ impl Script {
             (c.kp[i], c.kd[i], c.mode[i]) = (at(3, i), at(4, i), MODES[at(5, i) as usize].1);
         }
     }
+
+    /// Where its points are: four numbers each, the first of them 1 if it is anywhere.
+    fn read_points(&mut self) {
+        for (k, point) in self.points.iter_mut().enumerate() {
+            let at = |i: usize| f64::from_le_bytes(self.shown.read_bytes(8 * (4 * k + i)));
+            point.position = (at(0) == 1.0).then(|| Vector3::new(at(1), at(2), at(3)));
+        }
+    }
+}
+
+/// The points that a task shows, by its list `points`; nowhere yet.
+fn points(sandbox: &Sandbox, file: &str, purpose: Purpose) -> Result<Vec<Point>, ScriptError> {
+    let names = words(sandbox, file, "points")?;
+    if purpose == Purpose::Force && !names.is_empty() {
+        return Err(ScriptError::new(file, None, "`points` are shown by tasks, not by forces"));
+    }
+    if let Some(twice) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
+        return Err(ScriptError::new(file, None, format!("`points` names \"{}\" twice", names[twice])));
+    }
+    Ok(names.into_iter().map(|name| Point { name, position: None }).collect())
 }
 
 /// The parts of the augmented data and all numbers that a script reads: those that every script has, and what it asks for

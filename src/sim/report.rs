@@ -5,6 +5,7 @@ use super::ledger::Balance;
 use crate::contact::frozen::Frozen;
 use crate::contact::residual::Residual;
 use crate::contact::state::SoleState;
+use crate::task::Point;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 /// The state of a run at one logged instant. World axes, SI units.
@@ -42,6 +43,8 @@ pub struct Snapshot {
     pub support_polygon: Vec<Vector3<f64>>,
     /// Point of optimal stability of that hull on the floor plane, see [`crate::geometry::stable_point`]; none in flight.
     pub stable_point: Option<Vector3<f64>>,
+    /// Points that tasks show, always the same ones.
+    pub points: Vec<Point>,
     /// One per sole, in the model's order.
     pub soles: Vec<SoleSnapshot>,
     /// External forces now acting: point, force.

@@ -25,7 +25,7 @@ use crate::contact::state::MAX_SOLES;
 use crate::geometry::stable_point::Edge;
 use crate::integrate::StepControl;
 use crate::task::server::Situation;
-use crate::task::{Needs, TaskServer};
+use crate::task::{Needs, Point, TaskServer};
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -165,6 +165,8 @@ impl Simulation {
         }
         let mut snapshot = super::observe::blank(&model);
         snapshot.external.reserve(plant.arrows.capacity());
+        snapshot.points =
+            setup.tasks.points().map(|(name, _)| Point { name: name.to_owned(), position: None }).collect();
         if setup.sensors.is_some() || estimator.estimates() {
             setup.tasks.tick_always();
             snapshot.estimate = Some(super::observe::blank_estimate(&model));
@@ -430,6 +432,9 @@ impl Simulation {
         }
         super::observe::fill(&mut self.plant, &mut self.edges, &mut self.snapshot);
         self.snapshot.energy = self.balance();
+        for (to, (_, position)) in self.snapshot.points.iter_mut().zip(self.tasks.points()) {
+            to.position = position;
+        }
         if let (Some(own), Some(out)) = (&mut self.self_contact, &mut self.snapshot.self_contact) {
             own.fill(&self.plant.model, &self.plant.state, &self.plant.ws, out);
         }

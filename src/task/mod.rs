@@ -18,6 +18,7 @@ pub mod layers;
 pub mod mocap;
 pub mod needs;
 pub mod playback;
+pub mod point;
 pub mod posture;
 pub mod script;
 pub mod sensed;
@@ -29,6 +30,7 @@ pub mod walk;
 pub use augmented::Augmented;
 pub use command::Command;
 pub use needs::Needs;
+pub use point::Point;
 pub use sensed::Sensed;
 pub use server::TaskServer;
 
@@ -119,6 +121,11 @@ pub trait Task: Send {
     /// The augmented data it reads. Asked anew before `init` and before every `run`.
     fn needs(&self) -> Needs {
         Needs::NONE
+    }
+
+    /// The points it shows, always the same ones in the same order; where they are may change with every call.
+    fn points(&self) -> &[Point] {
+        &[]
     }
 
     /// For messages.

@@ -1,6 +1,6 @@
 //! `script`: a task written in Luau; see [`crate::script`].
 
-use super::{Command, Context, Needs, Status, Task, TaskResult, over};
+use super::{Command, Context, Needs, Point, Status, Task, TaskResult, over};
 use crate::script::fields::{TaskView, View};
 use crate::script::{Params, Script, ScriptError};
 
@@ -70,6 +70,10 @@ impl Task for ScriptTask {
 
     fn needs(&self) -> Needs {
         self.script.needs()
+    }
+
+    fn points(&self) -> &[Point] {
+        self.script.points()
     }
 
     fn name(&self) -> &str {

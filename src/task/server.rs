@@ -96,6 +96,14 @@ impl TaskServer {
         active.fold(Needs::NONE, |needs, s| needs | s.task.needs())
     }
 
+    /// The points that tasks show, in the order of the tasks; those of tasks that do not run are nowhere.
+    pub fn points(&self) -> impl Iterator<Item = (&str, Option<Vector3<f64>>)> {
+        self.slots.iter().flat_map(|slot| {
+            let runs = slot.begun && !slot.ended;
+            slot.task.points().iter().map(move |point| (point.name.as_str(), point.position.filter(|_| runs)))
+        })
+    }
+
     /// Runs every task whose time has come; `report(what, name)` hears of each that begins, changes or ends.
     ///
     /// # Errors

@@ -153,6 +153,10 @@ def check_state(state, joints, check):
     for name in ("base_position", "base_linear_velocity", "base_angular_velocity", "com", "com_velocity"):
         check(state.HasField(name), f"/state: no {name}")
         check(finite(xyz(getattr(state, name))), f"/state: {name} not finite")
+    names = [point.name for point in state.points]
+    check(all(names) and len(set(names)) == len(names), f"/state: points without a name of their own: {names}")
+    for point in state.points:
+        check(not point.HasField("position") or finite(xyz(point.position)), f"/state: point {point.name} not finite")
     check_stability(state, check)
 
 

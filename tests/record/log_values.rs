@@ -69,6 +69,9 @@ fn state_holds_the_snapshot_to_the_last_bit() {
             cop: s.centre_of_pressure.as_ref().map(own),
             stable_point: s.stable_point.as_ref().map(own),
             support_polygon: own_all(&s.support_polygon),
+            points: (s.points.iter())
+                .map(|p| messages::Point { name: p.name.clone(), position: p.position.as_ref().map(own) })
+                .collect(),
             external: s
                 .external
                 .iter()
@@ -263,7 +266,7 @@ fn marks_show_forces_clamped_vertices_and_balance() {
     // Half a metre stands for the weight.
     let metres_per_newton = 0.5 / (model.mass() * 9.806_65);
     for (scene, s) in protobuf::<SceneUpdate>("/scene/contact").iter().zip(snapshots()) {
-        assert_eq!(scene.entities.len(), 4);
+        assert_eq!(scene.entities.len(), 5);
         for (sole, name) in s.soles.iter().zip(["left", "toe"]) {
             let drawn = entity(scene, &format!("contact/{name}"));
             let clamped: Vec<_> = sole.positions.iter().zip(&sole.clamped).filter(|(_, c)| **c).collect();
@@ -287,6 +290,9 @@ fn marks_show_forces_clamped_vertices_and_balance() {
         let balance = entity(scene, "balance");
         let points = [s.centre_of_pressure, s.stable_point];
         assert_eq!(balance.spheres.len(), 1 + points.iter().flatten().count());
+        let shown: Vec<_> = s.points.iter().filter_map(|p| p.position).collect();
+        let drawn = entity(scene, "points").spheres.iter().map(|ball| isometry(ball.pose).translation.vector);
+        assert_eq!(drawn.collect::<Vec<_>>(), shown);
         let polygon = balance.lines.first().map_or(0, |l| l.points.len());
         assert_eq!(polygon, s.support_polygon.len());
     }

@@ -7,6 +7,6 @@ mod problems;
 mod read_log;
 mod report;
 mod run;
-mod sample;
+pub mod sample;
 mod summary;
 mod wire;

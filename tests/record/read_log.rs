@@ -63,6 +63,10 @@ fn the_motion_is_read_to_the_last_bit() {
     assert_eq!(motion.cop, snapshots().map(|s| s.centre_of_pressure).collect::<Vec<_>>());
     assert_eq!(motion.support_polygon, snapshots().map(|s| s.support_polygon).collect::<Vec<_>>());
     assert_eq!(motion.external, snapshots().map(|s| s.external).collect::<Vec<_>>());
+    for (k, name) in ["goal", "now and then"].into_iter().enumerate() {
+        assert_eq!(motion.points[k].name, name);
+        assert_eq!(motion.points[k].position, snapshots().map(|s| s.points[k].position).collect::<Vec<_>>());
+    }
     assert_eq!(motion.joints.len(), 2);
     for (j, (joint, name)) in motion.joints.iter().zip(["hip", "ankle"]).enumerate() {
         assert_eq!((joint.name.as_str(), joint.prismatic), (name, false));

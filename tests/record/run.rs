@@ -161,6 +161,7 @@ pub fn record() -> RunRecord {
             wall_s: 0.7,
             cpu_s: 0.1 + 0.7,
             machine: Machine::here(),
+            file: None,
             repeats: Some(repeats()),
             avoidance: Some(AvoidanceTime { total_s: 0.015, cycles_s: 0.005 }),
         },

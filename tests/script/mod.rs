@@ -3,6 +3,7 @@
 mod abuse;
 mod files;
 mod forces;
+mod points;
 mod tasks;
 
 use std::fs;

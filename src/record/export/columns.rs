@@ -104,6 +104,9 @@ impl<'a> Columns<'a> {
         self.vector("com_v", "m_s", &m.com_velocity);
         self.point("cop_", &m.cop);
         self.point("stable_point_", &m.stable_point);
+        for point in &m.points {
+            self.point(&format!("point.{}.", point.name), &point.position);
+        }
     }
 
     fn joint(&mut self, j: &'a JointSeries) {

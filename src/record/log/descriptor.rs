@@ -34,6 +34,7 @@ fn messages() -> Vec<DescriptorProto> {
         message("Vector3", [one(1, "x", DOUBLE), one(2, "y", DOUBLE), one(3, "z", DOUBLE)]),
         message("Quaternion", [one(1, "w", DOUBLE), one(2, "x", DOUBLE), one(3, "y", DOUBLE), one(4, "z", DOUBLE)]),
         message("Force", [one(1, "point", VECTOR3), one(2, "force", VECTOR3)]),
+        message("Point", [one(1, "name", STRING), one(2, "position", VECTOR3)]),
         message(
             "State",
             [
@@ -54,6 +55,7 @@ fn messages() -> Vec<DescriptorProto> {
                 many(15, "external", Of::Message("Force")),
                 one(16, "stable_point", VECTOR3),
                 many(17, "effort_desired", DOUBLE),
+                many(18, "points", Of::Message("Point")),
             ],
         ),
         message(

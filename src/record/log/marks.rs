@@ -1,5 +1,5 @@
 //! `/scene/contact`: force arrows, clamped vertices, centre of mass, centre of pressure, support polygon and point of
-//! optimal stability, drawn anew at every tick.
+//! optimal stability and points of tasks, drawn anew at every tick.
 
 use super::Topic;
 use super::convert::{colour, point, pose, pose_at, timestamp};
@@ -21,6 +21,7 @@ const EXTERNAL: [f32; 4] = [0.85, 0.1, 0.15, 1.0];
 const MASS: [f32; 4] = [0.95, 0.8, 0.1, 1.0];
 const PRESSURE: [f32; 4] = [0.7, 0.1, 0.7, 1.0];
 const STABLE: [f32; 4] = [0.1, 0.75, 0.85, 1.0];
+const POINT: [f32; 4] = [0.1, 0.1, 0.1, 1.0];
 const SUPPORT: [f32; 4] = [0.1, 0.35, 0.85, 1.0];
 
 /// Length of an arrow that stands for the robot's weight, m.
@@ -29,7 +30,7 @@ const STANDARD_GRAVITY: f64 = 9.806_65;
 
 pub(super) struct Marks {
     channel: Channel,
-    /// One entity per sole, then external forces, then balance.
+    /// One entity per sole, then external forces, then balance, then points of tasks.
     message: SceneUpdate,
     metres_per_newton: f64,
     /// Diameter of a vertex marker, m.
@@ -40,7 +41,7 @@ impl Marks {
     pub fn open(sink: &mut Sink, model: &Model) -> Result<Self, RecordError> {
         let world = world_frame(model);
         let soles = model.soles.iter().map(|s| entity(world, format!("contact/{}", s.name)));
-        let others = ["external", "balance"].map(|id| entity(world, id.to_owned()));
+        let others = ["external", "balance", "points"].map(|id| entity(world, id.to_owned()));
         let weight = (model.mass() * STANDARD_GRAVITY).max(f64::MIN_POSITIVE);
         Ok(Self {
             channel: sink.foxglove::<SceneUpdate>("/scene/contact")?,
@@ -70,11 +71,13 @@ impl Topic for Marks {
         for (to, sole) in soles.iter_mut().zip(&s.soles) {
             draw_sole(sole, self.size, self.metres_per_newton, to);
         }
-        if let [external, balance] = others {
+        if let [external, balance, points] = others {
             for (at, force) in &s.external {
                 external.arrows.extend(arrow(at, force, self.metres_per_newton, EXTERNAL));
             }
             draw_balance(s, self.size, balance);
+            let shown = s.points.iter().filter_map(|point| point.position);
+            points.spheres.extend(shown.map(|at| ball(&at, 1.5 * self.size, POINT)));
         }
         sink.send(&mut self.channel, time, &self.message)
     }

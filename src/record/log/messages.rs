@@ -43,6 +43,17 @@ pub struct Force {
     pub force: Option<Vector3>,
 }
 
+/// A point that a task shows.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Point {
+    /// Its name.
+    #[prost(string, tag = "1")]
+    pub name: String,
+    /// World, m; absent while it is not shown.
+    #[prost(message, optional, tag = "2")]
+    pub position: Option<Vector3>,
+}
+
 /// Motion of the whole robot at one tick, topic `/state`. Joint arrays follow the channel's metadata entry `joints`;
 /// `joint_kinds` beside it says which of them are prismatic.
 #[derive(Clone, PartialEq, prost::Message)]
@@ -99,6 +110,9 @@ pub struct State {
     /// Efforts that the drives ask for, before limits and lag, N m or N.
     #[prost(double, repeated, tag = "17")]
     pub effort_desired: Vec<f64>,
+    /// Points that tasks show, always the same ones in the same order.
+    #[prost(message, repeated, tag = "18")]
+    pub points: Vec<Point>,
 }
 
 /// One sole at one tick. Arrays have one entry per vertex.

@@ -53,6 +53,12 @@ impl Topic for StateTopic {
         m.cop = s.centre_of_pressure.as_ref().map(own);
         m.stable_point = s.stable_point.as_ref().map(own);
         own_all(&s.support_polygon, &mut m.support_polygon);
+        // Always the same points: their names are kept.
+        m.points.resize_with(s.points.len(), Default::default);
+        for (to, from) in m.points.iter_mut().zip(&s.points) {
+            to.name.clone_from(&from.name);
+            to.position = from.position.as_ref().map(own);
+        }
         m.external.clear();
         m.external.extend(s.external.iter().map(|(p, f)| Force { point: Some(own(p)), force: Some(own(f)) }));
         sink.send(&mut self.channel, time, m)

@@ -1,18 +1,22 @@
 //! Reads a `log.mcap` of ours back into time series.
 //!
-//! A log is read whole: its index says which texts and tables it holds, its messages become a [`Trajectory`]. Topics a
-//! program has no use for (frames, scene, ROS 2) are passed over.
+//! A log is read whole: its index says which texts and tables it holds, its messages become a [`Trajectory`]. What is there
+//! to be drawn, frames and shapes, becomes a [`Scene`]; topics that say the same again (ROS 2, marks) are passed over.
 
 mod estimate;
 mod file;
+mod scene;
 mod self_contact;
 mod series;
 mod ticks;
 
 pub use estimate::{EstimateSeries, JointReadings, SoleReadings};
 pub use file::LogError;
+pub use scene::{Frame, Scene};
 pub use self_contact::SelfCollisionSeries;
-pub use series::{Attachment, JointSeries, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
+pub use series::{
+    Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
+};
 
 use file::LogFile;
 use std::path::Path;

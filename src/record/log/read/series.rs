@@ -80,8 +80,19 @@ pub struct Motion {
     pub stable_point: Vec<Option<Vector3<f64>>>,
     /// Convex hull of the touching vertices, m.
     pub support_polygon: Vec<Vec<Vector3<f64>>>,
+    /// Points that tasks show.
+    pub points: Vec<PointSeries>,
     /// External forces: points, m, and forces, N.
     pub external: Vec<Vec<(Vector3<f64>, Vector3<f64>)>>,
+}
+
+/// A point that a task shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointSeries {
+    /// Its name.
+    pub name: String,
+    /// World, m; `None` while it is not shown.
+    pub position: Vec<Option<Vector3<f64>>>,
 }
 
 /// One joint.

@@ -3,7 +3,9 @@
 
 use super::super::messages::{Contact, Estimate, Event, Quaternion, Residual, SelfCollision, State, Vector3 as Triple};
 use super::file::{LogError, LogFile};
-use super::series::{Attachment, JointSeries, LoggedEvent, Motion, RunInfo, SoleSeries, Trajectory, VertexSeries};
+use super::series::{
+    Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
+};
 use super::{estimate, self_contact};
 use nalgebra::{UnitQuaternion, Vector3};
 use prost::Message as _;
@@ -124,7 +126,12 @@ impl Ticks {
             same("/self_collision", &mut all.iter().map(|e| e.time))?;
             self_contact::check(all, self.joints.len())?;
         }
+        let shown = |s: &State| s.points.iter().map(|p| p.name.clone()).collect::<Vec<_>>();
+        let first = self.state.iter().flatten().next().map(shown);
         for s in self.state.iter().flatten() {
+            if Some(shown(s)) != first {
+                return Err(format!("/state at {} s has other points than the first tick", s.time));
+            }
             let arrays = [&s.q, &s.qd, &s.q_desired, &s.qd_desired, &s.effort];
             if let Some(odd) = arrays.into_iter().find(|a| a.len() != self.joints.len()) {
                 let (found, wanted) = (odd.len(), self.joints.len());
@@ -191,8 +198,19 @@ fn motion(joints: &[(String, bool)], rows: &[State]) -> Motion {
         cop: rows.iter().map(|s| s.cop.as_ref().map(vector)).collect(),
         stable_point: rows.iter().map(|s| s.stable_point.as_ref().map(vector)).collect(),
         support_polygon: rows.iter().map(|s| s.support_polygon.iter().map(vector).collect()).collect(),
+        points: points(rows),
         external: rows.iter().map(|s| s.external.iter().map(arrow).collect()).collect(),
     }
+}
+
+fn points(rows: &[State]) -> Vec<PointSeries> {
+    let Some(first) = rows.first() else { return Vec::new() };
+    let at = |row: &State, k: usize| row.points[k].position.as_ref().map(vector);
+    let series = |(k, point): (usize, &super::super::messages::Point)| PointSeries {
+        name: point.name.clone(),
+        position: rows.iter().map(|row| at(row, k)).collect(),
+    };
+    first.points.iter().enumerate().map(series).collect()
 }
 
 fn soles(rows: &[Contact]) -> Vec<SoleSeries> {

@@ -1,0 +1,149 @@
+//! `runner replay`: runs again from their records, compared bit for bit.
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use clap::Args;
+use stiction::batch::{Interrupter, Severity};
+use stiction::replay::{self, Left, ReplayError};
+
+use super::terminal::{complain, plural, print, show};
+use super::{Exit, run};
+
+/// Below the help of `replay`.
+pub const HELP: &str = "Exit codes:
+  0    every run gave the same bits again
+  1    a run differs from what it left
+  2    wrong usage, no such run, or a run that cannot be made again
+  4    nothing selected: no runs in the folder
+  130  interrupted";
+
+/// Arguments of `replay`.
+#[derive(Args, Debug)]
+pub struct Replay {
+    /// The key of a run or its beginning, the folder of a run, or a folder of results for all runs in it
+    #[arg(required = true, value_name = "KEY|FOLDER")]
+    what: Vec<String>,
+    /// Where runs are looked for by their keys
+    #[arg(long, value_name = "DIR", default_value = "results")]
+    results: PathBuf,
+    /// Folder at which relative paths of the scenario begin [default: that of the scenario file, as the record has it]
+    #[arg(long, value_name = "DIR")]
+    base: Option<PathBuf>,
+    /// Keep what the runs leave this time in this folder
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Wall-clock limit of each run
+    #[arg(long, value_name = "SECONDS", value_parser = run::seconds)]
+    timeout: Option<Duration>,
+}
+
+impl Replay {
+    /// Runs each again and says what came of it.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let mut all: Vec<Left> = Vec::new();
+        for what in &self.what {
+            all.extend(replay::find(what, &self.results).map_err(refuse)?);
+        }
+        if all.is_empty() {
+            complain("nothing selected: there are no runs in these folders");
+            return Err(Exit::Nothing);
+        }
+        let running: Arc<Mutex<Option<Interrupter>>> = Arc::default();
+        let interrupted = running.clone();
+        if let Err(error) = ctrlc::set_handler(move || stop(&interrupted)) {
+            complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
+        }
+        let mut differ = 0;
+        for left in &all {
+            differ += usize::from(!self.is_same(left, &running)?);
+        }
+        if all.len() > 1 {
+            let same = all.len() - differ;
+            print(&format!("{} gave the same bits, {differ} did not\n", plural(same, "run")))?;
+        }
+        Ok(if differ == 0 { Exit::Success } else { Exit::Failed })
+    }
+
+    /// Makes one run again; did it give the same?
+    fn is_same(&self, left: &Left, running: &Mutex<Option<Interrupter>>) -> Result<bool, Exit> {
+        let temporary = tempfile::tempdir().map_err(|error| refuse(format!("no temporary folder: {error}")))?;
+        let output: &Path = self.output.as_deref().unwrap_or(temporary.path());
+        let prepared = replay::prepare(left, self.base.as_deref(), output, self.timeout).map_err(refuse)?;
+        if same_file(&left.path, prepared.path()) {
+            return Err(refuse(format!("{} would be written over: choose another folder", left.path.display())));
+        }
+        if let Ok(mut slot) = running.lock() {
+            *slot = Some(prepared.interrupter());
+        }
+        let again = prepared.run(left).map_err(refuse)?;
+        let name = format!("{} {}", left.record.scenario, left.record.key);
+        again.changes.iter().for_each(|change| complain(&format!("warning: {name}: {change}")));
+        let differences = replay::compare(left, &again);
+        let files = if left.log.is_some() { "run.json and log.mcap" } else { "run.json; it left no log" };
+        let words = match differences.as_slice() {
+            [] if left.was_cut() && left.log.is_none() => {
+                format!("{name}: it was ended from outside and left no log: there is nothing to compare\n")
+            }
+            [] if left.was_cut() => format!("{name}: same bits up to where it was ended from outside (log.mcap)\n"),
+            [] if again.changes.is_empty() => format!("{name}: same bits ({files})\n"),
+            [] => format!("{name}: same values, though not all is as it was ({files})\n"),
+            all => all.iter().fold(format!("{name}: differs\n"), |text, one| format!("{text}  {one}\n")),
+        };
+        print(&words)?;
+        Ok(differences.is_empty())
+    }
+}
+
+/// The running run is cancelled: what it would leave is of no use.
+fn stop(running: &Mutex<Option<Interrupter>>) {
+    let slot = running.lock().ok().and_then(|slot| slot.clone());
+    match slot {
+        Some(interrupter) => (0..2).for_each(|_| interrupter.interrupt()),
+        None => std::process::exit(Exit::Interrupted as i32),
+    }
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+fn refuse(why: impl Into<Refusal>) -> Exit {
+    match why.into() {
+        Refusal::Replay(ReplayError::Interrupted) => {
+            complain("interrupted");
+            Exit::Interrupted
+        }
+        Refusal::Replay(ReplayError::Invalid { record, findings }) => {
+            show(&findings, Severity::Error);
+            complain(&format!("error: the run cannot be made again from {}", record.display()));
+            Exit::Invalid
+        }
+        Refusal::Replay(error) => said(error),
+        Refusal::Words(words) => said(words),
+    }
+}
+
+fn said(why: impl Display) -> Exit {
+    complain(&format!("error: {why}"));
+    Exit::Invalid
+}
+
+enum Refusal {
+    Replay(ReplayError),
+    Words(String),
+}
+
+impl From<ReplayError> for Refusal {
+    fn from(error: ReplayError) -> Self {
+        Refusal::Replay(error)
+    }
+}
+
+impl From<String> for Refusal {
+    fn from(words: String) -> Self {
+        Refusal::Words(words)
+    }
+}

@@ -1,0 +1,117 @@
+//! `runner view`: a run's log as a page on which it plays.
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use clap::Args;
+use stiction::view::{Replay, Runs, Server, file_page, pack};
+
+use super::Exit;
+use super::terminal::{complain, plural, print};
+
+/// Below the help of `view`.
+pub const HELP: &str = "Exit codes:
+  0    shown until Ctrl-C, or the file is written
+  2    wrong usage, no such log, a log that cannot be shown, a port that is taken
+  4    no run of the folder left a log";
+
+/// Arguments of `view`.
+#[derive(Args, Debug)]
+pub struct View {
+    /// A log, the folder of a run, or a folder of results
+    #[arg(value_name = "LOG|FOLDER", default_value = "results")]
+    what: PathBuf,
+    /// Port of the loopback address to serve on [default: any that is free]
+    #[arg(long, value_name = "N", conflicts_with = "output")]
+    port: Option<u16>,
+    /// Open the page in the browser
+    #[arg(long, conflicts_with = "output")]
+    open: bool,
+    /// Write one self-contained page and end, instead of serving
+    #[arg(short, long, value_name = "FILE.html")]
+    output: Option<PathBuf>,
+    /// Show at most so many ticks per simulated second, Hz; all that were logged when not given
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    rate: Option<f64>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "a number above 0 is wanted".into())
+}
+
+impl View {
+    /// Serves, or writes the page.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let (runs, skipped) = Runs::find(&self.what).map_err(refuse)?;
+        skipped.iter().for_each(|error| complain(&format!("warning: passed over: {error}")));
+        if runs.shown().is_empty() {
+            let what = self.what.display();
+            complain(&format!(
+                "nothing selected: {} in {what}, none of which left a log",
+                plural(runs.without_log(), "run")
+            ));
+            return Err(Exit::Nothing);
+        }
+        match &self.output {
+            Some(file) => self.write(&runs, file),
+            None => self.serve(runs),
+        }
+    }
+
+    fn write(&self, runs: &Runs, file: &Path) -> Result<Exit, Exit> {
+        let [run] = runs.shown() else {
+            let (what, n) = (self.what.display(), runs.shown().len());
+            return Err(refuse(format!("{what} holds {n} runs; a page holds one: name its folder")));
+        };
+        if matches!((file.canonicalize(), run.log.canonicalize()), (Ok(a), Ok(b)) if a == b) {
+            return Err(refuse(format!("{} is the log itself: choose another file to write", file.display())));
+        }
+        let page = file_page(&run.title(), &pack(&Replay::read(&run.log).map_err(refuse)?, self.rate));
+        stiction::view::write_page(file, &page).map_err(refuse)?;
+        complain(&format!("{}: {:.1} MB", file.display(), page.len() as f64 * 1e-6));
+        Ok(Exit::Success)
+    }
+
+    fn serve(self, runs: Runs) -> Result<Exit, Exit> {
+        // A log that stands alone is looked at before the page is; others when they are chosen.
+        if let [run] = runs.shown() {
+            Replay::read(&run.log).map_err(refuse)?;
+        }
+        let count = runs.shown().len();
+        let port = self.port.unwrap_or(0);
+        let server = Server::new(runs, self.rate, port)
+            .map_err(|error| refuse(format!("cannot listen on port {port} of 127.0.0.1: {error}")))?;
+        let stopper = server.stopper();
+        if let Err(error) = ctrlc::set_handler(move || stopper.stop()) {
+            complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
+        }
+        let address = format!("http://{}/", server.address());
+        print(&format!("{address}\n"))?;
+        complain(&format!("{} shown to this machine only; Ctrl-C ends", plural(count, "run")));
+        if self.open {
+            open(&address);
+        }
+        server.run();
+        Ok(Exit::Success)
+    }
+}
+
+/// Opens an address with what the system has for that.
+fn open(address: &str) {
+    let program = match std::env::consts::OS {
+        "macos" => "open",
+        "windows" => "explorer",
+        _ => "xdg-open",
+    };
+    let mut command = Command::new(program);
+    command.arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    if let Err(error) = command.spawn() {
+        complain(&format!("warning: cannot start {program}: {error}; open the address yourself"));
+    }
+}
+
+fn refuse(why: impl Display) -> Exit {
+    complain(&format!("error: {why}"));
+    Exit::Invalid
+}

@@ -1,0 +1,49 @@
+//! Why a run cannot be run again.
+
+use crate::batch::{BatchError, Findings};
+use crate::record::RecordError;
+use std::path::PathBuf;
+
+/// Errors of this room.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// A record or a folder cannot be read.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// No run has that key.
+    #[error("no run below {results} has a key that begins with `{key}`")]
+    Unknown {
+        /// What was asked for.
+        key: String,
+        /// Where was looked.
+        results: PathBuf,
+    },
+    /// Several runs have a key that begins so.
+    #[error("`{key}` is the beginning of several keys: {found}")]
+    Ambiguous {
+        /// What was asked for.
+        key: String,
+        /// The runs, in words.
+        found: String,
+    },
+    /// The record does not say where its scenario lay.
+    #[error("{record} does not say where the paths of its scenario begin; `--base FOLDER` says it")]
+    Nowhere {
+        /// The record.
+        record: PathBuf,
+    },
+    /// The scenario, its robot or a file it names is not as it should be.
+    #[error("the run cannot be made again from {record}")]
+    Invalid {
+        /// The record.
+        record: PathBuf,
+        /// What is wrong.
+        findings: Box<Findings>,
+    },
+    /// The run cannot be started, or its records cannot be written.
+    #[error(transparent)]
+    Batch(#[from] BatchError),
+    /// It was interrupted.
+    #[error("interrupted")]
+    Interrupted,
+}

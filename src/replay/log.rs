@@ -1,0 +1,91 @@
+//! Two logs of one run.
+
+use super::Difference;
+use crate::record::export::{DataTable, Selection, Values, events, series};
+use crate::record::{LogError, Trajectory};
+use std::path::Path;
+
+/// The first difference; none if the files are equal, or, where inputs changed, if they tell the same. Of a run that was ended
+/// from outside (`cut`) the log is the beginning of the other's.
+pub(super) fn compare(then: &Path, now: &Path, inputs_changed: bool, cut: bool) -> Option<Difference> {
+    let read = |path: &Path| std::fs::read(path).map_err(|source| LogError::Io { path: path.to_owned(), source });
+    match (read(then), read(now)) {
+        (Ok(a), Ok(b)) if a == b => None,
+        (Ok(a), Ok(b)) => match (Trajectory::from_bytes(then, &a), Trajectory::from_bytes(now, &b)) {
+            (Ok(a), Ok(b)) => told(&a, &b, inputs_changed, cut),
+            (Err(error), _) => Some(difference("as a whole", error, "a sound log")),
+            (_, Err(error)) => Some(difference("as a whole", "a sound log", error)),
+        },
+        (Err(error), _) => Some(difference("as a whole", error, "a sound log")),
+        (_, Err(error)) => Some(difference("as a whole", "a sound log", error)),
+    }
+}
+
+fn told(then: &Trajectory, now: &Trajectory, inputs_changed: bool, cut: bool) -> Option<Difference> {
+    let whole = Selection::default();
+    let tables = |log: &Trajectory| (series(log, &whole).unwrap_or_default(), events(log, &whole));
+    let ((series_then, events_then), (series_now, events_now)) = (tables(then), tables(now));
+    // Whatever is the earlier of the two comes first.
+    let ticks = rows(&series_then, &series_now, "tick", cut);
+    let happened = rows(&events_then, &events_now, "event", cut);
+    let first = [ticks, happened].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((_, difference)) = first {
+        return Some(difference);
+    }
+    if cut || inputs_changed {
+        return None;
+    }
+    let texts = |log: &Trajectory| log.attachments.clone();
+    let apart = texts(then).into_iter().zip(texts(now)).find(|(a, b)| a != b);
+    match apart {
+        Some((a, b)) => Some(difference("attached text", a.name, format!("another {}", b.name))),
+        None if then.complete != now.complete => {
+            let words = |complete| if complete { "a complete log" } else { "one that ends early" };
+            Some(difference("as a whole", words(then.complete), words(now.complete)))
+        }
+        None => {
+            let place = "series and events are equal; what is drawn or how messages are described is not";
+            Some(Difference { file: "log.mcap", place: place.to_owned(), values: None, more: 0 })
+        }
+    }
+}
+
+/// The first row of two tables with a difference: its time, and what it is.
+fn rows(then: &DataTable, now: &DataTable, what: &str, cut: bool) -> Option<(f64, Difference)> {
+    let pairs: Vec<_> = then.columns().iter().map(|(name, a)| (name, a, now.column(name))).collect();
+    let time = |table: &DataTable, row: usize| match table.columns().first() {
+        Some((_, Values::Real(times))) => times.get(row).copied().flatten().unwrap_or(f64::NAN),
+        _ => f64::NAN,
+    };
+    for row in 0..then.rows().min(now.rows()) {
+        let at = |name: &str| format!("at {:?} s, `{name}`", time(then, row));
+        for (name, a, b) in &pairs {
+            let (a, b) = (cell(a, row), b.map_or_else(|| "no such column".to_owned(), |b| cell(b, row)));
+            if a != b {
+                return Some((time(then, row), difference(at(name), a, b)));
+            }
+        }
+    }
+    let (a, b) = (then.rows(), now.rows());
+    if a == b || (cut && a < b) {
+        return None;
+    }
+    let (longer, count) = if a > b { (then, b) } else { (now, a) };
+    let words = |n: usize| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
+    let first = time(longer, count);
+    Some((first, difference(format!("from {first} s on"), words(a), words(b))))
+}
+
+/// A cell in words that two different values never share.
+fn cell(values: &Values, row: usize) -> String {
+    match values {
+        Values::Real(v) => v[row].map_or_else(|| "nothing".to_owned(), |x| format!("{x:?}")),
+        Values::Text(v) => v[row].clone(),
+        Values::Flag(v) => v[row].to_string(),
+    }
+}
+
+fn difference(place: impl ToString, then: impl ToString, now: impl ToString) -> Difference {
+    let values = Some((then.to_string(), now.to_string()));
+    Difference { file: "log.mcap", place: place.to_string(), values, more: 0 }
+}

@@ -1,0 +1,255 @@
+// What cannot be seen of a real robot: contact states, forces, balance, points of interest.
+
+// Sticking is green, sliding orange; the smaller the pattern, the paler.
+const STATES = {
+  "face-static": 0x12813f,
+  "edge-static": 0x4fb36a,
+  "vertex-static": 0xa5d98f,
+  "face-dynamic": 0xc2410c,
+  "edge-dynamic": 0xf0892b,
+  "vertex-dynamic": 0xfcc77d,
+  free: 0x8a8f98,
+};
+const COLOURS = {
+  external: 0xd6202c,
+  com: 0xe0b400,
+  path: 0x1fa34a,
+  cop: 0xa81fa8,
+  stable: 0x12a5b8,
+  polygon: 0x1f5fd6,
+  point: 0x111111,
+};
+
+// `edge-1-static` is of kind `edge-static`.
+function kindOf(state) {
+  const words = state.split("-");
+  const kind = words.length > 1 ? `${words[0]}-${words[words.length - 1]}` : state;
+  return kind in STATES ? kind : "free";
+}
+
+class Marks {
+  constructor(replay, extent) {
+    this.replay = replay;
+    this.root = new THREE.Group();
+    this.size = markerSize(replay, extent);
+    this.scale = 1;
+    this.metresPerNewton = extent / usualForce(replay);
+    this.layers = {};
+    const layer = (name, known, build) => {
+      if (!known) return;
+      const group = new THREE.Group();
+      this.root.add(group);
+      this.layers[name] = { group, show: build(group) };
+    };
+    layer("states", replay.soles?.length, (group) => this.soles(group));
+    layer("forces", replay.soles?.length, (group) => this.forces(group));
+    layer("resultants", replay.soles?.length, (group) => this.resultants(group));
+    layer("external", replay.external?.numbers.length, (group) => this.external(group));
+    layer("com", replay.com, (group) => this.ball(group, replay.com, COLOURS.com, 2));
+    layer("path", replay.com, (group) => this.path(group));
+    layer("cop", replay.cop, (group) => this.ball(group, replay.cop, COLOURS.cop, 1.5));
+    layer("polygon", replay.polygon, (group) => this.polygon(group));
+    layer("stable", replay.stable, (group) => this.ball(group, replay.stable, COLOURS.stable, 1.5));
+    layer("points", replay.points.length, (group) => this.points(group));
+    this.through(true);
+  }
+
+  show(tick) {
+    for (const { show } of Object.values(this.layers)) show(tick);
+  }
+
+  toggle(name, on) {
+    this.layers[name].group.visible = on;
+  }
+
+  // Are marks seen through the robot.
+  through(on) {
+    this.root.traverse((object) => {
+      if (!object.material) return;
+      object.material.depthTest = !on;
+      object.renderOrder = 10;
+    });
+  }
+
+  ball(group, column, colour, times) {
+    const mesh = new THREE.Mesh(new THREE.SphereGeometry(0.5, 24, 16), lit(colour));
+    mesh.scale.setScalar(times * this.size);
+    group.add(mesh);
+    return (tick) => {
+      const at = vectorAt(column, tick);
+      mesh.visible = at !== null;
+      if (at) mesh.position.copy(at);
+    };
+  }
+
+  soles(group) {
+    const shows = this.replay.soles.map((sole) => {
+      const k = sole.vertices.length;
+      const corners = new Float32Array(3 * k);
+      const fan = [];
+      for (let i = 1; i + 1 < k; i++) fan.push(0, i, i + 1);
+      const fill = new THREE.Mesh(geometryOf(corners, new Uint32Array(fan)), flat(0, 0.55));
+      const outline = new THREE.LineLoop(geometryOf(corners), new THREE.LineBasicMaterial({ transparent: true }));
+      const balls = sole.vertices.map(() => new THREE.Mesh(new THREE.SphereGeometry(0.5, 16, 12), lit(0)));
+      balls.forEach((ball) => ball.scale.setScalar(this.size));
+      fill.frustumCulled = outline.frustumCulled = false;
+      group.add(fill, outline, ...balls);
+      return (tick) => {
+        const colour = STATES[kindOf(sole.states[sole.state[tick]])];
+        sole.vertices.forEach((vertex, i) => {
+          const at = vertex.position.subarray(3 * tick, 3 * tick + 3);
+          corners.set(at, 3 * i);
+          balls[i].position.set(...at);
+          balls[i].visible = vertex.clamped[tick] === 1;
+          balls[i].material.color.setHex(colour);
+        });
+        for (const part of [fill, outline]) {
+          part.geometry.attributes.position.needsUpdate = true;
+          part.material.color.setHex(colour);
+        }
+      };
+    });
+    return (tick) => shows.forEach((show) => show(tick));
+  }
+
+  forces(group) {
+    const all = this.replay.soles.flatMap((sole) => sole.vertices.map((v) => ({ sole, v, arrow: new Arrow(group) })));
+    return (tick) => {
+      for (const { sole, v, arrow } of all) {
+        const colour = STATES[kindOf(sole.states[sole.state[tick]])];
+        this.point(arrow, vectorAt(v.position, tick), vectorAt(v.force, tick), colour);
+      }
+    };
+  }
+
+  // The sum of a sole's forces, at the mean of its vertices weighted by their normal parts.
+  resultants(group) {
+    const all = this.replay.soles.map((sole) => ({ sole, arrow: new Arrow(group) }));
+    return (tick) => {
+      for (const { sole, arrow } of all) {
+        const sum = vectorAt(sole.force, tick);
+        const at = new THREE.Vector3();
+        let weights = 0;
+        for (const v of sole.vertices) {
+          const weight = Math.max(0, vectorAt(v.force, tick)?.dot(sum) ?? 0);
+          at.addScaledVector(vectorAt(v.position, tick), weight);
+          weights += weight;
+        }
+        const colour = STATES[kindOf(sole.states[sole.state[tick]])];
+        this.point(arrow, at.divideScalar(weights || 1), weights > 0 ? sum : null, colour);
+      }
+    };
+  }
+
+  external(group) {
+    const arrows = [];
+    return (tick) => {
+      const numbers = listAt(this.replay.external, tick);
+      while (6 * arrows.length < numbers.length) arrows.push(new Arrow(group));
+      arrows.forEach((arrow, i) => {
+        const [at, force] = [6 * i, 6 * i + 3].map((from) => vectorOf(numbers.subarray(from, from + 3)));
+        this.point(arrow, at, force, COLOURS.external);
+      });
+    };
+  }
+
+  // An arrow for a force, none where there is no force.
+  point(arrow, at, force, colour) {
+    const usable = at && force && Number.isFinite(force.length());
+    arrow.put(at, usable ? force.clone().multiplyScalar(this.scale * this.metresPerNewton) : null, colour, this.size);
+  }
+
+  path(group) {
+    const geometry = geometryOf(this.replay.com);
+    const whole = new THREE.Line(geometry, new THREE.LineBasicMaterial({ color: COLOURS.path, transparent: true, opacity: 0.25 }));
+    const past = new THREE.Line(geometryOf(this.replay.com), new THREE.LineBasicMaterial({ color: COLOURS.path, transparent: true }));
+    whole.frustumCulled = past.frustumCulled = false;
+    group.add(whole, past);
+    return (tick) => past.geometry.setDrawRange(0, tick + 1);
+  }
+
+  polygon(group) {
+    const outline = new THREE.LineLoop(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: COLOURS.polygon, transparent: true }));
+    const fill = new THREE.Mesh(new THREE.BufferGeometry(), flat(COLOURS.polygon, 0.18));
+    outline.frustumCulled = fill.frustumCulled = false;
+    group.add(fill, outline);
+    return (tick) => {
+      const corners = listAt(this.replay.polygon, tick);
+      const fan = [];
+      for (let i = 1; 3 * (i + 1) < corners.length; i++) fan.push(0, i, i + 1);
+      for (const [part, indices] of [[outline, null], [fill, new Uint32Array(fan)]]) {
+        part.geometry.dispose();
+        part.geometry = geometryOf(corners.slice(), indices);
+        part.visible = corners.length >= (indices ? 9 : 6);
+      }
+    };
+  }
+
+  points(group) {
+    const shows = this.replay.points.map((point) => this.ball(group, point.position, COLOURS.point, 1.5));
+    return (tick) => shows.forEach((show) => show(tick));
+  }
+}
+
+// A shaft and a head along z, turned and stretched.
+class Arrow {
+  constructor(group) {
+    const material = lit(0);
+    this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.5, 0.5, 1, 12).rotateX(Math.PI / 2).translate(0, 0, 0.5), material);
+    this.head = new THREE.Mesh(new THREE.ConeGeometry(0.5, 1, 16).rotateX(Math.PI / 2).translate(0, 0, 0.5), material);
+    this.group = new THREE.Group();
+    this.group.add(this.shaft, this.head);
+    this.shaft.renderOrder = this.head.renderOrder = 10;
+    group.add(this.group);
+  }
+
+  put(at, along, colour, size) {
+    const length = along ? along.length() : 0;
+    this.group.visible = length > 1e-3;
+    if (!this.group.visible) return;
+    const width = Math.min(0.06 * length, 0.5 * size);
+    const head = Math.min(0.3 * length, 2 * size);
+    this.group.position.copy(at);
+    this.group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), along.clone().normalize());
+    this.shaft.scale.set(width, width, length - head);
+    this.head.scale.set(2.5 * width, 2.5 * width, head);
+    this.head.position.z = length - head;
+    this.shaft.material.color.setHex(colour);
+  }
+}
+
+function vectorOf([x, y, z]) {
+  return x === undefined ? null : new THREE.Vector3(x, y, z);
+}
+
+function lit(color) {
+  return new THREE.MeshLambertMaterial({ color, transparent: true, depthTest: false });
+}
+
+function flat(color, opacity) {
+  return new THREE.MeshBasicMaterial({ color, opacity, transparent: true, depthWrite: false, side: THREE.DoubleSide });
+}
+
+// A tenth of the widest sole, within what can be seen and does not hide a foot.
+function markerSize(replay, extent) {
+  const soles = (replay.soles ?? []).map((sole) => sole.vertices.map((v) => vectorAt(v.position, 0)));
+  const widths = soles.flatMap((corners) => corners.map((corner) => corner.distanceTo(corners[0])));
+  const width = Math.max(0, ...widths);
+  return Math.min(width > 0 ? Math.min(Math.max(0.1 * width, 0.005), 0.05) : Infinity, 0.04 * extent);
+}
+
+// The median of what the floor bears while it bears anything, else of the external forces: an arrow of usual length.
+function usualForce(replay) {
+  const sizes = [];
+  for (let tick = 0; tick < replay.times.length; tick++) {
+    const sum = new THREE.Vector3();
+    for (const sole of replay.soles ?? []) sum.add(vectorAt(sole.force, tick) ?? new THREE.Vector3());
+    if (sum.length() > 0) sizes.push(sum.length());
+  }
+  if (sizes.length === 0 && replay.external) {
+    const { numbers } = replay.external;
+    for (let i = 3; i < numbers.length; i += 6) sizes.push(Math.hypot(numbers[i], numbers[i + 1], numbers[i + 2]));
+  }
+  sizes.sort((a, b) => a - b);
+  return sizes[sizes.length >> 1] || 1;
+}

@@ -1,0 +1,92 @@
+//! What is drawn of a run, from the topics of its log.
+
+use crate::record::{LogError, Scene, Trajectory};
+use std::path::{Path, PathBuf};
+
+/// A log as it is shown: ticks at which the robot's frames are known, and what else is known at these ticks.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// The run's series. `motion` and `soles` are `None` where the scenario did not log them.
+    pub run: Trajectory,
+    /// Frames and shapes.
+    pub scene: Scene,
+    /// Simulated times of the ticks, s.
+    pub times: Vec<f64>,
+}
+
+/// Why a run cannot be shown.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewError {
+    /// The log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// It says nothing of where the robot's parts are.
+    #[error(
+        "{path}: there is nothing to draw in it: frames and shapes are logged where `log.topics` of the scenario has \"scene\""
+    )]
+    NoScene {
+        /// The log.
+        path: PathBuf,
+    },
+    /// A page or a folder cannot be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+}
+
+impl Replay {
+    /// Reads a log.
+    ///
+    /// # Errors
+    /// It cannot be read, is damaged, or holds no frames.
+    pub fn read(path: &Path) -> Result<Self, ViewError> {
+        let bytes = std::fs::read(path).map_err(|source| LogError::Io { path: path.to_owned(), source })?;
+        let run = Trajectory::from_bytes(path, &bytes)?;
+        let scene = Scene::from_bytes(path, &bytes)?;
+        Self::new(run, scene).ok_or_else(|| ViewError::NoScene { path: path.to_owned() })
+    }
+
+    /// The ticks that both know; none if there is no frame at any.
+    fn new(run: Trajectory, mut scene: Scene) -> Option<Self> {
+        let times = if run.times.is_empty() {
+            // Of frames alone only the log time is known, to the nanosecond.
+            scene.times.iter().map(|ns| *ns as f64 * 1e-9).collect()
+        } else {
+            // A run that broke down may have written its last tick on some topics only.
+            let both = run.times.len().min(scene.times.len());
+            run.times[..both].to_vec()
+        };
+        scene.times.truncate(times.len());
+        scene.frames.iter_mut().for_each(|frame| frame.poses.truncate(times.len()));
+        (!times.is_empty()).then_some(Self { run, scene, times })
+    }
+
+    /// Name of the frame that everything stands in: the one that hangs on none.
+    pub fn world(&self) -> &str {
+        let frames = &self.scene.frames;
+        let root = frames.iter().find(|f| !frames.iter().any(|other| other.name == f.parent));
+        root.map_or("world", |f| f.parent.as_str())
+    }
+
+    /// The ticks to show when at most `rate` per second are wanted, as indices: the first, each next one that lies at least
+    /// a period later (but for a hundredth of it, as logged times are rounded), and the last.
+    pub fn thinned(&self, rate: Option<f64>) -> Vec<usize> {
+        let Some(rate) = rate else { return (0..self.times.len()).collect() };
+        let period = 0.99 / rate;
+        let mut kept: Vec<usize> = Vec::new();
+        for (i, time) in self.times.iter().enumerate() {
+            if kept.last().is_none_or(|&last| time - self.times[last] >= period) {
+                kept.push(i);
+            }
+        }
+        let last = self.times.len() - 1;
+        if kept.last() != Some(&last) {
+            kept.push(last);
+        }
+        kept
+    }
+}

@@ -1,0 +1,228 @@
+//! `runner replay`: runs made again give the same bits, and what is not the same is told.
+
+use crate::cli::{Done, Place};
+use serde_json::Value;
+use std::fs;
+
+/// The block falls, slides and comes to rest; compared with a finer run, judged, swept and repeated.
+const FALL: &str = r#"
+base = { position = [0, 0, 0.05], linear_velocity = [1, 0, 0], rpy = [0.1, 0, 0] }
+[floor]
+friction = 0.3
+[log]
+rate = 100
+[compare]
+reference = { "integrator.relative_tolerance" = 1e-9 }
+[[expect]]
+metric = "final_base_x"
+min = 0.0
+[[force]]
+type = "random-pushes"
+links = ["block"]
+number = 3
+magnitude = [0.5, 1.0]
+push_duration = [0.02, 0.02]
+[sweep]
+repeat = 2
+[sweep.grid]
+"contact.method" = ["exact", "one-step"]
+"#;
+
+/// The folders of the runs of a scenario.
+fn folders(place: &Place, scenario: &str) -> Vec<String> {
+    let entries = fs::read_dir(place.path("results").join(scenario)).unwrap();
+    let names = entries.map(|e| e.unwrap().file_name().to_str().unwrap().to_owned());
+    let mut found: Vec<_> = names.filter(|n| n != "references").map(|n| format!("results/{scenario}/{n}")).collect();
+    found.sort();
+    found
+}
+
+fn fallen() -> Place {
+    let place = Place::new();
+    place.block("in/fall.toml", FALL);
+    fs::rename(place.path("block"), place.path("in/block")).unwrap();
+    place.runner(&["in/fall.toml", "--set", "duration=0.5"]).exits(0);
+    place
+}
+
+/// One run without comparison, for what does not need one.
+fn slid() -> (Place, String) {
+    let place = Place::new();
+    // Steps of one size: a run that goes on longer is the same up to there.
+    let text = "base = { linear_velocity = [1, 0, 0] }\n[log]\nrate = 100\n[integrator]\nmethod = \"rk4\"\n";
+    place.block("slide.toml", text);
+    place.runner(&["slide.toml", "--set", "duration=0.3"]).exits(0);
+    let folder = folders(&place, "slide").remove(0);
+    (place, folder)
+}
+
+/// Changes the record of a run.
+fn tamper(place: &Place, folder: &str, change: impl FnOnce(&mut Value)) {
+    let path = place.path(folder).join("run.json");
+    let mut record = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    change(&mut record);
+    fs::write(&path, serde_json::to_vec(&record).unwrap()).unwrap();
+}
+
+#[track_caller]
+fn says(said: &Done, words: &str) {
+    assert!(said.stdout.contains(words) || said.stderr.contains(words), "{}\n{}", said.stdout, said.stderr);
+}
+
+#[test]
+fn every_run_of_a_sweep_gives_the_same_bits_again() {
+    let place = fallen();
+    let before = fs::read(place.path("results/summary.csv")).unwrap();
+    let said = place.runner(&["replay", "results"]).exits(0);
+    // Four runs and the references they were compared with: one for each method and seed.
+    let runs = said.stdout.matches(": same bits (run.json and log.mcap)").count();
+    let references = said.stdout.matches(": same bits (run.json; it left no log)").count();
+    assert_eq!((runs, references), (4, 4), "{}", said.stdout);
+    says(&said, "8 runs gave the same bits, 0 did not");
+    assert_eq!(fs::read(place.path("results/summary.csv")).unwrap(), before, "the results are as they were");
+    // It does not matter that the scenario file is gone or says something else now: the record has what was run.
+    fs::remove_file(place.path("in/fall.toml")).unwrap();
+    let key = folders(&place, "fall")[0].rsplit('/').next().unwrap().to_owned();
+    says(&place.runner(&["replay", &key[..8]]).exits(0), "same bits");
+}
+
+#[test]
+fn what_it_leaves_can_be_kept() {
+    let (place, folder) = slid();
+    place.runner(&["replay", &folder, "-o", "again"]).exits(0);
+    let again = place.path(&folder.replace("results", "again"));
+    let logs = [place.path(&folder), again].map(|f| fs::read(f.join("log.mcap")).unwrap());
+    assert!(logs[0] == logs[1]);
+    let said = place.runner(&["replay", &folder, "-o", "results"]).exits(2);
+    says(&said, "would be written over");
+}
+
+#[test]
+fn from_elsewhere_it_must_be_told_where_paths_begin() {
+    let (place, folder) = slid();
+    fs::create_dir(place.path("other")).unwrap();
+    let from =
+        |arguments: &[&str]| Done::from(place.command(arguments).current_dir(place.path("other")).output().unwrap());
+    let folder = format!("../{folder}");
+    says(&from(&["replay", &folder]).exits(2), "block.toml");
+    says(&from(&["replay", &folder, "--base", ".."]).exits(0), "same bits");
+    tamper(&place, &folder[3..], |record| drop(record["timing"].as_object_mut().unwrap().remove("file")));
+    says(&from(&["replay", &folder]).exits(2), "--base FOLDER");
+    says(&from(&["replay", &folder, "--base", ".."]).exits(0), "same bits");
+}
+
+#[test]
+fn a_changed_metric_is_told_with_both_values() {
+    let (place, folder) = slid();
+    let mut was = String::new();
+    tamper(&place, &folder, |record| {
+        let x = &mut record["metrics"]["final_base_position"][0];
+        was = x.to_string();
+        // The next number that there is.
+        *x = f64::from_bits(x.as_f64().unwrap().to_bits() + 1).into();
+    });
+    let said = place.runner(&["replay", &folder]).exits(1);
+    says(&said, ": differs");
+    says(&said, "run.json: metrics.final_base_position.0: ");
+    says(&said, &format!(" then, {was} now\n"));
+    tamper(&place, &folder, |record| record["outcome"] = "fallen".into());
+    says(&place.runner(&["replay", &folder]).exits(1), "(and 1 more value)");
+}
+
+#[test]
+fn another_log_is_told_at_its_first_difference() {
+    let (place, folder) = slid();
+    // The log of a run that began with another speed, and one that ends later.
+    let log = place.path(&folder).join("log.mcap");
+    let other = |override_: &str| {
+        place.runner(&["slide.toml", "--set", "duration=0.3", "--set", override_, "-o", "other"]).exits(0);
+        let entry = fs::read_dir(place.path("other/slide")).unwrap().next().unwrap().unwrap().path();
+        fs::copy(entry.join("log.mcap"), &log).unwrap();
+        fs::remove_dir_all(place.path("other")).unwrap();
+        place.runner(&["replay", &folder]).exits(1)
+    };
+    let said = other("robot.base.linear_velocity=[1.5, 0, 0]");
+    says(&said, "log.mcap: at 0.0 s, `base_vx_m_s`: 1.5 then, 1.0 now");
+    let said = other("duration=0.4");
+    says(&said, "log.mcap: from 0.31 s on: 41 ticks then, 31 ticks now");
+    // Equal motion, another scenario: only the attached text tells.
+    let said = other("description=\"another\"");
+    says(&said, "log.mcap: attached text: slide.toml then");
+    let mut bytes = fs::read(&log).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&log, bytes).unwrap();
+    says(&place.runner(&["replay", &folder]).exits(1), "damaged");
+}
+
+#[test]
+fn changed_inputs_are_named() {
+    let (place, folder) = slid();
+    let path = place.path("block/block.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, format!("{text}\n# a remark\n")).unwrap();
+    let said = place.runner(&["replay", &folder]).exits(0);
+    says(&said, "warning: slide ");
+    says(&said, "block.toml has changed since");
+    says(&said, "same values, though not all is as it was");
+    let urdf = place.path("block/block.urdf");
+    let heavier = fs::read_to_string(&urdf).unwrap();
+    let mass = heavier.split("<mass value=\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
+    fs::write(&urdf, heavier.replace(&format!("<mass value=\"{mass}\""), &format!("<mass value=\"{mass}1\""))).unwrap();
+    let said = place.runner(&["replay", &folder]).exits(1);
+    says(&said, "block.urdf has changed since");
+    says(&said, "differs");
+    fs::remove_file(&urdf).unwrap();
+    says(&place.runner(&["replay", &folder]).exits(2), "block.urdf");
+}
+
+#[test]
+fn a_record_whose_scenario_was_changed_is_found_out() {
+    let (place, folder) = slid();
+    tamper(&place, &folder, |record| {
+        let text = record["resolved"].as_str().unwrap().replace("duration = 0.3", "duration = 0.2");
+        record["resolved"] = text.into();
+    });
+    let said = place.runner(&["replay", &folder]).exits(1);
+    says(&said, "the scenario in the record is not the one that was run");
+    tamper(&place, &folder, |record| record["resolved"] = "robot = 1".into());
+    says(&place.runner(&["replay", &folder]).exits(2), "cannot be made again");
+    tamper(&place, &folder, |record| record["program"] = "stiction 0.0.1".into());
+    fs::write(place.path(&folder).join("run.json"), "{}").unwrap();
+    place.runner(&["replay", &folder]).exits(2);
+}
+
+#[test]
+fn another_program_is_named() {
+    let (place, folder) = slid();
+    tamper(&place, &folder, |record| record["program"] = "stiction 0.0.1".into());
+    let said = place.runner(&["replay", &folder]).exits(0);
+    says(&said, "it was run by stiction 0.0.1, this is stiction ");
+}
+
+#[test]
+fn a_run_that_ended_by_the_clock_is_compared_as_far_as_it_came() {
+    let place = Place::new();
+    place.block("long.toml", "base = { linear_velocity = [1, 0, 0] }\n[log]\nrate = 100\n");
+    place.runner(&["long.toml", "--set", "duration=1e6", "--timeout", "0.3"]).exits(3);
+    let folder = folders(&place, "long").remove(0);
+    let log = fs::read(place.path(&folder).join("log.mcap"));
+    let said = place.runner(&["replay", &folder, "--timeout", "3"]).exits(0);
+    match log {
+        Ok(_) => says(&said, "same bits up to where it was ended from outside"),
+        Err(_) => says(&said, "there is nothing to compare"),
+    }
+}
+
+#[test]
+fn a_run_must_be_known() {
+    let (place, folder) = slid();
+    says(&place.runner(&["replay", "0000000000000000"]).exits(2), "no run below results has a key that begins with");
+    says(&place.runner(&["replay", "x", "--results", "nowhere"]).exits(2), "nowhere");
+    place.runner(&["slide.toml", "--set", "duration=0.1"]).exits(0);
+    says(&place.runner(&["replay", ""]).exits(2), "is the beginning of several keys");
+    says(&place.runner(&["replay", &format!("{folder}/run.json")]).exits(0), "same bits");
+    fs::create_dir(place.path("empty")).unwrap();
+    says(&place.runner(&["replay", "empty"]).exits(4), "nothing selected");
+    place.runner(&["replay"]).exits(2);
+}

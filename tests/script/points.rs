@@ -1,0 +1,79 @@
+//! Points that tasks show.
+
+use super::{Beside, FORCE, TASK, pendulum};
+use nalgebra::Vector3;
+use stiction::sim::{Observer, Outcome, SimEvent, Snapshot};
+
+/// Keeps the points of every snapshot.
+#[derive(Default)]
+struct Shown(Vec<(f64, Vec<Option<Vector3<f64>>>)>);
+
+impl Observer for Shown {
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
+        let names: Vec<_> = snapshot.points.iter().map(|p| p.name.as_str()).collect();
+        assert_eq!(names, ["goal", "now and then"]);
+        self.0.push((snapshot.time, snapshot.points.iter().map(|p| p.position).collect()));
+        Ok(())
+    }
+
+    fn event(&mut self, _: &SimEvent) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+#[test]
+fn they_are_where_the_task_says_while_it_runs() {
+    let script = "
+        points = { \"goal\", \"now and then\" }
+        function run(robot)
+            robot.set_point(\"goal\", { robot.time, 2, -3 })
+            robot.set_point(\"now and then\", if robot.time < 0.2495 then { 1, 1, 1 } else nil)
+            if robot.time > 0.3995 then return \"done\" end
+        end";
+    let scenario = pendulum(0.5, "mode = \"passive\"", &format!("log = {{ rate = 100 }}\n{TASK}start = 0.1\n"));
+    let mut shown = Shown::default();
+    let (outcome, message) = Beside::new(&scenario, script).end(&mut shown);
+    assert_eq!(outcome, Outcome::Passed, "{message}");
+    assert_eq!(shown.0.len(), 51);
+    // An instant of the log that is a tick too may be told before the tick or after it.
+    let sure = |time: &f64| [0.1, 0.25, 0.4].iter().all(|jump| (time - jump).abs() > 0.0015);
+    for (time, points) in shown.0.into_iter().filter(|(time, _)| sure(time)) {
+        assert_eq!(points[0].is_some(), 0.1 < time && time < 0.4, "{time}");
+        // The last tick is at most one period of 1 ms ago.
+        let late = points[0].map_or(0.0, |goal| (goal - Vector3::new(time, 2.0, -3.0)).norm());
+        assert!(late < 1.001e-3, "{time}: {late}");
+        assert_eq!(points[1], (0.1 < time && time < 0.25).then_some(Vector3::repeat(1.0)), "{time}");
+    }
+}
+
+#[test]
+fn mistakes_are_told_at_their_line() {
+    let told = |points: &str, call: &str| {
+        let script = format!("points = {points}\nfunction run(robot)\n    robot.set_point({call})\nend\n");
+        let (outcome, message) =
+            Beside::new(&pendulum(0.1, "mode = \"passive\"", TASK), &script).end(&mut stiction::sim::Blind);
+        assert_eq!(outcome, Outcome::Error, "{call}");
+        assert!(message.contains("s.luau:3: "), "{message}");
+        message
+    };
+    assert!(told("{ \"a\" }", "\"b\", { 0, 0, 0 }").contains("the list `points` has no \"b\""));
+    assert!(told("{ \"a\" }", "nil, { 0, 0, 0 }").contains("the list `points` has no nil"));
+    assert!(told("{ \"a\" }", "\"a\", { 0, 0 }").contains("a point is {x, y, z}"));
+    assert!(told("{ \"a\" }", "\"a\", 1").contains("a point is {x, y, z}"));
+    assert!(told("{ \"a\" }", "\"a\", { 0, 0, 0 / 0 }").contains("a coordinate must be a finite number"));
+    assert!(told("{ \"a\" }", "\"a\", { 0, 0, \"x\" }").contains("a coordinate must be a number"));
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused_before_anything_runs() {
+    let refused = |what: &str, script: &str| {
+        let scenario = pendulum(0.1, "mode = \"passive\"", what);
+        Beside::new(&scenario, script).build().err().expect("it is refused").to_string()
+    };
+    let twice = refused(TASK, "points = { \"a\", \"a\" }\nfunction run() end");
+    assert!(twice.contains("names \"a\" twice"), "{twice}");
+    let words = refused(TASK, "points = 1\nfunction run() end");
+    assert!(words.contains("`points` must be a list of words"), "{words}");
+    let force = refused(FORCE, "points = { \"a\" }\nfunction run() return {} end");
+    assert!(force.contains("shown by tasks"), "{force}");
+}

@@ -1,0 +1,47 @@
+//! The page itself.
+
+use crate::record::sample;
+use base64::Engine as _;
+use std::io::Read;
+use stiction::record::Topics;
+use stiction::view::{Replay, file_page, pack, served_page};
+
+fn between<'a>(page: &'a str, begin: &str, end: &str) -> &'a str {
+    page.split_once(begin).unwrap().1.split_once(end).unwrap().0
+}
+
+#[test]
+fn a_file_holds_its_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.mcap");
+    sample::started(&path, 20, Topics::ALL).finish().unwrap();
+    let packed = pack(&Replay::read(&path).unwrap(), None);
+    let page = file_page("a run", &packed);
+    let data = between(&page, "<script id=\"data\" type=\"text/plain\">", "</script>");
+    let zipped = base64::engine::general_purpose::STANDARD.decode(data).unwrap();
+    let mut bytes = Vec::new();
+    flate2::read::GzDecoder::new(&*zipped).read_to_end(&mut bytes).unwrap();
+    assert_eq!(bytes, packed.0);
+}
+
+#[test]
+fn it_asks_nothing_of_others() {
+    let page = served_page("a run", true);
+    // The name of a kind of XML, in three.js; nobody is asked for it.
+    let own = page.replace("http://www.w3.org/1999/xhtml", "");
+    for sign in ["http://", "https://", "src=", "@import", "url(", "import("] {
+        assert!(!own.contains(sign), "{sign}");
+    }
+    assert!(page.contains("Content-Security-Policy\" content=\"default-src 'none'"));
+    assert_eq!(page.matches("<script").count(), 3, "data, three.js, ours");
+    assert_eq!(page.matches("</script>").count(), 3, "no script ends too early");
+    assert!(page.contains("Three.js Authors"), "whose work it is");
+}
+
+#[test]
+fn names_are_words_and_no_markup() {
+    let page = served_page("</title><script>alert(1)</script>", false);
+    assert!(!page.contains("<script>alert"));
+    assert!(!page.contains(">all runs<"), "there are no others");
+    assert!(served_page("a run", true).contains("<a href=\"/\">all runs</a>"));
+}

@@ -1,0 +1,162 @@
+//! What the server answers, to whom, and what it does not.
+
+use crate::record::sample;
+use std::io::{Read, Write};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::thread::JoinHandle;
+use stiction::record::Topics;
+use stiction::view::{Replay, Runs, Server, Stopper, pack};
+use tempfile::TempDir;
+
+struct Serving {
+    folder: TempDir,
+    address: SocketAddr,
+    stopper: Stopper,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Answer {
+    status: u16,
+    head: String,
+    body: Vec<u8>,
+}
+
+impl Serving {
+    /// One log, alone.
+    fn start(topics: Topics) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.mcap");
+        sample::started(&path, 20, topics).finish().unwrap();
+        let (runs, skipped) = Runs::find(&path).unwrap();
+        assert!(skipped.is_empty());
+        let server = Server::new(runs, None, 0).unwrap();
+        let (address, stopper) = (server.address(), server.stopper());
+        Self { folder, address, stopper, thread: Some(std::thread::spawn(|| server.run())) }
+    }
+
+    fn get(&self, target: &str) -> Answer {
+        self.say(&format!("GET {target} HTTP/1.1\r\nHost: {}\r\n\r\n", self.address))
+    }
+
+    fn say(&self, request: &str) -> Answer {
+        let mut stream = TcpStream::connect(self.address).unwrap();
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut all = Vec::new();
+        stream.read_to_end(&mut all).unwrap();
+        let end = all.windows(4).position(|w| w == b"\r\n\r\n").expect("a head") + 4;
+        let head = String::from_utf8(all[..end].to_vec()).unwrap();
+        let status = head.split(' ').nth(1).unwrap().parse().unwrap();
+        Answer { status, head, body: all[end..].to_vec() }
+    }
+}
+
+impl Drop for Serving {
+    fn drop(&mut self) {
+        self.stopper.stop();
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
+        }
+    }
+}
+
+#[test]
+fn it_listens_on_loopback_alone() {
+    let serving = Serving::start(Topics::ALL);
+    assert_eq!(serving.address.ip(), IpAddr::V4(Ipv4Addr::LOCALHOST));
+    // The same port of every other address of this machine is free.
+    let elsewhere = SocketAddr::from(([127, 0, 0, 2], serving.address.port()));
+    assert!(TcpStream::connect(elsewhere).is_err() || cfg!(not(target_os = "linux")));
+    assert!(TcpListener::bind(serving.address).is_err(), "it does listen");
+}
+
+#[test]
+fn it_serves_the_page_and_the_bytes_of_its_run() {
+    let serving = Serving::start(Topics::ALL);
+    let home = serving.get("/");
+    assert_eq!(home.status, 303);
+    assert!(home.head.contains("\r\nLocation: /run/0/\r\n"), "{}", home.head);
+    let page = serving.get("/run/0/");
+    assert_eq!(page.status, 200);
+    assert!(page.head.contains("\r\nContent-Type: text/html; charset=utf-8\r\n"), "{}", page.head);
+    assert!(page.head.contains("default-src 'none'"), "{}", page.head);
+    assert!(page.head.contains(&format!("\r\nContent-Length: {}\r\n", page.body.len())), "{}", page.head);
+    assert!(page.body.ends_with(b"</html>") || page.body.ends_with(b"</html>\n"));
+    let data = serving.get("/run/0/data?again");
+    assert_eq!(data.status, 200);
+    assert!(data.head.contains("\r\nContent-Type: application/octet-stream\r\n"), "{}", data.head);
+    let replay = Replay::read(&serving.folder.path().join("log.mcap")).unwrap();
+    assert_eq!(data.body, pack(&replay, None).0);
+    let head = serving.say(&format!("HEAD /run/0/data HTTP/1.1\r\nHost: {}\r\n\r\n", serving.address));
+    assert_eq!((head.status, head.body.len()), (200, 0));
+    assert!(head.head.contains(&format!("\r\nContent-Length: {}\r\n", data.body.len())), "{}", head.head);
+}
+
+#[test]
+fn nothing_else_is_there() {
+    let serving = Serving::start(Topics::ALL);
+    std::fs::write(serving.folder.path().join("secret"), "x").unwrap();
+    for target in [
+        "/log.mcap",
+        "/secret",
+        "/run/0/../../secret",
+        "/run/0/..%2f..%2fsecret",
+        "/../secret",
+        "//etc/passwd",
+        "/etc/passwd",
+        "/run/1/",
+        "/run/-1/",
+        "/run/+0/",
+        "/run/00x/",
+        "/run//",
+        "/run/0",
+        "/run/0/data/",
+        "/run/99999999999999999999999/",
+        "/%00",
+        "*",
+        "http://example.org/",
+    ] {
+        let answer = serving.get(target);
+        assert_eq!(answer.status, 404, "{target}: {}", answer.head);
+        assert_eq!(answer.body, b"there is no such page\n", "{target}");
+    }
+}
+
+#[test]
+fn a_page_of_elsewhere_gets_nothing() {
+    let serving = Serving::start(Topics::ALL);
+    let port = serving.address.port();
+    for host in ["Host: evil.example\r\n", &format!("Host: evil.example:{port}\r\n"), "Host: 127.0.0.1\r\n", ""] {
+        assert_eq!(serving.say(&format!("GET /run/0/data HTTP/1.1\r\n{host}\r\n")).status, 403, "{host}");
+    }
+    let named = serving.say(&format!("GET /run/0/data HTTP/1.1\r\nHost: LocalHost:{port}\r\n\r\n"));
+    assert_eq!(named.status, 200);
+}
+
+#[test]
+fn only_looking_is_allowed() {
+    let serving = Serving::start(Topics::ALL);
+    for method in ["POST", "PUT", "DELETE", "OPTIONS"] {
+        let answer = serving.say(&format!("{method} / HTTP/1.1\r\nHost: {}\r\n\r\n", serving.address));
+        assert_eq!(answer.status, 405, "{method}");
+        assert!(answer.head.contains("\r\nAllow: GET, HEAD\r\n"), "{}", answer.head);
+    }
+    assert_eq!(serving.say("what?\r\n\r\n").status, 400);
+}
+
+#[test]
+fn a_log_that_cannot_be_shown_says_why() {
+    let serving = Serving::start(Topics { scene: false, ..Topics::ALL });
+    let answer = serving.get("/run/0/data");
+    assert_eq!(answer.status, 500);
+    assert!(String::from_utf8(answer.body).unwrap().contains("log.topics"));
+    std::fs::write(serving.folder.path().join("log.mcap"), "no log").unwrap();
+    assert_eq!(serving.get("/run/0/data").status, 500);
+}
+
+#[test]
+fn who_keeps_silent_does_not_hold_up_others() {
+    let serving = Serving::start(Topics::ALL);
+    let silent: Vec<_> = (0..4).map(|_| TcpStream::connect(serving.address).unwrap()).collect();
+    assert_eq!(serving.get("/run/0/").status, 200);
+    drop(silent);
+}
