@@ -6,7 +6,19 @@ use super::{Exit, terminal};
 
 /// Commands, for those who misspell one.
 const COMMANDS: [&str; 13] = [
-    "run", "check", "list", "inspect", "report", "merge", "compare", "export", "replay", "view", "schema", "completions", "man",
+    "run",
+    "check",
+    "list",
+    "inspect",
+    "report",
+    "merge",
+    "compare",
+    "export",
+    "replay",
+    "view",
+    "schema",
+    "completions",
+    "man",
 ];
 
 /// The files, those of a folder in alphabetical order.

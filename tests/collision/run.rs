@@ -8,18 +8,26 @@ use stiction::robot;
 use stiction::scenario;
 use stiction::sim::{Metrics, Outcome, Simulation, build};
 
-/// Two boxes of 0.1 m on one rail, 0.5 m apart, each with a joint that moves it along.
-const RAIL: &str = r#"<robot name="rail">
-  <link name="world"/>
-  <link name="left"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
-    <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
-  <link name="right"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
-    <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
-  <joint name="a" type="prismatic"><parent link="world"/><child link="left"/><origin xyz="-0.3 0 0"/><axis xyz="1 0 0"/>
-    <limit lower="-1" upper="1" effort="1" velocity="5"/></joint>
-  <joint name="b" type="prismatic"><parent link="world"/><child link="right"/><origin xyz="0.3 0 0"/><axis xyz="1 0 0"/>
-    <limit lower="-1" upper="1" effort="1" velocity="5"/></joint>
-</robot>"#;
+/// Boxes of 0.1 m on rails along x, each moved along by a joint of its name: name, x and y at 0.
+type Boxes<'a> = &'a [(&'a str, f64, f64)];
+
+/// Two on one rail, 0.5 m apart.
+const TWO: Boxes = &[("a", -0.3, 0.0), ("b", 0.3, 0.0)];
+
+fn urdf(boxes: Boxes) -> String {
+    let mut text = String::from("<robot name=\"rail\"><link name=\"world\"/>\n");
+    for (name, x, y) in boxes {
+        let _ = write!(
+            text,
+            "<link name=\"box_{name}\"><inertial><mass value=\"1\"/>
+              <inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>
+              <collision><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision></link>
+            <joint name=\"{name}\" type=\"prismatic\"><parent link=\"world\"/><child link=\"box_{name}\"/>
+              <origin xyz=\"{x} {y} 0\"/><axis xyz=\"1 0 0\"/><limit lower=\"-1\" upper=\"1\" effort=\"1000\" velocity=\"5\"/></joint>\n"
+        );
+    }
+    text + "</robot>"
+}
 
 /// Joint `a` goes by `way` within 1 s and stays; both are kinematic.
 fn text(way: f64, rest: &str) -> String {
@@ -29,10 +37,10 @@ fn text(way: f64, rest: &str) -> String {
     text
 }
 
-fn prepared(text: &str) -> Result<Simulation, String> {
+fn prepared(boxes: Boxes, text: &str) -> Result<Simulation, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
-    write("rail.urdf", RAIL);
+    write("rail.urdf", &urdf(boxes));
     write("rail.toml", "urdf = \"rail.urdf\"\nbase = \"fixed\"\nkinematic = [\"*\"]\n");
     let file = scenario::parse(&folder.path().join("test.toml"), text).unwrap_or_else(|e| panic!("{e}"));
     let run = &file.expand(&[]).unwrap_or_else(|e| panic!("{e}"))[0];
@@ -42,7 +50,11 @@ fn prepared(text: &str) -> Result<Simulation, String> {
 }
 
 fn run(text: &str) -> (Metrics, Told) {
-    let (mut sim, mut told) = (prepared(text).expect("it fits"), Told::default());
+    run_with(TWO, text)
+}
+
+fn run_with(boxes: Boxes, text: &str) -> (Metrics, Told) {
+    let (mut sim, mut told) = (prepared(boxes, text).expect("it fits"), Told::default());
     let (outcome, message) = sim.run(&mut told, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
     (sim.metrics().clone(), told)
@@ -80,14 +92,14 @@ fn what_is_reported_is_the_closed_form() {
     assert!(events[0].time >= begins && events[0].time <= begins + 1e-3 + 1e-9, "{} {begins}", events[0].time);
     assert_eq!(
         (events[0].subject.as_str(), events[0].message.as_str()),
-        ("left/right", "overlap of `left` and `right` begins")
+        ("box_a/box_b", "overlap of `box_a` and `box_b` begins")
     );
     for s in &told.snapshots {
         let own = s.self_contact.as_ref().expect("it is asked for");
         let (distance, pair, a, b) = own.nearest.expect("there is a pair");
         let truth = 0.5 + s.q[1] - s.q[0];
         assert!((distance - truth).abs() < 1e-9, "{distance} {truth}");
-        assert_eq!(own.pairs[pair], ["left", "right"]);
+        assert_eq!(own.pairs[pair], ["box_a", "box_b"]);
         // The facing sides.
         assert!((a.x - (s.q[0] - 0.25)).abs() < 1e-9 && (b.x - (s.q[1] + 0.25)).abs() < 1e-9, "{a} {b}");
         assert!(own.frozen.is_empty() && own.wanted.is_empty());
@@ -102,7 +114,7 @@ fn an_overlap_ends_and_begins_again() {
     let (m, told) = run(&text.replace(posture, sine).replace("duration = 2.0", "duration = 3.0"));
     let words: Vec<&str> =
         told.events.iter().filter(|e| e.kind == "self-collision").map(|e| e.message.as_str()).collect();
-    let (begins, ends) = ("overlap of `left` and `right` begins", "overlap of `left` and `right` ends");
+    let (begins, ends) = ("overlap of `box_a` and `box_b` begins", "overlap of `box_a` and `box_b` ends");
     assert_eq!((words, m.self_collisions), (vec![begins, ends, begins, ends], Some(2)));
 }
 
@@ -132,12 +144,93 @@ fn avoidance_keeps_the_margin_and_says_what_it_cost() {
 
 #[test]
 fn a_start_within_the_margin_is_refused() {
-    let told = |text: &str| match prepared(text) {
+    let told = |text: &str| match prepared(TWO, text) {
         Ok(_) => String::new(),
         Err(words) => words,
     };
     let words = told(&text(0.0, "self_collision = { method = 1, margin = 0.6 }"));
-    assert!(words.contains("`left` and `right` start 0.5000 m apart"), "{words}");
+    assert!(words.contains("`box_a` and `box_b` start 0.5000 m apart"), "{words}");
     assert!(words.contains("self_collision") && words.contains("`ignore`"), "{words}");
     assert_eq!(told(&text(0.0, "self_collision = { method = 0, margin = 0.6 }")), "");
+}
+
+#[test]
+fn a_joint_that_follows_nothing_is_not_planned_with() {
+    // b is passive and stays where it is, whatever it is told: a must not count on its getting out of the way.
+    for method in 1..=4 {
+        let text = text(0.9, &format!("self_collision = {{ method = {method}, margin = 0.02 }}"))
+            .replace("joints = { a = 0.9 }", "joints = { a = 0.9, b = 0.9 }")
+            .replace("model = \"rail.toml\"", "model = \"rail.toml\", joint = { b = { mode = \"passive\" } }");
+        let (m, told) = run(&text);
+        assert!(m.min_self_distance_m.unwrap() >= 0.02, "method {method}: {:?}", m.min_self_distance_m);
+        let own = told.snapshots.last().unwrap().self_contact.as_ref().unwrap();
+        assert!(own.frozen[0] && !own.frozen[1], "{:?}", own.frozen);
+    }
+}
+
+#[test]
+fn what_comes_in_the_way_of_a_path_makes_it_brake() {
+    // a goes slowly, 5 s long; b is pushed into its way and stands there.
+    let boxes: Boxes = &[("a", -0.6, 0.0), ("b", 0.6, 0.0)];
+    for method in 1..=4 {
+        let (m, told) = run_with(
+            boxes,
+            &format!(
+                "duration = 6.0
+                robot = {{ model = \"rail.toml\", joint = {{ b = {{ mode = \"velocity\", kd = 200.0 }} }} }}
+                control = {{ rate = 1000 }}
+                integrator = {{ method = \"semi-implicit\", step = 1e-3 }}
+                self_collision = {{ method = {method}, margin = 0.02, max_speed = 0.2 }}
+                task = [{{ type = \"posture\", duration = 0.01, joints = {{ a = 0.9 }} }}]
+                force = [{{ type = \"push\", link = \"box_b\", force = [-120, 0, 0], start = 0.5, duration = 1.0 }}]\n"
+            ),
+        );
+        let there = told.snapshots.last().unwrap();
+        assert!(there.q[1] < -0.5, "b has come to {}", there.q[1]);
+        assert!(
+            m.self_collisions == Some(0) && m.min_self_distance_m.unwrap() > 0.015,
+            "{method}: {:?}",
+            m.min_self_distance_m
+        );
+    }
+}
+
+#[test]
+fn pairs_that_have_nothing_to_do_with_each_other_do_not_hold_each_other_up() {
+    // a is stopped by b on one rail; c, on another one, is in d's way and moves out of it.
+    let boxes: Boxes = &[("a", -0.3, 0.0), ("b", 0.3, 0.0), ("c", -0.3, 5.0), ("d", 0.3, 5.0)];
+    let rest = "self_collision = { method = 2, margin = 0.02 }";
+    let (m, told) = run_with(boxes, &text(0.9, rest).replace("{ a = 0.9 }", "{ a = 0.9, c = -0.2, d = -0.9 }"));
+    let q = &told.snapshots.last().unwrap().q;
+    assert!((q[2] + 0.2).abs() < 1e-9, "{q:?}");
+    assert!(m.min_self_distance_m.unwrap() >= 0.02 && q[0] < 0.5 && q[3] > -0.7, "{q:?}");
+}
+
+#[test]
+fn within_the_margin_one_may_only_leave() {
+    // b drifts to 12 mm from a and stands there; a is told through b, and later away from it.
+    let boxes: Boxes = &[("a", -0.3, 0.0), ("b", 0.3, 0.0), ("c", 0.0, 5.0)];
+    let text = |to: f64| {
+        format!(
+            "duration = 4.0
+            robot = {{ model = \"rail.toml\", joint = {{ b = {{ mode = \"velocity\", kd = 200.0 }} }} }}
+            control = {{ rate = 1000 }}
+            integrator = {{ method = \"semi-implicit\", step = 1e-3 }}
+            self_collision = {{ method = 2, margin = 0.02 }}
+            force = [{{ type = \"push\", link = \"box_b\", force = [-195.2, 0, 0], duration = 0.5 }}]
+            # c has nothing to do with them, and is slow: what is looked at must be the pair's own motion.
+            task = [
+                {{ type = \"posture\", start = 1.0, duration = 1.0, joints = {{ a = {to} }} }},
+                {{ type = \"posture\", start = 1.0, duration = 2.5, joints = {{ c = 0.9 }} }},
+            ]\n"
+        )
+    };
+    let (m, told) = run_with(boxes, &text(0.9));
+    let near = told.snapshots.iter().map(|s| 0.5 + s.q[1] - s.q[0]).fold(f64::INFINITY, f64::min);
+    assert!(near > 0.005 && near < 0.02, "{near}");
+    assert_eq!(m.self_collisions, Some(0));
+    let at = |t: f64, told: &Told| told.snapshots.iter().find(|s| s.time >= t).unwrap().q[0];
+    assert!((told.snapshots.last().unwrap().q[0] - at(1.0, &told)).abs() < 1e-9);
+    let (m, told) = run_with(boxes, &text(-0.5));
+    assert!((told.snapshots.last().unwrap().q[0] + 0.5).abs() < 1e-9 && m.self_collisions == Some(0));
 }

@@ -129,6 +129,10 @@ impl Avoider {
         let (rate, begin) = (1.0 / self.settings.rate, self.trial.begin);
         for (j, limits) in self.settings.limits.iter().enumerate() {
             let from = Point { q: self.trial.paths[j].rest(), v: 0.0, a: 0.0 };
+            if self.trial.loose[j] {
+                self.onward[j] = Path::resting(from.q);
+                continue;
+            }
             let target = Point { q: self.goal[j], v: 0.0, a: 0.0 };
             let on = soonest(from, begin, rate, limits, |_| target);
             self.onward[j] = on.unwrap_or(Path::resting(from.q));

@@ -8,12 +8,18 @@ use super::guard::{Fading, Guard, Way};
 use super::path::Path;
 use super::tally::Tally;
 use super::trial::{Robot, Trial};
-use super::wanted::Wanted;
+use super::wanted::{Ring, Wanted};
 use super::{Limits, methods};
 use crate::collision::CollisionModel;
 use crate::motion::spline::Point;
 use crate::random::Stream;
 use crate::robot::Model;
+
+/// Longest time for which an acceleration is taken to last, s.
+const FARTHEST: f64 = 0.1;
+
+/// Time between cycles while a joint catches up with a motion that its limits do not allow, s.
+const HURRY: f64 = 0.01;
 
 /// How collisions are avoided.
 #[derive(Clone, Debug)]
@@ -55,6 +61,8 @@ pub struct Avoider {
     pub(super) random: Stream,
     /// Joints that the method at hand keeps from where the tasks want them.
     pub(super) frozen: Vec<bool>,
+    /// Pairs for which joints were frozen.
+    pub(super) culprits: Vec<usize>,
     /// Where the tasks want the joints, one cycle ahead.
     pub(super) goal: Vec<f64>,
     /// Paths to there; where none keeps the limits, what the joint does otherwise.
@@ -64,15 +72,21 @@ pub struct Avoider {
     pub(super) onward: Vec<Path>,
     pub(super) posture: Vec<f64>,
     pub(super) marked: Vec<bool>,
+    /// Motion of the joints at the beginning of the cycle's paths.
+    here: Vec<Point>,
     /// Time of the tick at hand, s.
     pub(super) now: f64,
     guard: Guard,
+    /// What was asked at the last ticks.
+    asked: Ring,
     /// Of the joints that are not free.
     paths: Vec<Path>,
     refused: Vec<bool>,
     /// Time of the last tick, s.
     last: f64,
     next: u64,
+    /// Time of the last cycle, s.
+    decided: f64,
     /// What was done.
     pub tally: Tally,
 }
@@ -96,6 +110,8 @@ impl Avoider {
             detour: Detour::new(n),
             random: Stream::new(settings.seed, &["self-collision"]),
             frozen: vec![false; n],
+            culprits: Vec::with_capacity(2 * collision.pairs.len()),
+            here: vec![Point::default(); n],
             goal: start.to_vec(),
             proposed: resting.clone(),
             best: resting.clone(),
@@ -104,10 +120,12 @@ impl Avoider {
             marked: vec![false; n],
             now: begin,
             guard: Guard::new(n),
+            asked: Ring::new(start, period),
             paths: resting,
             refused: vec![false; n],
             last: begin - period,
             next: 0,
+            decided: f64::NEG_INFINITY,
             tally: Tally::default(),
             collision,
             levers,
@@ -136,37 +154,59 @@ impl Avoider {
     /// One tick at time `now`: `asked` comes as the tasks want it and goes as it is safe.
     pub fn tick(&mut self, model: &Model, now: f64, asked: &mut Asked) {
         self.now = now;
-        for j in 0..asked.follows.len() {
-            match (asked.follows[j], self.guard.way[j]) {
-                (false, _) => {
-                    self.guard.way[j] = Way::Loose;
-                    self.paths[j] = Path::resting(asked.measured[j]);
-                }
-                (true, Way::Loose) => self.guard.way[j] = Way::Held,
-                _ => {}
-            }
-        }
+        let changes = self.take_hold(asked);
         self.wanted.push(asked.position, asked.velocity, &self.settings.limits);
         let due = now >= self.next as f64 / self.settings.rate - 1e-9;
         if due {
             self.next = (now * self.settings.rate + 1e-6).floor() as u64 + 1;
         }
-        if due || !self.guard_allows(model) {
+        // A joint that its limits have left behind finds its way sooner when it is asked more often where it leads.
+        let late = self.guard.late.contains(&true) && now >= self.decided + HURRY - 1e-9;
+        if due || changes || late || !self.guard_allows(model) {
+            self.decided = now;
             self.tally.early += u64::from(!due);
             self.cycle(model, asked, due);
         }
         self.last = now;
         for j in (0..asked.follows.len()).filter(|j| asked.follows[*j]) {
             let wanted = self.wanted.now(j);
-            let out = self.out(j, now);
+            let mut out = self.out(j, now);
+            if self.guard.way[j] == Way::Free && asked.position[j] == wanted.q {
+                // As it was told, whether or not it fits the positions.
+                out.v += asked.velocity[j] - wanted.v;
+            }
             (asked.position[j], asked.velocity[j]) = (out.q, out.v);
             let off = (out.q - wanted.q).abs();
             let tally = &mut self.tally;
             tally.ticks += 1;
-            tally.held_back += u64::from(self.frozen[j]);
+            tally.held_back += u64::from(self.frozen[j] || off > methods::AT_GOAL);
             tally.squares += off * off;
             tally.greatest = tally.greatest.max(off);
         }
+        self.asked.next().copy_from_slice(asked.position);
+    }
+
+    /// Takes note of which joints follow their commands. One that begins to goes on from where and how it is measured to move;
+    /// true when there is one.
+    fn take_hold(&mut self, asked: &Asked) -> bool {
+        let mut changes = false;
+        for j in 0..asked.follows.len() {
+            match (asked.follows[j], self.guard.way[j]) {
+                (false, way) => {
+                    changes |= way != Way::Loose;
+                    self.guard.way[j] = Way::Loose;
+                    self.paths[j] = Path::resting(asked.measured[j]);
+                }
+                (true, Way::Loose) => {
+                    let here = Point { q: asked.measured[j], v: asked.rates[j], a: 0.0 };
+                    self.paths[j] = Path::stop(here, self.now, &self.settings.limits[j]);
+                    self.guard.way[j] = Way::Held;
+                    changes = true;
+                }
+                _ => {}
+            }
+        }
+        changes
     }
 
     fn out(&self, j: usize, t: f64) -> Point {
@@ -180,7 +220,7 @@ impl Avoider {
         let robot = Robot { model, collision: &self.collision, levers: &self.levers, margin: self.settings.margin };
         let limits = &self.settings.limits;
         let refused = (self.now, self.refused.as_mut_slice());
-        self.guard.allows(robot, &self.trial, &self.wanted, &self.paths, limits, refused)
+        self.guard.allows(robot, &self.trial, (&self.wanted, &self.asked), &self.paths, limits, refused)
     }
 
     /// Decides anew where the joints go, from where they were at the last tick.
@@ -192,10 +232,14 @@ impl Avoider {
         let levers = std::mem::take(&mut self.levers);
         let robot = Robot { model, collision: &collision, levers: &levers, margin: self.settings.margin };
         self.trial.measure(robot);
+        if self.trial.loose.contains(&true) {
+            self.trial.brake(robot, &self.here, &self.settings.limits);
+            self.propose(asked);
+        }
         let free = methods::decide(self, robot);
         self.adopt(robot, due);
         self.levers = levers;
-        while !self.guard_allows(model) {
+        while !self.guard_allows(model) && self.refused.contains(&true) {
             for j in 0..self.refused.len() {
                 if self.refused[j] && self.guard.way[j] == Way::Free {
                     self.guard.way[j] = Way::Held;
@@ -214,31 +258,37 @@ impl Avoider {
     fn look_ahead(&mut self, asked: &Asked) {
         let (begin, period) = (self.last, 1.0 / self.settings.rate);
         self.trial.begin = begin;
-        self.frozen.fill(false);
         for (j, limits) in self.settings.limits.iter().enumerate() {
-            let (here, otherwise) = match self.guard.way[j] {
-                Way::Free => {
-                    let mut here = self.guard.asked(j, &self.wanted.before(j), begin);
-                    here.v = here.v.clamp(-limits.speed, limits.speed);
-                    here.a = here.a.clamp(-limits.acceleration, limits.acceleration);
-                    (here, Path::stop(here, begin, limits))
-                }
-                Way::Held | Way::Loose => (self.paths[j].at(begin), self.paths[j]),
+            self.trial.loose[j] = self.guard.way[j] == Way::Loose;
+            let otherwise = match self.guard.way[j] {
+                Way::Free => self.guard.stop(j, &self.wanted.before(j), begin, limits),
+                Way::Held => self.paths[j],
+                Way::Loose => Path::drift(asked.measured[j], asked.rates[j], begin, period),
             };
-            self.trial.anchor[j] = here.q;
+            self.here[j] = otherwise.at(begin);
+            self.trial.anchor[j] = self.here[j].q;
             self.trial.otherwise[j] = otherwise;
             self.trial.reset(j);
-            self.goal[j] = self.wanted.ahead(j, period, period, limits).q;
-            self.proposed[j] = otherwise;
-            if self.guard.way[j] == Way::Loose {
-                // It may go on as it moves.
-                self.trial.reach[j] = asked.rates[j].abs() * period;
+        }
+        self.propose(asked);
+    }
+
+    /// Lets the trial lead where the tasks want the joints.
+    fn propose(&mut self, asked: &Asked) {
+        let (begin, period) = (self.last, 1.0 / self.settings.rate);
+        self.frozen.fill(false);
+        for (j, limits) in self.settings.limits.iter().enumerate() {
+            self.proposed[j] = self.trial.otherwise[j];
+            if !asked.follows[j] {
                 continue;
             }
-            let path = self.way_to_wanted(j, here, begin, period);
-            if let Some(path) = path {
-                self.proposed[j] = path;
-                self.trial.set(j, path);
+            self.goal[j] = self.wanted.ahead(j, period, period.min(FARTHEST), limits).q;
+            match self.way_to_wanted(j, self.here[j], begin, period) {
+                Some(path) => {
+                    self.proposed[j] = path;
+                    self.trial.set(j, path);
+                }
+                None => self.frozen[j] = (self.goal[j] - self.here[j].q).abs() > methods::AT_GOAL,
             }
         }
     }
@@ -247,7 +297,7 @@ impl Avoider {
     fn way_to_wanted(&self, j: usize, here: Point, begin: f64, period: f64) -> Option<Path> {
         let limits = &self.settings.limits[j];
         methods::soonest(here, begin, self.now - begin + period, limits, |duration| {
-            self.wanted.ahead(j, begin + duration - self.now, period, limits)
+            self.wanted.ahead(j, begin + duration - self.now, period.min(FARTHEST), limits)
         })
     }
 
@@ -263,7 +313,8 @@ impl Avoider {
             }
             self.paths[j] = path;
             self.guard.way[j] = Way::Held;
-            if self.frozen[j] || path != self.proposed[j] || (was == Way::Held && !due) {
+            let may = due || self.guard.late[j];
+            if self.frozen[j] || path != self.proposed[j] || (was == Way::Held && !may) {
                 continue;
             }
             let (here, wanted) = (path.at(self.trial.begin), self.wanted.before(j));
@@ -274,6 +325,7 @@ impl Avoider {
             if let Some(fade) = fade {
                 self.guard.way[j] = Way::Free;
                 self.guard.fade[j] = fade;
+                self.guard.late[j] = false;
             }
         }
         for pair in 0..self.collision.pairs.len() {

@@ -12,7 +12,7 @@
 //! the body away from m by t_j, less is known to be enough:
 //!
 //! ```text
-//! r_k = |z_k x (c - o_k)| + R + sum over j of L_j t_j,      |d(q) - d(m)| <= sum over k of min(L_k, r_k) t_k
+//! r_k = |z_k x (c - o_k)| + R + sum over j of min(L_j, r_j) t_j,      |d(q) - d(m)| <= sum over k of min(L_k, r_k) t_k
 //! ```
 //!
 //! From one test of a posture follows so a whole neighbourhood without collision.
@@ -84,7 +84,9 @@ impl Levers {
 
     /// How much the distance of a pair can change in any posture when each joint moves by `travel`, m.
     pub fn change(&self, pair: usize, travel: &[f64]) -> f64 {
-        self.of(pair).iter().map(|lever| lever.length * travel[lever.joint]).sum()
+        // A lever beyond an endless slide is infinite.
+        let moving = self.of(pair).iter().filter(|lever| travel[lever.joint] > 0.0);
+        moving.map(|lever| lever.length * travel[lever.joint]).sum()
     }
 
     /// For each lever of a pair the greatest distance of the carried body from the axis in a posture, into its part of `radii`.
@@ -110,9 +112,13 @@ impl Levers {
                 (moved, second) = (0.0, true);
             }
             let t = travel[lever.joint];
+            if t == 0.0 {
+                continue;
+            }
             let radius = if lever.slides { 1.0 } else { radius + moved };
-            change += lever.length.min(radius) * t;
-            moved += lever.length * t;
+            let part = lever.length.min(radius) * t;
+            change += part;
+            moved += part;
         }
         change
     }
@@ -157,6 +163,52 @@ mod tests {
     use super::*;
     use crate::collision::{Detector, place};
     use crate::random::Stream;
+
+    #[test]
+    fn an_endless_slide_at_rest_holds_nothing_up() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let inertial = "<inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>";
+        let body = |name: &str| {
+            format!(
+                "<link name=\"{name}\">{inertial}<collision><geometry><box size=\"0.2 0.2 0.2\"/></geometry></collision></link>"
+            )
+        };
+        let joint = |name: &str, kind: &str, parent: &str, child: &str, x: f64| {
+            format!(
+                "<joint name=\"{name}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>
+                 <origin xyz=\"{x} 0 0\"/><axis xyz=\"0 0 1\"/><limit effort=\"1\" velocity=\"1\"/></joint>"
+            )
+        };
+        let text = format!(
+            "<robot name=\"r\">{}{}{}{}{}{}{}</robot>",
+            body("root"),
+            body("arm"),
+            body("rail"),
+            body("hand"),
+            joint("turn", "continuous", "root", "arm", 0.5),
+            joint("slide", "prismatic", "arm", "rail", 0.5),
+            joint("twist", "continuous", "rail", "hand", 0.5)
+        );
+        let path = folder.path().join("r.urdf");
+        std::fs::write(&path, text).expect("written");
+        let mut robot = crate::robot::load(&path).expect("it is one");
+        for joint in robot.model.joints.iter_mut().filter(|j| j.kind == JointKind::Prismatic) {
+            (joint.lower, joint.upper) = (f64::NEG_INFINITY, f64::INFINITY);
+        }
+        let collision = CollisionModel::every_pair(&robot.model, &robot.self_collision);
+        let levers = Levers::new(&robot.model, &collision);
+        let mut poses = vec![LinkPose::IDENTITY; robot.model.links.len()];
+        place(&robot.model, &[0.0; 3], &mut poses);
+        let mut radii = vec![0.0; levers.count()];
+        let pair = collision.pairs.iter().position(|p| p.joints.len() == 3).expect("root and hand");
+        levers.measure(pair, &poses, &mut radii);
+        // The hand's corners are sqrt(0.03) from its middle, which is 1 m from the first axis.
+        let near = 0.03f64.sqrt();
+        assert!((levers.change_from(pair, &radii, &[0.1, 0.0, 0.0]) - 0.1 * (1.0 + near)).abs() < 1e-12);
+        assert!((levers.change(pair, &[0.0, 0.0, 0.1]) - 0.1 * near).abs() < 1e-12);
+        // Sliding by 0.2 m makes it longer by as much.
+        assert!((levers.change_from(pair, &radii, &[0.1, 0.2, 0.0]) - (0.2 + 0.1 * (1.2 + near))).abs() < 1e-12);
+    }
 
     #[test]
     fn no_distance_changes_by_more() {

@@ -12,7 +12,7 @@
 use super::Limits;
 use super::path::Path;
 use super::trial::{Robot, Trial};
-use super::wanted::Wanted;
+use super::wanted::{Ring, Wanted};
 use crate::motion::spline::{Point, quintic};
 
 /// Shortest and longest time in which the difference between a path and the wanted motion fades, s.
@@ -20,6 +20,9 @@ const FADE: (f64, f64) = (0.05, 0.5);
 
 /// Part of the limits of acceleration and jerk that a fade may take.
 const PART: f64 = 0.5;
+
+/// A joint that follows nothing and goes this much farther than its last test foresaw makes a cycle come early, rad or m.
+const UNFORESEEN: f64 = 2e-3;
 
 /// How a joint is treated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -66,13 +69,20 @@ impl Fading {
 pub(super) struct Guard {
     pub way: Vec<Way>,
     pub fade: Vec<Fading>,
+    /// Was the joint refused for its limits, and is not free again?
+    pub late: Vec<bool>,
     /// Greatest distance of each joint from the anchor in what it can still do.
     travel: Vec<f64>,
 }
 
 impl Guard {
     pub fn new(joints: usize) -> Self {
-        Guard { way: vec![Way::Free; joints], fade: vec![Fading::NONE; joints], travel: vec![0.0; joints] }
+        Guard {
+            way: vec![Way::Free; joints],
+            fade: vec![Fading::NONE; joints],
+            late: vec![false; joints],
+            travel: vec![0.0; joints],
+        }
     }
 
     /// What a free joint is asked at time `t` where `wanted` is wanted.
@@ -81,13 +91,21 @@ impl Guard {
         Point { q: wanted.q + e.q, v: wanted.v + e.v, a: wanted.a + e.a }
     }
 
+    /// The stop of a free joint from time `t`, where `wanted` is wanted.
+    pub fn stop(&self, joint: usize, wanted: &Point, t: f64, limits: &Limits) -> Path {
+        let mut here = self.asked(joint, wanted, t);
+        here.v = here.v.clamp(-limits.speed, limits.speed);
+        here.a = here.a.clamp(-limits.acceleration, limits.acceleration);
+        Path::stop(here, t, limits)
+    }
+
     /// May the free joints be asked what is wanted now? `held` has the paths of the others. Marks those that may not in
     /// `refused`.
     pub fn allows(
         &mut self,
         robot: Robot,
         trial: &Trial,
-        wanted: &Wanted,
+        (wanted, asked_before): (&Wanted, &Ring),
         held: &[Path],
         limits: &[Limits],
         (now, refused): (f64, &mut [bool]),
@@ -95,21 +113,30 @@ impl Guard {
         refused.fill(false);
         let mut fine = true;
         for (j, limit) in limits.iter().enumerate() {
+            if self.way[j] == Way::Loose {
+                // Where it is now, and what was taken into account of its motion.
+                let foreseen = trial.reach[j];
+                self.travel[j] = foreseen.max((held[j].rest() - trial.anchor[j]).abs());
+                fine &= self.travel[j] <= foreseen + UNFORESEEN;
+                continue;
+            }
             if self.way[j] != Way::Free {
                 self.travel[j] = held[j].reach(trial.anchor[j], now);
                 continue;
             }
-            let (want, fading) = (wanted.now(j), self.fade[j].at(now) != Point::default());
-            let asked = self.asked(j, &want, now);
-            let stop = Path::stop(asked, now, limit);
+            let fading = self.fade[j].at(now) != Point::default();
+            let asked = self.asked(j, &wanted.now(j), now);
+            let stop = self.stop(j, &wanted.now(j), now, limit);
             let jerk = if fading { (1.0 - PART) * limit.jerk } else { limit.jerk };
             // Rounding of differences of a limit that is met exactly.
             let more = 1.0 + 1e-6;
             let keeps = wanted.jerk(j).abs() <= jerk * more
                 && asked.a.abs() <= limit.acceleration * more
                 && asked.v.abs() <= limit.speed * more
-                && stop.stays(now, limit);
+                && (wanted.is_told(j) || asked_before.may_be_followed_by(j, asked.q, limit))
+                && stop.keeps(limit);
             if !keeps {
+                self.late[j] = true;
                 refused[j] = true;
                 fine = false;
             }

@@ -16,7 +16,7 @@ use super::trial::Robot;
 use crate::motion::spline::Point;
 
 /// A joint this near to its goal is there, rad or m.
-const AT_GOAL: f64 = 1e-3;
+pub(super) const AT_GOAL: f64 = 1e-3;
 
 /// Random postures that methods 3 and 4 look at in a cycle.
 const DRAWS: usize = 24;
@@ -60,8 +60,10 @@ pub(super) fn decide(avoider: &mut Avoider, robot: Robot) -> bool {
     }
     match avoider.settings.method {
         1 => {
-            avoider.frozen.fill(true);
-            (0..avoider.frozen.len()).for_each(|j| avoider.trial.reset(j));
+            (0..avoider.frozen.len()).for_each(|j| {
+                avoider.frozen[j] = !avoider.trial.loose[j];
+                avoider.trial.reset(j);
+            });
         }
         method => {
             let first = avoider.trial.colliding[0];
@@ -81,11 +83,13 @@ pub(super) fn decide(avoider: &mut Avoider, robot: Robot) -> bool {
 impl Avoider {
     /// Stops the joints between bodies that would touch, until nothing does.
     fn freeze_involved(&mut self, robot: Robot) {
+        self.culprits.clear();
         while !self.trial.colliding.is_empty() {
             for i in 0..self.trial.colliding.len() {
                 let pair = self.trial.colliding[i];
+                self.culprits.push(pair);
                 for lever in robot.levers.of(pair) {
-                    self.frozen[lever.joint] = true;
+                    self.frozen[lever.joint] = !self.trial.loose[lever.joint];
                     self.trial.reset(lever.joint);
                 }
             }
@@ -94,23 +98,36 @@ impl Avoider {
         }
     }
 
-    /// Lets the stopped joints on one side of the pairs go again, if that is free.
+    /// Lets the stopped joints on one side of the pairs in question go again, if that is free: of all pairs at once, or else of
+    /// one after the other.
     fn release_sides(&mut self, robot: Robot) {
         for second in [false, true] {
-            self.marked.fill(false);
-            for pair in 0..self.collision.pairs.len() {
-                let levers = robot.levers.of(pair);
-                let stopped = levers.iter().all(|l| self.frozen[l.joint]);
-                let side = levers.iter().filter(|l| l.second == second && stopped);
-                side.for_each(|l| self.marked[l.joint] = true);
+            let all = self.culprits.len();
+            if self.release(robot, second, 0..all) || all == 1 {
+                continue;
             }
-            let any = self.mark_only_movable();
-            if any && !self.try_marked(robot, |avoider, j| Some(avoider.proposed[j])) {
-                self.undo_marked();
-            } else if any {
-                (0..self.marked.len()).for_each(|j| self.frozen[j] &= !self.marked[j]);
+            for k in 0..all {
+                self.release(robot, second, k..k + 1);
             }
         }
+    }
+
+    /// Lets one side of some of the pairs in question go, if that is free.
+    fn release(&mut self, robot: Robot, second: bool, culprits: std::ops::Range<usize>) -> bool {
+        self.marked.fill(false);
+        for k in culprits {
+            let side = robot.levers.of(self.culprits[k]).iter().filter(|l| l.second == second);
+            side.for_each(|l| self.marked[l.joint] = true);
+        }
+        if !self.mark_only_movable() {
+            return true;
+        }
+        if !self.try_marked(robot, |avoider, j| Some(avoider.proposed[j])) {
+            self.undo_marked();
+            return false;
+        }
+        (0..self.marked.len()).for_each(|j| self.frozen[j] &= !self.marked[j]);
+        true
     }
 
     /// Of the marked joints keeps those that are frozen and could go somewhere.

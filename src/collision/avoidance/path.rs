@@ -35,8 +35,11 @@ fn after(from: &Point, jerk: f64, s: f64) -> Point {
 /// Pieces of the longest path: three to go and two to stop.
 const PIECES: usize = 5;
 
+/// Ranges are kept to this rounding, relative and in rad or m.
+const RANGE_ROUNDING: f64 = 1e-9;
+
 /// Limits are kept to this relative rounding.
-const ROUNDING: f64 = 1e-9;
+const ROUNDING: f64 = 1e-6;
 
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct Piece {
@@ -62,7 +65,17 @@ impl Path {
         Path { pieces: [Piece::default(); PIECES], count: 0, rest: q, end: f64::NEG_INFINITY }
     }
 
-    /// From `from` at `begin` to rest, in the shortest stop that keeps `limits` but for the range.
+    /// As it moves for `duration`, and then at rest at once: what is known of a joint that follows nothing.
+    pub fn drift(q: f64, v: f64, begin: f64, duration: f64) -> Self {
+        let mut path = Path::resting(q);
+        if v != 0.0 {
+            path.rest = path.push(Point { q, v, a: 0.0 }, begin, duration, 0.0).q;
+        }
+        path
+    }
+
+    /// From `from` at `begin` to rest, in the shortest stop that keeps the limits of acceleration and jerk. Whether speed and
+    /// range allow it says [`Self::keeps`].
     pub fn stop(from: Point, begin: f64, limits: &Limits) -> Self {
         let mut path = Path::resting(from.q);
         path.append_stop(from, begin, limits);
@@ -178,11 +191,12 @@ impl Path {
         pieces.iter().all(fast) && self.stays(pieces.first().map_or(self.end, |p| p.begin), limits)
     }
 
-    /// Does it stay within the range from `from` on?
-    pub fn stays(&self, from: f64, limits: &Limits) -> bool {
+    /// Does it stay within the range from `from` on? One that begins outside may come back.
+    fn stays(&self, from: f64, limits: &Limits) -> bool {
         let [low, high] = self.range(from, self.end.max(from));
-        let slack = ROUNDING * (1.0 + low.abs().max(high.abs()));
-        low >= limits.lower - slack && high <= limits.upper + slack
+        let start = self.at(from).q;
+        let slack = RANGE_ROUNDING * (1.0 + low.abs().max(high.abs()));
+        low >= (limits.lower - slack).min(start) && high <= (limits.upper + slack).max(start)
     }
 }
 

@@ -17,7 +17,7 @@ pub struct Tally {
     pub tests_last: u64,
     /// Ticks of joints: one for each joint that follows its command at each tick.
     pub ticks: u64,
-    /// Of these, those of joints that could not go where the tasks want them.
+    /// Of these, those of joints that were stopped by a method, or asked something else by more than 1 mrad or mm.
     pub held_back: u64,
     /// Sum of the squares of the differences between asked and wanted over them.
     pub squares: f64,
@@ -36,7 +36,7 @@ impl Tally {
         (self.ticks > 0).then(|| (self.squares / self.ticks as f64).sqrt())
     }
 
-    /// Share of the joints' time in which they could not go where the tasks want them.
+    /// Share of the joints' time in which they were kept from where the tasks want them.
     pub fn held_share(&self) -> Option<f64> {
         (self.ticks > 0).then(|| self.held_back as f64 / self.ticks as f64)
     }

@@ -1,9 +1,11 @@
 //! One set of paths under proof, beside the paths that the joints follow otherwise.
 
+use super::Limits;
 use super::bound::Levers;
 use super::path::Path;
 use super::prover::Prover;
 use crate::collision::{CollisionModel, Detector, Proximity};
+use crate::motion::spline::Point;
 use crate::robot::Model;
 
 /// What a trial is about: robot, bodies, levers.
@@ -18,8 +20,11 @@ pub(super) struct Robot<'a> {
 /// How much farther than it has to a distance is looked at, relative and in m, so that the motions of the ticks to come find room.
 const MORE: (f64, f64) = (1.5, 0.02);
 
-/// Samples of a path that leads out of the margin.
-const SAMPLES: usize = 8;
+/// Samples of a path that leads out of an overlap.
+const SAMPLES: usize = 32;
+
+/// How much nearer a pair within the margin may come on its way out of it, m: for the proof to have room.
+const LEAVING: f64 = 5e-4;
 
 /// Workspace of a cycle.
 pub(super) struct Trial {
@@ -41,6 +46,8 @@ pub(super) struct Trial {
     pub reach: Vec<f64>,
     /// Is the path another than `otherwise`?
     pub changed: Vec<bool>,
+    /// Does the joint follow nothing? Its path is what is known of it, and not to be chosen.
+    pub loose: Vec<bool>,
     /// Pairs for which the last trial failed, ascending.
     pub colliding: Vec<usize>,
     open: Vec<usize>,
@@ -61,6 +68,7 @@ impl Trial {
             paths: start.iter().map(|&q| Path::resting(q)).collect(),
             reach: vec![0.0; start.len()],
             changed: vec![false; start.len()],
+            loose: vec![false; start.len()],
             colliding: Vec::with_capacity(n),
             open: Vec::with_capacity(n),
             posture: start.to_vec(),
@@ -69,6 +77,7 @@ impl Trial {
 
     /// Lets a joint try a path.
     pub fn set(&mut self, joint: usize, path: Path) {
+        debug_assert!(!self.loose[joint]);
         self.paths[joint] = path;
         self.reach[joint] = path.reach(self.anchor[joint], self.begin);
         self.changed[joint] = true;
@@ -76,7 +85,8 @@ impl Trial {
 
     /// Lets it do what it does otherwise.
     pub fn reset(&mut self, joint: usize) {
-        self.set(joint, self.otherwise[joint]);
+        self.paths[joint] = self.otherwise[joint];
+        self.reach[joint] = self.paths[joint].reach(self.anchor[joint], self.begin);
         self.changed[joint] = false;
     }
 
@@ -134,22 +144,88 @@ impl Trial {
         self.colliding.is_empty()
     }
 
-    /// Does a pair that is within the margin at the anchor come no nearer at any of some samples, and get farther apart? This can
+    /// Does a pair that is within the margin at the anchor get farther apart, and come hardly nearer on the way? This can
     /// only be where a joint that does not follow its command has moved, or a motion was changed from outside.
     fn leaves(&mut self, robot: Robot, pair: usize) -> bool {
-        let end = self.paths.iter().map(Path::end).fold(self.begin, f64::max);
-        let mut before = f64::NEG_INFINITY;
-        for k in 0..=SAMPLES {
-            let t = self.begin + (end - self.begin) * k as f64 / SAMPLES as f64;
-            self.posture.iter_mut().zip(&self.paths).for_each(|(q, path)| *q = path.at(t).q);
-            self.prover.place(robot.model, robot.collision, &mut self.detector, &self.posture);
-            let now = self.detector.proximity(robot.collision, pair).distance;
-            if now < before {
+        let own = robot.levers.of(pair).iter().map(|lever| self.paths[lever.joint].end());
+        let end = own.fold(self.begin, f64::max);
+        let first = self.distance_at(robot, pair, self.begin);
+        let last = self.distance_at(robot, pair, end);
+        if !(last > first) {
+            return false;
+        }
+        let floor = first - LEAVING;
+        if floor > 0.0 {
+            let parts = (robot.model, robot.collision, robot.levers);
+            return self.prover.prove(
+                parts,
+                &mut self.detector,
+                &self.paths,
+                self.begin,
+                floor,
+                &[pair],
+                &mut self.open,
+            );
+        }
+        // Overlapping, or nearly: there is no margin to prove, and depths are looked at.
+        let mut before = first;
+        for k in 1..=SAMPLES {
+            let now = self.distance_at(robot, pair, self.begin + (end - self.begin) * k as f64 / SAMPLES as f64);
+            if now < before - 1e-9 {
                 return false;
             }
             before = now;
         }
         true
+    }
+
+    fn distance_at(&mut self, robot: Robot, pair: usize, t: f64) -> f64 {
+        self.posture.iter_mut().zip(&self.paths).for_each(|(q, path)| *q = path.at(t).q);
+        self.prover.place(robot.model, robot.collision, &mut self.detector, &self.posture);
+        self.detector.proximity(robot.collision, pair).distance
+    }
+
+    /// Where a joint that follows nothing has come in the way of what the others do otherwise, makes these brake, if they run
+    /// into nothing else so. `here` has their motion at the beginning.
+    pub fn brake(&mut self, robot: Robot, here: &[Point], limits: &[Limits]) {
+        self.open.clear();
+        for pair in 0..self.clearance.len() {
+            let levers = robot.levers.of(pair);
+            let loose = levers.iter().any(|l| self.loose[l.joint]);
+            let moves = levers.iter().any(|l| !self.loose[l.joint] && self.otherwise[l.joint].end() > self.begin);
+            if loose && moves && !self.is_clear(robot, pair) {
+                self.open.push(pair);
+            }
+        }
+        let parts = (robot.model, robot.collision, robot.levers);
+        let (detector, found) = (&mut self.detector, &mut self.colliding);
+        let proven = self.prover.prove(parts, detector, &self.otherwise, self.begin, robot.margin, &self.open, found);
+        if self.open.is_empty() || proven {
+            return;
+        }
+        self.open.clone_from(&self.colliding);
+        for k in 0..self.open.len() {
+            for lever in robot.levers.of(self.open[k]) {
+                if !self.loose[lever.joint] {
+                    self.set(lever.joint, Path::stop(here[lever.joint], self.begin, &limits[lever.joint]));
+                }
+            }
+        }
+        let braked = self.succeeds(robot);
+        for j in 0..self.changed.len() {
+            if self.changed[j] && (braked || !self.hits_followed(robot)) {
+                self.otherwise[j] = self.paths[j];
+            }
+        }
+        for j in 0..self.changed.len() {
+            self.reset(j);
+        }
+        self.colliding.clear();
+    }
+
+    /// Is one of the colliding pairs without joints that follow nothing?
+    fn hits_followed(&self, robot: Robot) -> bool {
+        self.colliding.iter().any(|pair| robot.levers.of(*pair).iter().all(|l| !self.loose[l.joint]))
     }
 
     /// Nearest points of a pair at time `t` of `paths`, in which the prover's poses then are.

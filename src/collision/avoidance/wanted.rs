@@ -1,9 +1,11 @@
 //! What the tasks want of the joints, as a motion: their positions tick by tick, with velocities, accelerations and jerk, and
 //! where that leads.
 //!
-//! Velocities that tasks tell are taken where they fit the positions, `|dq - (v + v') T / 2| <= T |v - v'| / 10 + J T^3` with the
-//! time T between ticks and the jerk limit J; their change is the acceleration. Otherwise both are backward differences over
-//! [`WINDOW`], long enough that the last digits of a filtered reading are no acceleration.
+//! Velocities that tasks tell are taken where they fit the positions, `|dq - (v + v') T / 2| <= T (|dv| + |dv'|) / 4` with the
+//! time T between ticks, dv the change of velocity in this and dv' in the last one (a smooth motion of jerk j misses by j T^3 / 12,
+//! and dv changes by j T^2); their change is the acceleration. Otherwise both are backward differences over
+//! [`WINDOW`], long enough that the last digits of a filtered reading are no acceleration. Where these show a jerk near the limit
+//! only the velocity that two windows agree in is believed.
 
 use super::Limits;
 use crate::collision::kinematics::capped_travel;
@@ -12,73 +14,34 @@ use crate::motion::spline::Point;
 /// Time over which differences are taken, s, or a tick where that is longer.
 const WINDOW: f64 = 0.01;
 
-/// The wanted motion of all joints.
-pub(super) struct Wanted {
+/// Part of the jerk limit below which a motion without told velocities is a smooth one.
+const SMOOTH: f64 = 0.25;
+
+/// Rounding of positions, rad or m.
+const ROUNDING: f64 = 1e-12;
+
+/// Positions of all joints at the last ticks, as many as three windows need.
+pub(super) struct Ring {
     period: f64,
     /// Ticks to a window.
     stride: usize,
     joints: usize,
-    /// The last 3 `stride` + 1 ticks, one after the other, of all joints.
-    ring: Vec<f64>,
+    /// Ticks one after the other.
+    all: Vec<f64>,
     newest: usize,
-    velocity: Vec<f64>,
-    now: Vec<Point>,
-    before: Vec<Point>,
-    /// For how many ticks the velocities told fit.
-    fitting: Vec<u32>,
 }
 
-impl Wanted {
+impl Ring {
     /// At rest at `start`; ticks come `period` seconds apart.
     pub fn new(start: &[f64], period: f64) -> Self {
         let stride = (WINDOW / period - 1e-9).ceil().max(1.0) as usize;
-        let now: Vec<Point> = start.iter().map(|&q| Point { q, v: 0.0, a: 0.0 }).collect();
-        Wanted {
-            period,
-            stride,
-            joints: start.len(),
-            ring: start.repeat(3 * stride + 1),
-            newest: 0,
-            velocity: vec![0.0; start.len()],
-            before: now.clone(),
-            fitting: vec![3; start.len()],
-            now,
-        }
+        Ring { period, stride, joints: start.len(), all: start.repeat(3 * stride + 1), newest: 0 }
     }
 
-    /// What is wanted at the next tick.
-    pub fn push(&mut self, position: &[f64], velocity: &[f64], limits: &[Limits]) {
+    /// The next tick; its positions are to be filled in.
+    pub fn next(&mut self) -> &mut [f64] {
         self.newest = (self.newest + 1) % (3 * self.stride + 1);
-        let at = self.newest * self.joints;
-        for (j, limit) in limits.iter().enumerate() {
-            self.ring[at + j] = position[j].clamp(limit.lower, limit.upper);
-        }
-        self.before.copy_from_slice(&self.now);
-        for (j, limit) in limits.iter().enumerate() {
-            let fits = self.fits(j, position[j], velocity[j], limit.jerk);
-            self.fitting[j] = if fits { (self.fitting[j] + 1).min(3) } else { 0 };
-            self.now[j] = self.estimate(j, velocity[j]);
-        }
-        self.velocity.copy_from_slice(velocity);
-    }
-
-    /// Does the velocity told at this tick fit the position asked?
-    fn fits(&self, j: usize, asked: f64, told: f64, jerk: f64) -> bool {
-        let (t, last) = (self.period, self.velocity[j]);
-        let q = self.back(j, 0);
-        let bend = q - self.before[j].q - 0.5 * t * (told + last);
-        // Where the range cuts it short, the velocity told is not that of the motion.
-        q == asked && bend.abs() <= 0.1 * t * (told - last).abs() + jerk * t * t * t
-    }
-
-    fn estimate(&self, j: usize, told: f64) -> Point {
-        let q = self.back(j, 0);
-        if self.fitting[j] > 0 {
-            return Point { q, v: told, a: (told - self.velocity[j]) / self.period };
-        }
-        let h = self.window();
-        let (x, y) = (self.back(j, 1), self.back(j, 2));
-        Point { q, v: (3.0 * q - 4.0 * x + y) / (2.0 * h), a: (q - 2.0 * x + y) / (h * h) }
+        &mut self.all[self.newest * self.joints..(self.newest + 1) * self.joints]
     }
 
     /// Length of a window, s.
@@ -88,8 +51,100 @@ impl Wanted {
 
     /// The position `k` windows ago.
     fn back(&self, j: usize, k: usize) -> f64 {
+        self.ago(j, k * self.stride)
+    }
+
+    fn ago(&self, j: usize, ticks: usize) -> f64 {
         let n = 3 * self.stride + 1;
-        self.ring[(self.newest + n - k * self.stride) % n * self.joints + j]
+        self.all[(self.newest + n - ticks) % n * self.joints + j]
+    }
+
+    /// Would `next` as the position of the next tick keep the limits over the windows that end there, and hardly jump?
+    pub fn may_be_followed_by(&self, j: usize, next: f64, limits: &Limits) -> bool {
+        let (h, t) = (self.window(), self.period);
+        let [a, b, c] = [1, 2, 3].map(|k| self.ago(j, k * self.stride - 1));
+        let jump = next - 2.0 * self.ago(j, 0) + self.ago(j, 1);
+        let more = 1.0 + 1e-6;
+        ((next - a) / h).abs() <= limits.speed * more
+            && ((next - 2.0 * a + b) / (h * h)).abs() <= limits.acceleration * more
+            && ((next - 3.0 * a + 3.0 * b - c) / (h * h * h)).abs() <= limits.jerk * more
+            && jump.abs() <= limits.acceleration * t * t + NOISE
+    }
+}
+
+/// Jump of a position from tick to tick that counts as the last digits of a reading, rad or m.
+const NOISE: f64 = 1e-4;
+
+/// The wanted motion of all joints.
+pub(super) struct Wanted {
+    period: f64,
+    ring: Ring,
+    velocity: Vec<f64>,
+    /// Change of the velocity told from tick to tick.
+    change: Vec<f64>,
+    now: Vec<Point>,
+    before: Vec<Point>,
+    /// For how many ticks the velocities told fit.
+    fitting: Vec<u32>,
+}
+
+impl Wanted {
+    /// At rest at `start`; ticks come `period` seconds apart.
+    pub fn new(start: &[f64], period: f64) -> Self {
+        let now: Vec<Point> = start.iter().map(|&q| Point { q, v: 0.0, a: 0.0 }).collect();
+        Wanted {
+            period,
+            ring: Ring::new(start, period),
+            velocity: vec![0.0; start.len()],
+            change: vec![0.0; start.len()],
+            before: now.clone(),
+            fitting: vec![3; start.len()],
+            now,
+        }
+    }
+
+    /// What is wanted at the next tick.
+    pub fn push(&mut self, position: &[f64], velocity: &[f64], limits: &[Limits]) {
+        for ((to, asked), limit) in self.ring.next().iter_mut().zip(position).zip(limits) {
+            *to = asked.clamp(limit.lower, limit.upper);
+        }
+        self.before.copy_from_slice(&self.now);
+        for (j, limit) in limits.iter().enumerate() {
+            let fits = self.fits(j, position[j], velocity[j]);
+            self.fitting[j] = if fits { (self.fitting[j] + 1).min(3) } else { 0 };
+            self.now[j] = self.estimate(j, velocity[j], limit.jerk);
+        }
+        for (j, told) in velocity.iter().enumerate() {
+            self.change[j] = told - self.velocity[j];
+        }
+        self.velocity.copy_from_slice(velocity);
+    }
+
+    /// Does the velocity told at this tick fit the position asked?
+    fn fits(&self, j: usize, asked: f64, told: f64) -> bool {
+        let (t, last) = (self.period, self.velocity[j]);
+        let q = self.ring.back(j, 0);
+        let bend = q - self.before[j].q - 0.5 * t * (told + last);
+        let changes = (told - last).abs() + self.change[j].abs();
+        // Where the range cuts it short, the velocity told is not that of the motion.
+        q == asked && bend.abs() <= 0.25 * t * changes + ROUNDING
+    }
+
+    fn estimate(&self, j: usize, told: f64, jerk: f64) -> Point {
+        let q = self.ring.back(j, 0);
+        if self.fitting[j] > 0 {
+            return Point { q, v: told, a: (told - self.velocity[j]) / self.period };
+        }
+        let h = self.ring.window();
+        let (x, y) = (self.ring.back(j, 1), self.ring.back(j, 2));
+        let (last, first) = ((q - x) / h, (x - y) / h);
+        let acceleration = (last - first) / h;
+        if self.mean_jerk(j).abs() <= SMOOTH * jerk {
+            return Point { q, v: last + 0.5 * h * acceleration, a: acceleration };
+        }
+        // A step is no velocity: only what both windows say.
+        let both = if last * first > 0.0 { last.signum() * last.abs().min(first.abs()) } else { 0.0 };
+        Point { q, v: both, a: 0.0 }
     }
 
     /// The motion at the last tick.
@@ -107,14 +162,35 @@ impl Wanted {
         if self.fitting[j] == 3 {
             return (self.now[j].a - self.before[j].a) / self.period;
         }
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.back(j, k));
-        (a - 3.0 * b + 3.0 * c - d) / self.window().powi(3)
+        self.mean_jerk(j)
+    }
+
+    fn mean_jerk(&self, j: usize) -> f64 {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.ring.back(j, k));
+        (a - 3.0 * b + 3.0 * c - d) / self.ring.window().powi(3)
+    }
+
+    /// Do the velocities told fit the positions?
+    pub fn is_told(&self, j: usize) -> bool {
+        self.fitting[j] == 3
+    }
+
+    /// Does it keep the limits? One that does not leads nowhere that could be told.
+    fn keeps(&self, j: usize, limits: &Limits) -> bool {
+        let Point { v, a, .. } = self.now[j];
+        let more = 1.0 + 1e-6;
+        v.abs() <= limits.speed * more
+            && a.abs() <= limits.acceleration * more
+            && self.jerk(j).abs() <= limits.jerk * more
     }
 
     /// Where it leads `ahead` seconds after the last tick: the acceleration lasts for `horizon`, the speed is capped by its
-    /// limit and lasts for `horizon` more, and the range ends it.
+    /// limit and lasts for `horizon` more, and the range ends it. A motion that breaks a limit, such as a step, leads to where it is.
     pub fn ahead(&self, j: usize, ahead: f64, horizon: f64, limits: &Limits) -> Point {
         let Point { q, v, a } = self.now[j];
+        if !self.keeps(j, limits) {
+            return Point { q, v: 0.0, a: 0.0 };
+        }
         let s = ahead.min(horizon);
         let reached = q + capped_travel(v, a, limits.speed, s);
         let speed = (v.clamp(-limits.speed, limits.speed) + a * s).clamp(-limits.speed, limits.speed);

@@ -2,10 +2,13 @@
 
 use crate::collision::avoidance::{Avoider, Limits, Settings};
 use crate::collision::shared;
-use crate::robot::{Joint, Model, Robot};
+use crate::robot::{DriveMode, Joint, Model, Robot};
 use crate::scenario::{Diagnostic, JointLimits, Run};
 use crate::sim::self_contact::SelfContactSetup;
 use crate::sim::setup::Start;
+
+/// Control rate from which on the motion of kinematic joints between two ticks is that of their commands to some micrometres, Hz.
+const SLOWEST: f64 = 100.0;
 
 /// What `[self_collision]` asks for. A start too near to a collision is an error where collisions are to be avoided.
 pub(super) fn self_contact(
@@ -24,6 +27,13 @@ pub(super) fn self_contact(
     let mut setup = SelfContactSetup { collision: collision.clone(), margin: spec.margin, avoid: None };
     if spec.method == 0 {
         return Some(setup);
+    }
+    if run.scenario.control.rate < SLOWEST && model.joints.iter().any(|j| j.drive.mode == DriveMode::Kinematic) {
+        let rate = run.scenario.control.rate;
+        notes.push(format!(
+            "`control.rate` = {rate} Hz: kinematic joints leave what `self_collision` asks between ticks so far apart; at \
+             {SLOWEST} Hz or more they do not"
+        ));
     }
     let ignored = run.scenario.robot.joint_limits == JointLimits::Ignore;
     // A joint that starts outside its range may stay there.
