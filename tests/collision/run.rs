@@ -234,3 +234,14 @@ fn within_the_margin_one_may_only_leave() {
     let (m, told) = run_with(boxes, &text(-0.5));
     assert!((told.snapshots.last().unwrap().q[0] + 0.5).abs() < 1e-9 && m.self_collisions == Some(0));
 }
+
+#[test]
+fn what_was_not_foreseen_is_seen_between_the_cycles() {
+    // One cycle a second. At the first one a stands still; at the next one it would be in b long ago, within all limits.
+    for method in 1..=4 {
+        let rest = format!("self_collision = {{ method = {method}, margin = 0.02, rate = 1.0 }}");
+        let (m, _) = run(&text(0.9, &rest).replace("duration = 1.0", "start = 0.2, duration = 0.6"));
+        assert!(m.min_self_distance_m.unwrap() >= 0.02, "method {method}: {:?}", m.min_self_distance_m);
+        assert!(m.avoidance_early_cycles.unwrap() >= 1, "method {method}");
+    }
+}
