@@ -29,7 +29,9 @@ def part(number, of, output, arguments):
 
 def main(parts, output, arguments):
     output = os.path.abspath(output)
-    arguments = [os.path.abspath(word) if word.endswith(".toml") else word for word in arguments if word != "--"]
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    # Tasks run in folders of their nodes.
+    arguments = [os.path.abspath(scenario) for scenario in arguments[:end]] + arguments[end + 1 :]
     ray.init()
     results = ray.get([part.remote(number, parts, output, arguments) for number in range(1, parts + 1)])
     for folder, code, told in results:

@@ -55,6 +55,8 @@ def main(a, b):
             problems.append(f"differs: {name}")
     if "summary.csv" not in counts or len(rows(a / "summary.csv")) == 0:
         problems.append("no rows: nothing was compared")
+    if len(problems) > 20:
+        problems[20:] = [f"and {len(problems) - 20} more"]
     print("\n".join(problems) or f"the same but for times: {counts}, {len(rows(a / 'summary.csv'))} rows")
     return bool(problems)
 
