@@ -13,6 +13,7 @@ mod isolation;
 mod junit;
 mod many;
 mod messages;
+mod pages;
 mod report;
 mod results;
 mod schemas;
