@@ -10,7 +10,7 @@ use std::path::Path;
 
 use super::dispatch::is_to_repeat;
 use super::store::Store;
-use super::{Finished, Job, Options, Plan, stale};
+use super::{Finished, Job, Options, Plan, Role, stale};
 use crate::record::{MAX_PROBLEMS, ParamValue, RecordError, RunRecord, SummaryRow, remove_partial};
 use crate::sim::{Outcome, Problems};
 
@@ -137,6 +137,10 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     };
     if (&record.scenario, &record.key) != (&job.run.name, &job.key) {
         return State::Again("its record is that of another run".into());
+    }
+    // The key is that of the resolved scenario: the same run may stand in another sweep, under other columns.
+    if job.role != Role::Reference && record.parameters != job.parameters() {
+        return State::Again("other values are swept now".into());
     }
     let row = record.summary_row();
     if !repeats(&row) {

@@ -64,6 +64,27 @@ fn a_reference_that_somebody_removed_is_made_again() {
     assert_same(&place.path("whole"), &place.path("results"));
 }
 
+/// The key is that of the resolved scenario, so the same run may stand in two sweeps; its row has the columns of its own.
+#[test]
+fn a_run_of_another_sweep_is_made_again() {
+    let place = Place::new();
+    let grid = |more: &str| format!("[sweep.grid]\n\"floor.friction\" = [0.4, 0.5]\n{more}");
+    place.block("s.toml", &grid(""));
+    let batch = |folder| ["s.toml", "--set", "duration=0.01", "-o", folder];
+    place.runner(&batch("results")).exits(0);
+    // The value that it had without being said, and another one.
+    place.block("s.toml", &grid("\"integrator.relative_tolerance\" = [1e-6, 1e-8]\n"));
+    place.runner(&batch("whole")).exits(0);
+    let done = resume(&place, &batch("results")).exits(0);
+    assert!(again(&done).contains("2 runs again: other values are swept now"), "{}", done.stderr);
+    let column = |folder: &str| {
+        let summary = place.summary(folder);
+        summary.column("integrator.relative_tolerance").iter().map(|x| x.to_string()).collect::<Vec<_>>()
+    };
+    assert_eq!(column("results"), column("whole"));
+    assert!(column("results").iter().all(|x| !x.is_empty()));
+}
+
 /// A change of each kind of input, and what is said of it.
 #[test]
 fn it_says_what_changed() {
