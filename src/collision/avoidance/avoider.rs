@@ -28,7 +28,7 @@ pub struct Settings {
     pub method: u8,
     /// Cycles per second.
     pub rate: f64,
-    /// Distance that counts as touching, m.
+    /// Distance that is kept, m.
     pub margin: f64,
     /// By joint.
     pub limits: Vec<Limits>,
@@ -50,7 +50,7 @@ pub struct Asked<'a> {
     pub velocity: &'a mut [f64],
 }
 
-/// See [`super`]. Allocates nothing after its first cycles.
+/// See [`super`]. Allocates nothing after construction.
 pub struct Avoider {
     pub(super) collision: Arc<CollisionModel>,
     pub(super) levers: Levers,
@@ -131,14 +131,6 @@ impl Avoider {
             levers,
             settings,
         }
-    }
-
-    /// Pairs nearer than the margin in a posture, with their distances, m: from there nothing can be promised.
-    pub fn near_at(&mut self, model: &Model, q: &[f64]) -> Vec<(usize, f64)> {
-        let trial = &mut self.trial;
-        trial.prover.place(model, &self.collision, &mut trial.detector, q);
-        let near = trial.detector.colliding(&self.collision, self.settings.margin).to_vec();
-        near.into_iter().map(|pair| (pair, trial.detector.proximity(&self.collision, pair).distance)).collect()
     }
 
     /// Is a joint kept from where the tasks want it?

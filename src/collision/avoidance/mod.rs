@@ -9,6 +9,7 @@
 //! - `bound`, `prover`: proof over all of a motion, not at samples.
 //! - `wanted`: what the tasks want, and where it leads (the paper's extrapolation by second derivative).
 //! - `trial`: one set of paths under proof.
+//! - `guard`: joints that are asked exactly what the tasks want, between two tests.
 //! - `methods`, `around`: what to do when the way is not free, the four methods of the paper's Table I.
 //! - [`Avoider`]: the state machine.
 //!

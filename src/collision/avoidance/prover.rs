@@ -1,14 +1,15 @@
 //! Proof that a motion comes nowhere nearer than the margin, at any time of it and not only at samples.
 //!
-//! On an interval of time let m be the posture in its middle and `r_k` the greatest distance of joint k from there. By the
-//! levers of [`super::bound`] a pair whose distance d at m obeys
+//! On an interval of time let m be the posture in its middle and t_k the greatest distance of joint k from there. By the
+//! levers L_k and r_k of [`super::bound`] a pair whose distance d at m obeys
 //!
 //! ```text
-//! d > margin + sum over k of L_k r_k
+//! d > margin + sum over k of min(L_k, r_k) t_k
 //! ```
 //!
 //! stays farther apart than the margin all through the interval. Where that fails the interval is halved, for the pairs in
-//! question alone, until it holds, or d <= margin, or the sum is below [`RESOLUTION`]: then the pair is taken as colliding.
+//! question alone, until it holds, or d <= margin, or the sum is below [`RESOLUTION`], or [`MOST_POSTURES`] were tested: then the pair
+//! is taken as colliding.
 //! Whole levels of halves are looked at before smaller ones, so that a collision is soon found.
 
 use super::bound::Levers;

@@ -1,7 +1,7 @@
 //! Self-collision of a run.
 
-use crate::collision::avoidance::{Avoider, Limits, Settings};
-use crate::collision::shared;
+use crate::collision::avoidance::{Limits, Settings};
+use crate::collision::{Detector, LinkPose, place, shared};
 use crate::robot::{DriveMode, Joint, Model, Robot};
 use crate::scenario::{Diagnostic, JointLimits, Run};
 use crate::sim::self_contact::SelfContactSetup;
@@ -53,22 +53,25 @@ pub(super) fn self_contact(
         limits: model.joints.iter().zip(&start.joints).map(limit).collect(),
         seed: run.scenario.seed,
     };
-    if start.joints.len() == model.nj() {
-        let mut avoider = Avoider::new(model, collision.clone(), settings.clone(), &start.joints, (0.0, 1.0));
-        for (pair, distance) in avoider.near_at(model, &start.joints) {
-            let [a, b] = collision.pairs[pair].bodies.map(|b| collision.bodies[b].name.as_str());
-            let where_ = if distance > 0.0 {
-                format!("{distance:.4} m apart")
-            } else {
-                format!("{:.4} m into each other", -distance)
-            };
-            let message = format!(
-                "`{a}` and `{b}` start {where_}: nearer than `self_collision.margin` = {} m, so nothing can be promised",
-                spec.margin
-            );
-            let help = "start elsewhere, make the margin smaller, or list the pair under `ignore` in the robot file's `[self_collision]`";
-            errors.push(run.error_at("self_collision.margin", message, Some(help.into())));
-        }
+    let mut detector = Detector::new(&collision);
+    let mut poses = vec![LinkPose::IDENTITY; model.links.len()];
+    place(model, &start.joints, &mut poses);
+    detector.place(&collision, &poses);
+    for pair in detector.colliding(&collision, spec.margin).to_vec() {
+        let distance = detector.proximity(&collision, pair).distance;
+        let [a, b] = collision.pairs[pair].bodies.map(|b| collision.bodies[b].name.as_str());
+        let gap = if distance > 0.0 {
+            format!("{distance:.4} m apart")
+        } else {
+            format!("{:.4} m into each other", -distance)
+        };
+        let message = format!(
+            "`{a}` and `{b}` start {gap}: nearer than `self_collision.margin` = {} m, so nothing can be promised",
+            spec.margin
+        );
+        let help = "start elsewhere, make the margin smaller, or list the pair under `ignore` in the robot file's \
+                    `[self_collision]`";
+        errors.push(run.error_at("self_collision.margin", message, Some(help.into())));
     }
     setup.avoid = Some(settings);
     Some(setup)
