@@ -421,3 +421,36 @@ fn a_joint_outside_its_range_comes_back() {
     }
     assert!((bench.asked[3][nod] - model.home[nod]).abs() < 1e-9, "{}", bench.asked[3][nod]);
 }
+
+#[test]
+fn velocities_are_passed_on_as_told_even_where_they_are_not_those_of_the_positions() {
+    let (model, turn) = (&CBI.0.model, CBI.0.model.joint("B_HR").expect("it is there").0);
+    let mut bench = Bench::new(2, 10.0, 0.002);
+    for k in 0..2000 {
+        let t = f64::from(k) * 0.002;
+        let mut position = model.home.clone();
+        position[turn] += 0.1 * (1.0 - (1.5 * t).cos());
+        let (asked, velocity) = bench.ask((position.clone(), vec![0.0; model.nj()]));
+        assert_eq!((asked, velocity), (position, vec![0.0; model.nj()]), "tick {k}");
+    }
+}
+
+#[test]
+fn a_quick_short_motion_is_not_taken_to_go_on() {
+    let (model, nod) = (&CBI.0.model, CBI.0.model.joint("B_HN").expect("it is there").0);
+    // 1 degree within 20 ms, velocities told: 20 times the acceleration that is allowed. Cycles fall before, into and after it.
+    for late in 0..12 {
+        let mut bench = Bench::new(2, 10.0, 0.002);
+        let (way, begin, mut greatest) = (1f64.to_radians(), 0.29 + 0.002 * f64::from(late), 0.0f64);
+        for k in 0..600 {
+            let s = ((f64::from(k) * 0.002 - begin) / 0.02).clamp(0.0, 1.0);
+            let (mut position, mut velocity) = (model.home.clone(), vec![0.0; model.nj()]);
+            position[nod] += way * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+            velocity[nod] = way * 30.0 * (s * (1.0 - s)).powi(2) / 0.02;
+            let (asked, _) = bench.ask((position, velocity));
+            greatest = greatest.max(asked[nod] - model.home[nod]);
+        }
+        // A path that meets it may swing by some of it; taken to go on it went to 24 degrees.
+        assert!(greatest < 1.5 * way, "{late}: {greatest}");
+    }
+}
