@@ -4,13 +4,13 @@
 //! What depended on the clock, on a person or on trouble of the machine is made again.
 
 use std::collections::{HashMap, HashSet};
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::dispatch::is_to_repeat;
 use super::store::Store;
 use super::{Finished, Job, Options, Plan, Role, stale};
+use crate::input_file;
 use crate::record::{MAX_PROBLEMS, ParamValue, RecordError, RunRecord, SummaryRow, remove_partial};
 use crate::sim::{Outcome, Problems};
 
@@ -172,7 +172,7 @@ fn repeats(row: &SummaryRow) -> bool {
 /// A log ends with the word it begins with.
 fn is_whole_log(path: &Path) -> bool {
     let end = || {
-        let mut file = File::open(path)?;
+        let (mut file, _) = input_file::open(path)?;
         let mut end = [0; mcap::MAGIC.len()];
         file.seek(SeekFrom::End(-(end.len() as i64)))?;
         file.read_exact(&mut end).map(|()| end)

@@ -5,7 +5,7 @@ use super::{MOST_NAMED, MergeError, Shards, place};
 use crate::record::rebuild::{FoundRun, files};
 use crate::record::{
     Kept, Pictured, RecordError, ReportRun, Rows, RunRecord, RunsLog, SHARD_LIST, SummaryFiles, SummaryRow, Tally,
-    remove_partial, write_report_of, write_summary_of,
+    confined, remove_partial, write_report_of, write_summary_of,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -58,12 +58,14 @@ impl Shards {
         }
         for Needed { shard, scenario, key } in needed {
             let below = Path::new(&scenario).join("references").join(&key);
+            confined::check(output, &output.join(&below))?;
             place::place(&self.folders[shard].join(&below), &output.join(&below))?;
             references.push(found(output.join(below).join("run.json"))?);
         }
         let (mut tally, mut kept, mut unfinished, mut failed) = (Tally::default(), Kept::default(), 0, 0);
         self.walk(&mut |holders| {
             let to = holders[0].run.folder(output);
+            confined::check(output, &to)?;
             let Some(holder) = holders.iter().find(|h| h.record().is_file()) else {
                 // What an earlier one brought there is no result of these shards.
                 let _ = std::fs::remove_dir_all(&to);
