@@ -17,6 +17,7 @@ pub mod record;
 pub mod replay;
 pub mod robot;
 pub mod scenario;
+pub mod schema_page;
 pub mod script;
 pub mod sim;
 pub mod task;
