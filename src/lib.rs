@@ -19,5 +19,6 @@ pub mod robot;
 pub mod scenario;
 pub mod script;
 pub mod sim;
+pub mod submit;
 pub mod task;
 pub mod view;

@@ -4,6 +4,7 @@ mod check;
 mod colour;
 mod compare;
 mod completions;
+mod each;
 mod exit;
 mod export;
 mod inputs;
@@ -17,6 +18,7 @@ mod replay;
 mod report;
 mod run;
 mod schema;
+mod submit;
 mod terminal;
 mod view;
 
@@ -63,6 +65,9 @@ pub enum Command {
     /// Put the results of shards together to those of one batch
     #[command(after_help = merge::HELP)]
     Merge(merge::Merge),
+    /// Share a batch out as jobs of a cluster, merged when they have ended
+    #[command(after_help = submit::HELP)]
+    Submit(submit::Submit),
     /// Say what differs between two results
     #[command(after_help = compare::HELP)]
     Compare(compare::Compare),

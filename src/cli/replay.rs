@@ -10,7 +10,7 @@ use stiction::batch::{Interrupter, Severity};
 use stiction::replay::{self, Left, ReplayError};
 
 use super::terminal::{complain, plural, print, show};
-use super::{Exit, run};
+use super::{Exit, each};
 
 /// Below the help of `replay`.
 pub const HELP: &str = "Exit codes:
@@ -36,7 +36,7 @@ pub struct Replay {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Wall-clock limit of each run
-    #[arg(long, value_name = "SECONDS", value_parser = run::seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = each::seconds)]
     timeout: Option<Duration>,
 }
 

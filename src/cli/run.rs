@@ -12,9 +12,9 @@ use stiction::batch::{
 };
 use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{Shown, SummaryRow, table, verdicts};
-use stiction::sim::Problems;
 
 use super::Exit;
+use super::each::Each;
 use super::machine::{Format, MessageFormat, TestResults};
 use super::prepare::Scenarios;
 use super::terminal::{complain, counted, plural, print};
@@ -47,12 +47,8 @@ pub struct Run {
     /// Runs side by side [default: one per processor]
     #[arg(short, long, value_name = "N")]
     jobs: Option<NonZero<usize>>,
-    /// Repeat no runs to time them
-    #[arg(long)]
-    no_timing: bool,
-    /// Write no logs
-    #[arg(long)]
-    no_log: bool,
+    #[command(flatten)]
+    each: Each,
     /// Start no more runs after the first that fails or does not finish
     #[arg(long, conflicts_with = "max_fail")]
     fail_fast: bool,
@@ -62,15 +58,6 @@ pub struct Run {
     /// Make only the runs whose results are not in the folder, and say why those that are do not count
     #[arg(long)]
     resume: bool,
-    /// Wall-clock limit of each run
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    timeout: Option<Duration>,
-    /// Name runs that take longer than this, while they run and at the end
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    slow: Option<Duration>,
-    /// Write contact problems as JSON: those without a valid state, or all; at most 100 of each run
-    #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "inconsistent")]
-    dump_problems: Option<Which>,
     /// Expectations to show, with measured value, wanted value and error [default: values, failed when there are too many]
     #[arg(long, value_name = "WHICH")]
     verdicts: Option<Verdicts>,
@@ -78,24 +65,6 @@ pub struct Run {
     junit: TestResults,
     #[command(flatten)]
     format: Format,
-}
-
-/// Contact problems to write.
-#[derive(ValueEnum, Clone, Copy, Debug)]
-enum Which {
-    /// Selections in which no state was valid
-    Inconsistent,
-    /// Every selection
-    All,
-}
-
-/// A span of time above 0.
-pub(super) fn seconds(text: &str) -> Result<Duration, String> {
-    let number: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
-    match Duration::try_from_secs_f64(number) {
-        Ok(duration) if !duration.is_zero() => Ok(duration),
-        _ => Err("a number of seconds above 0 is wanted".into()),
-    }
 }
 
 impl Run {
@@ -114,20 +83,16 @@ impl Run {
         let format = self.format.message_format;
         let plan = self.scenarios.prepare(Severity::Note, format)?;
         let (runs, references) = (plan.runs(), plan.references());
-        let repetitions = if self.no_timing { 0 } else { plan.repetitions() };
+        let repetitions = if self.each.no_timing { 0 } else { plan.repetitions() };
         let options = Options {
             output: self.output.clone(),
             jobs: self.jobs.or(std::thread::available_parallelism().ok()).map_or(1, NonZero::get),
-            log: !self.no_log,
-            timeout: self.timeout,
+            log: !self.each.no_log,
+            timeout: self.each.timeout,
             max_fail: if self.fail_fast { Some(NonZero::<usize>::MIN) } else { self.max_fail },
-            slow: self.slow,
-            problems: match self.dump_problems {
-                None => Problems::None,
-                Some(Which::Inconsistent) => Problems::Inconsistent,
-                Some(Which::All) => Problems::All,
-            },
-            timing: !self.no_timing,
+            slow: self.each.slow,
+            problems: self.each.problems(),
+            timing: !self.each.no_timing,
             resume: self.resume,
         };
         let side_by_side = options.jobs.min(runs + references);
@@ -165,7 +130,7 @@ impl Run {
         let junit = junit.transpose()?;
         *last = BatchFinished::new(&report, junit.as_deref());
         if format == MessageFormat::Human {
-            print(&summary(&report, self.verdicts, self.slow, junit.as_deref()))?;
+            print(&summary(&report, self.verdicts, self.each.slow, junit.as_deref()))?;
         }
         Ok(exit(&report))
     }
