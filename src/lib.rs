@@ -20,5 +20,6 @@ pub mod scenario;
 pub mod schema_page;
 pub mod script;
 pub mod sim;
+pub mod submit;
 pub mod task;
 pub mod view;

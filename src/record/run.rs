@@ -1,6 +1,6 @@
 //! `run.json`: what one run was, how it ended and what it measured.
 
-use super::{Comparison, ParamValue, RecordError, Repeats, SummaryRow, Verdict, atomic, number};
+use super::{Comparison, LeftLog, ParamValue, RecordError, Repeats, SummaryRow, Verdict, atomic, number};
 use crate::sim::{AvoidanceTime, Metrics, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -55,6 +55,9 @@ pub struct RunRecord {
     pub inputs: Vec<InputHash>,
     /// The resolved scenario, as TOML.
     pub resolved: String,
+    /// The log that it left; none if it left none, or was made by an earlier version, which did not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub log: Option<LeftLog>,
     /// What depends on the machine and the moment.
     pub timing: Timing,
 }
