@@ -9,6 +9,7 @@ pub mod contact;
 pub mod dynamics;
 pub mod force;
 pub mod geometry;
+mod input_file;
 pub mod integrate;
 pub mod motion;
 mod pattern;

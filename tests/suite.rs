@@ -14,6 +14,7 @@ mod identities;
 mod motion;
 mod oracles;
 mod record;
+mod regressions;
 mod replay;
 mod robot;
 mod same;

@@ -1,8 +1,8 @@
 //! The log that a run left, as its record knows it: what lies beside a record is its log only if it is this one.
 
 use super::{RecordError, RunRecord};
+use crate::input_file;
 use serde::{Deserialize, Serialize};
-use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -21,7 +21,7 @@ impl LeftLog {
     /// # Errors
     /// It is not there or cannot be read.
     pub fn of(path: &Path) -> Result<Self, RecordError> {
-        let mut file = File::open(path).map_err(RecordError::io(path))?;
+        let (mut file, _) = input_file::open(path).map_err(RecordError::io(path))?;
         let (mut hasher, mut block) = (blake3::Hasher::new(), vec![0; 1 << 16]);
         loop {
             match file.read(&mut block) {
@@ -57,7 +57,7 @@ pub fn log_fault(record: &RunRecord, path: &Path) -> Option<&'static str> {
 /// A log ends with the word it begins with.
 fn is_whole_log(path: &Path) -> bool {
     let end = || {
-        let mut file = File::open(path)?;
+        let (mut file, _) = input_file::open(path)?;
         let mut end = [0; mcap::MAGIC.len()];
         file.seek(SeekFrom::End(-(end.len() as i64)))?;
         file.read_exact(&mut end).map(|()| end)

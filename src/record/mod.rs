@@ -18,6 +18,7 @@ pub(crate) mod atomic;
 pub mod changes;
 mod columns;
 mod comparison;
+pub(crate) mod confined;
 mod error;
 pub mod export;
 mod junit;

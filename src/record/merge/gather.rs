@@ -4,7 +4,7 @@ use super::{MergeError, Missing, Shards, place};
 use crate::record::rebuild::{FoundRun, files};
 use crate::record::{
     Kept, Pictured, RecordError, ReportRun, Rows, RunRecord, RunsLog, SHARD_LIST, SummaryFiles, SummaryRow, Tally,
-    remove_partial, write_report_of, write_summary_of,
+    confined, remove_partial, write_report_of, write_summary_of,
 };
 use std::path::{Path, PathBuf};
 
@@ -50,12 +50,14 @@ impl Shards {
         }
         for needed in missing.references.whole() {
             let below = needed.below();
+            confined::check(output, &output.join(&below))?;
             place::place(&self.folders[needed.shard].join(&below), &output.join(&below))?;
             references.push(found(output.join(below).join("run.json"))?);
         }
         let (mut tally, mut kept, mut unfinished, mut failed) = (Tally::default(), Kept::default(), 0, 0);
         self.walk(&mut |holders| {
             let to = holders[0].run.folder(output);
+            confined::check(output, &to)?;
             let Some(holder) =
                 holders.iter().find(|h| h.record().is_file() && !missing.broken.contains(&(h.shard, h.run.at)))
             else {

@@ -1,6 +1,7 @@
 //! The lists of several shards side by side, in the order of the plan.
 
 use super::{MergeError, Shards};
+use crate::input_file::{self, UNLIMITED};
 use crate::record::{RecordError, RunRecord, ShardList, ShardRun, log_fault};
 use serde_json::Value;
 use std::cmp::Reverse;
@@ -94,7 +95,7 @@ pub(super) fn difference(a: &Holder, of_a: &RunRecord, b: &Holder, of_b: &RunRec
     if let Some(what) = first_difference("", &x, &y) {
         return name(&what);
     }
-    let logs = [a, b].map(|holder| std::fs::read(holder.log()).ok());
+    let logs = [a, b].map(|holder| input_file::read(&holder.log(), UNLIMITED).ok());
     match logs {
         [Some(x), Some(y)] if x != y => name("the log differs"),
         _ => None,

@@ -22,6 +22,9 @@ use super::{
 /// Most readings of a sensor that are kept until they are seen.
 const MOST_READINGS: f64 = 1e5;
 
+/// Most entries of a list: some of them are held against all others.
+const MOST_ENTRIES: usize = 10_000;
+
 /// A scenario whose single values are sound, its tree, and what is found.
 struct Check<'a> {
     root: &'a Node,
@@ -31,6 +34,9 @@ struct Check<'a> {
 /// Report what does not fit together.
 pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     let mut check = Check { root, findings };
+    if !check.counts(scenario) {
+        return;
+    }
     if scenario.robot.model.is_empty() {
         check.error("robot.model", "must name a file");
     }
@@ -71,6 +77,24 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
 }
 
 impl Check<'_> {
+    /// Is no list longer than can be judged?
+    fn counts(&mut self, scenario: &Scenario) -> bool {
+        let lists = [
+            ("task", scenario.task.len()),
+            ("force", scenario.force.len()),
+            ("expect", scenario.expect.len()),
+            ("floor.patches", scenario.floor.patches.len()),
+            ("contact.forced", scenario.contact.forced.len()),
+            ("robot.payload", scenario.robot.payload.len()),
+            ("robot.soles", scenario.robot.soles.as_ref().map_or(0, Vec::len)),
+        ];
+        let long = lists.into_iter().find(|(_, count)| *count > MOST_ENTRIES);
+        if let Some((path, count)) = long {
+            self.error(path, format!("has {count} entries, at most {MOST_ENTRIES} are allowed"));
+        }
+        long.is_none()
+    }
+
     /// Readings that are still to be seen are kept.
     fn delays(&mut self, scenario: &Scenario) {
         let s = &scenario.sensors;
