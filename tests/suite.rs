@@ -20,6 +20,8 @@ mod robot;
 mod same;
 mod scenario;
 mod script;
+#[cfg(unix)]
+mod submit;
 mod task;
 mod validation;
 mod view;

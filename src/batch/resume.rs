@@ -4,14 +4,12 @@
 //! What depended on the clock, on a person or on trouble of the machine is made again.
 
 use std::collections::{HashMap, HashSet};
-use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::dispatch::is_to_repeat;
 use super::store::Store;
 use super::{Finished, Job, Options, Plan, Role, stale};
-use crate::input_file;
-use crate::record::{MAX_PROBLEMS, ParamValue, RecordError, RunRecord, SummaryRow, remove_partial};
+use crate::record::{BUILD, MAX_PROBLEMS, ParamValue, RecordError, RunRecord, SummaryRow, log_fault, remove_partial};
 use crate::sim::{Outcome, Problems};
 
 /// What is there already of a batch.
@@ -25,6 +23,7 @@ pub struct Resumed {
     /// Places of the reasons.
     reasons: HashMap<String, usize>,
     first: usize,
+    other_builds: usize,
 }
 
 /// Runs that were made before and are made again.
@@ -59,6 +58,11 @@ impl Resumed {
         self.first
     }
 
+    /// Of those that are done, how many another build of this version made.
+    pub fn other_builds(&self) -> usize {
+        self.other_builds
+    }
+
     /// What is done, references first, with the runs that it is about.
     pub(super) fn all<'a>(&'a self, plan: &'a Plan) -> impl Iterator<Item = (&'a Store, Job)> {
         let references = self.references.positions().map(|index| (&self.references, plan.reference(index)));
@@ -77,7 +81,10 @@ impl Resumed {
 
 /// What there is of one run.
 enum State {
-    Done(Box<Finished>),
+    Done {
+        finished: Box<Finished>,
+        other_build: bool,
+    },
     /// It was made, but not so that its result could be taken; why.
     Again(String),
     Absent,
@@ -89,7 +96,8 @@ pub(super) fn look(plan: &Plan, options: &Options) -> Resumed {
     let (mut absent, mut needed): (Vec<usize>, HashSet<usize>) = (Vec::new(), HashSet::new());
     for job in plan.jobs() {
         match state(&job, plan, options) {
-            State::Done(finished) => {
+            State::Done { finished, other_build } => {
+                resumed.other_builds += usize::from(other_build);
                 if is_to_repeat(&job, &finished) {
                     resumed.again.push(job.index);
                 }
@@ -103,7 +111,7 @@ pub(super) fn look(plan: &Plan, options: &Options) -> Resumed {
     }
     // A reference that a run waits for is made again: its motion is in no file.
     for index in (0..plan.references()).filter(|index| !needed.contains(index)) {
-        if let State::Done(finished) = state(&plan.reference(index), plan, options) {
+        if let State::Done { finished, .. } = state(&plan.reference(index), plan, options) {
             resumed.references.insert(index, *finished);
         }
     }
@@ -147,8 +155,13 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
         return State::Again(format!("it ended as `{}`", row.outcome.name()));
     }
     let log = folder.join("log.mcap");
-    if job.wants_log(options) && !is_whole_log(&log) {
-        return State::Again("it has no whole log".into());
+    if job.wants_log(options) {
+        if record.log.is_none() && !log.exists() {
+            return State::Again("it has no log".into());
+        }
+        if let Some(fault) = log_fault(&record, &log) {
+            return State::Again(fault.into());
+        }
     }
     let problems = folder.join("problems");
     if !has_problems(&row, &problems, options.problems) {
@@ -156,28 +169,19 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     }
     if let Some(reference) = job.reference()
         && record.comparison.until_s.is_none()
-        && !matches!(state(&plan.reference(reference), plan, options), State::Done(_))
+        && !matches!(state(&plan.reference(reference), plan, options), State::Done { .. })
     {
         return State::Again("it was not compared: its reference did not end".into());
     }
     let files = [path, log, problems].into_iter().filter(|file| file.exists()).collect();
-    State::Done(Box::new(Finished { files, notes: record.notes, accepted: !row.is_refused(), row }))
+    let other_build = record.timing.build.is_some_and(|build| build != BUILD);
+    let finished = Finished { files, notes: record.notes, accepted: !row.is_refused(), row };
+    State::Done { finished: Box::new(finished), other_build }
 }
 
 /// Would the run end like this again?
 fn repeats(row: &SummaryRow) -> bool {
     !matches!(row.outcome, Outcome::TimedOut | Outcome::Error | Outcome::Cancelled) || !row.is_refused()
-}
-
-/// A log ends with the word it begins with.
-fn is_whole_log(path: &Path) -> bool {
-    let end = || {
-        let (mut file, _) = input_file::open(path)?;
-        let mut end = [0; mcap::MAGIC.len()];
-        file.seek(SeekFrom::End(-(end.len() as i64)))?;
-        file.read_exact(&mut end).map(|()| end)
-    };
-    end().is_ok_and(|end: [u8; mcap::MAGIC.len()]| end == mcap::MAGIC)
 }
 
 fn has_problems(row: &SummaryRow, folder: &Path, wanted: Problems) -> bool {

@@ -10,11 +10,6 @@ use stiction::record::table;
 use super::Exit;
 use super::terminal::{complain, plural, print};
 
-/// Below the help.
-pub const HELP: &str = "Exit codes:
-  0, 1, 3  as of one batch of all these runs
-  2        wrong usage, results of other plans, runs that are missing or differ; nothing was written";
-
 /// Runs that are shown line by line.
 const MOST_SHOWN: usize = 1000;
 
@@ -43,12 +38,12 @@ impl Merge {
         shards.check_output(&self.output).map_err(refused)?;
         let missing = shards.check().map_err(refused)?;
         let word = if self.partial { "warning" } else { "error" };
-        missing.iter().for_each(|what| complain(&format!("{word}: {what}")));
-        if !missing.is_empty() && !self.partial {
+        missing.lines.iter().for_each(|what| complain(&format!("{word}: {what}")));
+        if !missing.lines.is_empty() && !self.partial {
             complain("nothing was written; --partial takes what is there");
             return Err(Exit::Invalid);
         }
-        let merged = shards.write(&self.output).map_err(refused)?;
+        let merged = shards.write(&self.output, &missing).map_err(refused)?;
         print(&summary(&merged))?;
         Ok(match () {
             () if merged.unfinished > 0 => Exit::Unfinished,

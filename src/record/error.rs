@@ -13,6 +13,16 @@ pub enum RecordError {
         /// The cause.
         source: std::io::Error,
     },
+    /// A file could not be written, and neither can any other beside it.
+    #[error("{what}; nothing more can be written into {}: {source}", folder.display())]
+    NoRoom {
+        /// The file, in the words of what failed.
+        what: String,
+        /// The folder of the results.
+        folder: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
     /// A link stands where results are written.
     #[error(
         "{path}: a symbolic link to {target}: nothing is written through links in a folder of results; remove it, or name with --output where results shall go"

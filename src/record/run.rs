@@ -1,6 +1,6 @@
 //! `run.json`: what one run was, how it ended and what it measured.
 
-use super::{Comparison, ParamValue, RecordError, Repeats, SummaryRow, Verdict, atomic, number};
+use super::{Comparison, LeftLog, ParamValue, RecordError, Repeats, SummaryRow, Verdict, atomic, number};
 use crate::input_file::{self, MOST_DATA};
 use crate::sim::{AvoidanceTime, Metrics, Outcome};
 use serde::de::Error as _;
@@ -13,6 +13,9 @@ pub const RUN_SCHEMA: u32 = 1;
 
 /// This program and its version, as records name them.
 pub const PROGRAM: &str = concat!("stiction ", env!("CARGO_PKG_VERSION"));
+
+/// Which build of it this is: a hash of its sources.
+pub const BUILD: &str = env!("STICTION_BUILD");
 
 /// The record of one finished run. Everything but `timing` depends on the run alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,6 +56,9 @@ pub struct RunRecord {
     pub inputs: Vec<InputHash>,
     /// The resolved scenario, as TOML.
     pub resolved: String,
+    /// The log that it left; none if it left none, or was made by an earlier version, which did not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub log: Option<LeftLog>,
     /// What depends on the machine and the moment.
     pub timing: Timing,
 }
@@ -86,6 +92,10 @@ pub struct Timing {
     /// versions do not say.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
+    /// The build of the program, [`BUILD`]: no part of the key, since most changes of the sources change no result. Records of
+    /// earlier versions do not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub build: Option<String>,
     /// Times of its repetitions, if there were any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeats: Option<Repeats>,

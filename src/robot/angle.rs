@@ -64,7 +64,10 @@ impl JsonSchema for Angle {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({
             "description": "Radians (metres for a prismatic joint), or a string with a unit such as \"20 deg\"",
-            "anyOf": [{ "type": "number" }, { "type": "string", "pattern": "^\\s*[-+0-9.eE]+\\s*(deg|rad)\\s*$" }]
+            "anyOf": [
+                { "type": "number" },
+                { "type": "string", "pattern": "^\\s*[-+0-9.eE]+\\s*(deg|rad)\\s*$", "examples": ["30 deg"] },
+            ]
         })
     }
 }

@@ -186,12 +186,14 @@ pub mod json {
         /// Radians or a string.
         Angle = {"anyOf": [
             {"type": "number"},
-            {"type": "string", "pattern": "^\\s*[-+0-9.eE]+\\s*(deg|degrees|°|rad|radians)\\s*$"},
+            {"type": "string", "pattern": "^\\s*[-+0-9.eE]+\\s*(deg|degrees|°|rad|radians)\\s*$",
+                "examples": ["30 deg"]},
         ]};
         /// Radians per second or a string.
         AngularRate = {"anyOf": [
             {"type": "number"},
-            {"type": "string", "pattern": "^\\s*[-+0-9.eE]+\\s*(deg|degrees|°|rad|radians)\\s*/s\\s*$"},
+            {"type": "string", "pattern": "^\\s*[-+0-9.eE]+\\s*(deg|degrees|°|rad|radians)\\s*/s\\s*$",
+                "examples": ["30 deg/s"]},
         ]};
     }
 }

@@ -52,6 +52,7 @@ fn a_batch_goes_no_further_than_the_run_that_could_not_be_told_of() {
     // Room for a record, and for the lines of some of the runs.
     let done = with_files_of(&place, 24, &["s.toml", "--set", "duration=0.1", "-j", "1", "--no-log"]).exits(3);
     assert!(done.stderr.contains("results/runs.jsonl: File too large"), "{}", done.stderr);
+    assert!(done.stderr.contains("runs that were finished are kept in results"), "{}", done.stderr);
     // And those begun meanwhile: one, or more where the processor is busy.
     let kept = fs::read_dir(place.path("results/s")).unwrap().count();
     assert!((1..50).contains(&kept), "{kept} runs");
