@@ -10,6 +10,7 @@ pub mod dynamics;
 pub mod force;
 pub mod geometry;
 pub mod integrate;
+pub mod link;
 pub mod motion;
 mod pattern;
 pub mod random;

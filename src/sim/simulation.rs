@@ -348,7 +348,7 @@ impl Simulation {
         let time = self.plant.state.time;
         let loads = self.snapshot.estimate.is_some() || self.tasks.needs(time).contains(Needs::LOADS);
         self.sensors.read(&mut self.plant, loads);
-        self.estimator.update(&self.plant.model, &self.plant.state, &self.sensors.readings);
+        self.estimator.update(&self.plant.model, &self.sensors.readings);
         self.take_estimate();
         let plant = &self.plant;
         let situation = Situation {

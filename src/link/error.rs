@@ -1,0 +1,56 @@
+//! What can go wrong between two sides.
+
+use std::io;
+use std::net::SocketAddr;
+
+use thiserror::Error;
+
+/// Why a link does not come about or ends.
+#[derive(Debug, Error)]
+pub enum LinkError {
+    /// Beyond this machine packets must be sealed.
+    #[error("{0} is not on this machine's loopback: a key file is needed there, which both sides have")]
+    Unsealed(SocketAddr),
+    /// The system refuses.
+    #[error("cannot {what} {address}: {source}")]
+    Io {
+        /// What was tried.
+        what: &'static str,
+        /// The address it is about.
+        address: SocketAddr,
+        /// Why not.
+        source: io::Error,
+    },
+    /// Nothing was heard for [`super::SILENCE`].
+    #[error("nothing was heard from {address} for {seconds} s{found}")]
+    Silent {
+        /// Of the other side.
+        address: String,
+        /// How long.
+        seconds: f64,
+        /// Packets that came and were refused, in words.
+        found: String,
+    },
+    /// The other side has another robot.
+    #[error("the robot at {0} has other joints or soles than the one of this scenario")]
+    Robot(SocketAddr),
+    /// The clocks differ.
+    #[error("the robot at {address} is controlled at {there} Hz, this scenario's `control.rate` is {here} Hz")]
+    Rate {
+        /// Of the other side.
+        address: SocketAddr,
+        /// Its rate, Hz.
+        there: f64,
+        /// Ours, Hz.
+        here: f64,
+    },
+    /// The other side ended the session.
+    #[error("{0} has ended the session")]
+    Ended(SocketAddr),
+    /// Ended from outside.
+    #[error("interrupted")]
+    Cancelled,
+    /// A packet would be longer than a datagram can be.
+    #[error("{0} bytes are more than a datagram holds (65507)")]
+    Long(usize),
+}
