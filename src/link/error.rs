@@ -5,6 +5,8 @@ use std::net::SocketAddr;
 
 use thiserror::Error;
 
+use crate::sim::{Outcome, Stop};
+
 /// Why a link does not come about or ends.
 #[derive(Debug, Error)]
 pub enum LinkError {
@@ -53,4 +55,11 @@ pub enum LinkError {
     /// A packet would be longer than a datagram can be.
     #[error("{0} bytes are more than a datagram holds (65507)")]
     Long(usize),
+}
+
+impl From<LinkError> for Stop {
+    fn from(error: LinkError) -> Self {
+        let outcome = if matches!(error, LinkError::Cancelled) { Outcome::Cancelled } else { Outcome::Error };
+        Stop::new(outcome, error.to_string())
+    }
 }

@@ -15,6 +15,8 @@ use super::impair::Impairment;
 use super::wire::{Hello, Kind, Refused, Welcome, fingerprint, flags, read_control, write_sensing};
 use super::{SILENCE, nonce};
 use crate::robot::Model;
+use crate::sim::Stop;
+use crate::sim::commander::Commander;
 use crate::task::{Command, Sensed};
 
 /// How the robot's clock goes.
@@ -263,5 +265,15 @@ impl MotorServer {
 
     fn silent(&self, after: Duration) -> LinkError {
         self.channel.silent(after)
+    }
+}
+
+impl Commander for MotorServer {
+    fn exchange(&mut self, sensed: &Sensed, command: &mut Command) -> Result<Option<u64>, Stop> {
+        MotorServer::exchange(self, sensed, command).map_err(Stop::from)
+    }
+
+    fn finish(&mut self, sensed: &Sensed) -> Result<(), Stop> {
+        MotorServer::finish(self, sensed).map_err(Stop::from)
     }
 }

@@ -12,6 +12,8 @@ use super::impair::Impairment;
 use super::wire::{Hello, Kind, Refused, Welcome, fingerprint, flags, read_sensing, write_control};
 use super::{SILENCE, nonce};
 use crate::robot::Model;
+use crate::sim::Stop;
+use crate::sim::remote::Robot;
 use crate::task::{Command, Sensed};
 
 /// How often a robot is asked for a session.
@@ -169,5 +171,23 @@ impl Remote {
 
     fn check_cancelled(&self) -> Result<(), LinkError> {
         if self.cancel.load(Ordering::Relaxed) { Err(LinkError::Cancelled) } else { Ok(()) }
+    }
+}
+
+impl Robot for Remote {
+    fn sense(&mut self, sensed: &mut Sensed) -> Result<Option<u64>, Stop> {
+        Ok(match Remote::sense(self, sensed)? {
+            Heard::Tick(tick) => Some(tick),
+            Heard::Last => None,
+        })
+    }
+
+    fn answer(&mut self, tick: u64, command: &Command, next: Option<u64>) -> Result<(), Stop> {
+        Ok(Remote::answer(self, tick, command, next)?)
+    }
+
+    fn leave(&mut self) -> Vec<String> {
+        Remote::leave(self);
+        vec![format!("link: {}", self.channel.counts)]
     }
 }

@@ -1,6 +1,7 @@
 //! One run from start to end.
 
 use super::change::{Change, Saved};
+use super::commander::Commander;
 use super::error::Stop;
 use super::estimate::Estimator;
 use super::explicit::{Explicit, Sizes};
@@ -54,6 +55,7 @@ pub struct Simulation {
     pub(super) tolerances: Tolerances,
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
+    commander: Option<Box<dyn Commander>>,
     pub(super) loads: Loads,
     pub(super) sensors: Sensors,
     pub(super) estimator: Estimator,
@@ -160,7 +162,7 @@ impl Simulation {
         }
         let sensors = Sensors::new(&plant, setup.sensors, setup.imu, setup.tasks.period(), setup.seed);
         let estimator = Estimator::new(&setup.estimator, &model, setup.imu, setup.gravity);
-        if estimator.adds_forces() {
+        if estimator.adds_forces() || setup.commander.is_some() {
             plant.impulses = Some(Impulses::new(model.soles.len()));
         }
         let mut snapshot = super::observe::blank(&model);
@@ -185,6 +187,7 @@ impl Simulation {
             tolerances,
             contact: setup.contact,
             tasks: setup.tasks,
+            commander: setup.commander,
             loads,
             sensors,
             estimator,
@@ -336,7 +339,8 @@ impl Simulation {
         self.snapshot_last(observer)?;
         self.plant.evaluate();
         self.sample_end(observer)?;
-        self.tell(observer)
+        self.tell(observer)?;
+        self.dismiss()
     }
 
     /// The last instant of a run of velocity-level steps, with the forces of the last of them.
@@ -346,10 +350,35 @@ impl Simulation {
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         let time = self.plant.state.time;
-        let loads = self.snapshot.estimate.is_some() || self.tasks.needs(time).contains(Needs::LOADS);
+        let elsewhere = self.commander.is_some();
+        let loads = elsewhere || self.snapshot.estimate.is_some() || self.tasks.needs(time).contains(Needs::LOADS);
         self.sensors.read(&mut self.plant, loads);
         self.estimator.update(&self.plant.model, &self.sensors.readings);
         self.take_estimate();
+        let decided = if elsewhere { self.obey() } else { self.call_tasks(observer) };
+        self.pass_command();
+        self.plant.plan(self.tasks.period(), self.tasks.next_tick());
+        decided
+    }
+
+    /// Has the joints asked what somebody else wants.
+    fn obey(&mut self) -> Result<(), Stop> {
+        let Some(commander) = &mut self.commander else { return Ok(()) };
+        let next = commander.exchange(&self.sensors.readings, &mut self.tasks.command)?;
+        self.tasks.decided(self.sensors.readings.time, next);
+        Ok(())
+    }
+
+    /// Tells who decides somewhere else how it ended.
+    fn dismiss(&mut self) -> Result<(), Stop> {
+        if self.commander.is_some() {
+            self.sensors.read(&mut self.plant, true);
+        }
+        self.commander.as_mut().map_or(Ok(()), |commander| commander.finish(&self.sensors.readings))
+    }
+
+    fn call_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let time = self.plant.state.time;
         let plant = &self.plant;
         let situation = Situation {
             model: &plant.model,
@@ -364,8 +393,6 @@ impl Simulation {
             let event = SimEvent { time, kind: "task", subject: name.to_string(), message };
             failure = observer.event(&event).err().or(failure.take());
         });
-        self.pass_command();
-        self.plant.plan(self.tasks.period(), self.tasks.next_tick());
         failure.map_or(ran, Err).map_err(|m| Stop::new(Outcome::Error, m))
     }
 

@@ -1,0 +1,3 @@
+//! Tasks here, robot there: packets, sessions, the same bits over a link.
+
+mod wire;
