@@ -1,16 +1,27 @@
 //! Names by pattern, as shells have it.
 
-/// Does a name match a pattern, in which `*` stands for any characters and `?` for one.
+#[derive(Clone, Copy, PartialEq)]
+enum Piece {
+    /// Any characters.
+    Any,
+    /// One character.
+    One,
+    /// This one.
+    Just(char),
+}
+
+/// Does a name match a pattern, in which `*` stands for any characters and `?` for one; `\` takes away the meaning of the
+/// next character.
 pub(crate) fn matches(pattern: &str, name: &str) -> bool {
-    let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
+    let (pattern, name): (Vec<Piece>, Vec<char>) = (pieces(pattern), name.chars().collect());
     let (mut p, mut n) = (0, 0);
     // Where the last star stands, and up to where it reaches.
     let mut star: Option<(usize, usize)> = None;
     while n < name.len() {
-        if p < pattern.len() && pattern[p] == '*' {
+        if p < pattern.len() && pattern[p] == Piece::Any {
             star = Some((p, n));
             p += 1;
-        } else if p < pattern.len() && (pattern[p] == '?' || pattern[p] == name[n]) {
+        } else if p < pattern.len() && (pattern[p] == Piece::One || pattern[p] == Piece::Just(name[n])) {
             (p, n) = (p + 1, n + 1);
         } else if let Some((at, reach)) = star {
             star = Some((at, reach + 1));
@@ -19,7 +30,21 @@ pub(crate) fn matches(pattern: &str, name: &str) -> bool {
             return false;
         }
     }
-    pattern[p..].iter().all(|c| *c == '*')
+    pattern[p..].iter().all(|piece| *piece == Piece::Any)
+}
+
+fn pieces(pattern: &str) -> Vec<Piece> {
+    let mut characters = pattern.chars();
+    let piece = || {
+        Some(match characters.next()? {
+            '*' => Piece::Any,
+            '?' => Piece::One,
+            // At the end there is nothing whose meaning it could take away.
+            '\\' => Piece::Just(characters.next().unwrap_or('\\')),
+            c => Piece::Just(c),
+        })
+    };
+    std::iter::from_fn(piece).collect()
 }
 
 #[cfg(test)]
@@ -38,8 +63,22 @@ mod tests {
             ("?", "é"),
             ("a**", "a"),
             ("*b", "abab"),
+            (r"a\*", "a*"),
+            (r"\?*", "?x"),
+            (r"\\", r"\"),
+            (r"a\", r"a\"),
+            (r"\a", "a"),
         ];
-        let no = [("", "a"), ("a", "ab"), ("a*c", "abcd"), ("?", ""), ("*.force_?_N", "force_x_N"), ("ab*ab", "ab")];
+        let no = [
+            ("", "a"),
+            ("a", "ab"),
+            ("a*c", "abcd"),
+            ("?", ""),
+            ("*.force_?_N", "force_x_N"),
+            ("ab*ab", "ab"),
+            (r"a\*", "ab"),
+            (r"\?", "a"),
+        ];
         assert!(yes.iter().all(|(p, n)| matches(p, n)));
         assert!(no.iter().all(|(p, n)| !matches(p, n)));
     }

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use cpu_time::ThreadTime;
 
-use crate::record::{Machine, Repeats, Timing};
+use crate::record::{BUILD, Machine, Repeats, Timing};
 
 /// Started with a run, on its thread.
 pub(super) struct Clock {
@@ -27,7 +27,15 @@ impl Clock {
     /// The same with the machine.
     pub fn read(&self) -> Timing {
         let Lap { wall_s, cpu_s } = self.lap();
-        Timing { wall_s, cpu_s, machine: Machine::here(), file: None, repeats: None, avoidance: None }
+        Timing {
+            wall_s,
+            cpu_s,
+            machine: Machine::here(),
+            file: None,
+            build: Some(BUILD.into()),
+            repeats: None,
+            avoidance: None,
+        }
     }
 }
 

@@ -173,11 +173,12 @@ impl<'a> Dispatcher<'a> {
             self.failure.get_or_insert(error);
         }
         if finished.row.outcome == Outcome::Error
-            && let Err(error) = writable(&self.options.output)
+            && let Err(source) = writable(&self.options.output)
         {
             // The next run would fare no better.
             self.gate.close();
-            self.failure.get_or_insert(error);
+            let (what, folder) = (finished.row.message.clone(), self.options.output.clone());
+            self.failure.get_or_insert(RecordError::NoRoom { what, folder, source });
         }
         let done = self.finished.count + self.references.count + 1;
         self.progress.finished(&job, &finished, done, self.plan.runs() + self.plan.references());
@@ -252,7 +253,6 @@ pub(super) fn is_to_repeat(job: &Job, finished: &Finished) -> bool {
 const PROBE: usize = 64 << 10;
 
 /// Can results be written at all?
-fn writable(folder: &Path) -> Result<(), RecordError> {
-    let probe = || tempfile::tempfile_in(folder)?.write_all(&[0; PROBE]);
-    probe().map_err(|source| RecordError::Io { path: folder.to_owned(), source })
+fn writable(folder: &Path) -> std::io::Result<()> {
+    tempfile::tempfile_in(folder)?.write_all(&[0; PROBE])
 }

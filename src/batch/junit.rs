@@ -120,8 +120,8 @@ fn status(finished: &Finished) -> JunitStatus {
     match row.outcome {
         Outcome::Passed | Outcome::Failed | Outcome::Fallen => {
             let broken: Vec<&Verdict> = row.verdicts.iter().filter(|v| !v.held).collect();
-            let message =
-                format!("{} of {} expectations did not hold: {}", broken.len(), row.verdicts.len(), row.message);
+            let plural = if broken.len() == 1 { "expectation" } else { "expectations" };
+            let message = format!("{} broken {plural} of {}: {}", broken.len(), row.verdicts.len(), row.message);
             JunitStatus::Failed { message, detail: broken.into_iter().map(detail).collect::<Vec<_>>().join("\n") }
         }
         // Whoever cancels a run learns nothing about it.

@@ -12,7 +12,8 @@ use super::cancel::Gate;
 use super::clock::{Clock, Lap};
 use super::event::{Event, Work};
 use super::execute::Drained;
-use super::{Cancellation, Job, Plan, guard};
+use super::{Cancellation, Job, Plan, Reason, guard};
+use crate::script::stoppable;
 use crate::sim::build::setup;
 use crate::sim::{Blind, Outcome, Setup, Simulation};
 
@@ -31,14 +32,24 @@ pub(super) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events: &Sender<E
             let (work, job) = (Work::Repetition(index), plan.job(index));
             let at = Instant::now();
             let _ = events.send(Event::Started { work, job: None, at, cancellation: cancellation.clone() });
-            let lap = guard::catch(|| time(&job, cancellation.flag())).unwrap_or_else(Err);
+            let lap = guard::catch(|| time(&job, &cancellation)).unwrap_or_else(Err);
             let _ = events.send(Event::Timed { index, lap });
         }
     }
 }
 
-/// The times of one repetition.
-fn time(job: &Job, cancel: &AtomicBool) -> Result<Lap, String> {
+/// The times of one repetition; words when it did not come to its end, as when it was cancelled.
+fn time(job: &Job, cancellation: &Cancellation) -> Result<Lap, String> {
+    let done = stoppable(cancellation.shared(), || advance(job, cancellation.flag()));
+    // What is ended from outside may fail in any way.
+    done.map_err(|message| match cancellation.reason() {
+        Some(Reason::TimedOut) => format!("{}: it used up its wall-clock time", Outcome::TimedOut.name()),
+        Some(Reason::Interrupted) => format!("{}: interrupted", Outcome::Cancelled.name()),
+        None => message,
+    })
+}
+
+fn advance(job: &Job, cancel: &AtomicBool) -> Result<Lap, String> {
     let setup = setup(&job.run, &job.robot).map_err(|errors| errors.to_string())?;
     let mut simulation = Simulation::new(Setup { log_rate: 0.0, ..setup }).map_err(|stop| stop.message)?;
     let clock = Clock::start();
@@ -47,5 +58,47 @@ fn time(job: &Job, cancel: &AtomicBool) -> Result<Lap, String> {
     match outcome {
         Outcome::Passed | Outcome::Fallen => Ok(lap),
         _ => Err(format!("{}: {message}", outcome.name())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::prepare;
+
+    /// A block whose script goes through nine tenths of its budget while it is loaded.
+    fn slow_to_load(folder: &std::path::Path) -> Plan {
+        let robots = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/block/block.toml");
+        let scenario = format!(
+            "duration = 0.01\n[robot]\nmodel = {robots:?}\n[[force]]\ntype = \"script\"\nfile = \"slow.luau\"\n"
+        );
+        std::fs::write(folder.join("slow.luau"), "for i = 1, 9e5 do end\nfunction run() return {} end\n").unwrap();
+        std::fs::write(folder.join("s.toml"), &scenario).unwrap();
+        let Ok((plan, _)) = prepare(&[folder.join("s.toml")], &[], 10) else { panic!("refused:\n{scenario}") };
+        plan
+    }
+
+    #[test]
+    fn a_repetition_that_is_ended_ends_its_scripts_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let job = slow_to_load(folder.path()).job(0);
+        let cost = |cancellation: &Cancellation| {
+            let clock = Clock::start();
+            let result = time(&job, cancellation);
+            (result.map(|_| ()), clock.lap().cpu_s)
+        };
+        let (whole, full) = cost(&Cancellation::default());
+        assert_eq!(whole, Ok(()));
+        for (reason, words) in [
+            (Reason::TimedOut, "timed-out: it used up its wall-clock time"),
+            (Reason::Interrupted, "cancelled: interrupted"),
+        ] {
+            let cancellation = Cancellation::default();
+            cancellation.cancel(reason);
+            let (ended, cpu) = cost(&cancellation);
+            assert_eq!(ended, Err(words.to_owned()));
+            // The script alone takes most of `full`; without the flag all of that is spent before the first step.
+            assert!(cpu < 0.5 * full, "{cpu} s of processor time, {full} s when it is let go on");
+        }
     }
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 use super::dispatch::is_to_repeat;
 use super::store::Store;
 use super::{Finished, Job, Options, Plan, Role, stale};
-use crate::record::{MAX_PROBLEMS, ParamValue, RecordError, RunRecord, SummaryRow, remove_partial};
+use crate::record::{BUILD, MAX_PROBLEMS, ParamValue, RecordError, RunRecord, SummaryRow, remove_partial};
 use crate::sim::{Outcome, Problems};
 
 /// What is there already of a batch.
@@ -25,6 +25,7 @@ pub struct Resumed {
     /// Places of the reasons.
     reasons: HashMap<String, usize>,
     first: usize,
+    other_builds: usize,
 }
 
 /// Runs that were made before and are made again.
@@ -59,6 +60,11 @@ impl Resumed {
         self.first
     }
 
+    /// Of those that are done, how many another build of this version made.
+    pub fn other_builds(&self) -> usize {
+        self.other_builds
+    }
+
     /// What is done, references first, with the runs that it is about.
     pub(super) fn all<'a>(&'a self, plan: &'a Plan) -> impl Iterator<Item = (&'a Store, Job)> {
         let references = self.references.positions().map(|index| (&self.references, plan.reference(index)));
@@ -77,7 +83,10 @@ impl Resumed {
 
 /// What there is of one run.
 enum State {
-    Done(Box<Finished>),
+    Done {
+        finished: Box<Finished>,
+        other_build: bool,
+    },
     /// It was made, but not so that its result could be taken; why.
     Again(String),
     Absent,
@@ -89,7 +98,8 @@ pub(super) fn look(plan: &Plan, options: &Options) -> Resumed {
     let (mut absent, mut needed): (Vec<usize>, HashSet<usize>) = (Vec::new(), HashSet::new());
     for job in plan.jobs() {
         match state(&job, plan, options) {
-            State::Done(finished) => {
+            State::Done { finished, other_build } => {
+                resumed.other_builds += usize::from(other_build);
                 if is_to_repeat(&job, &finished) {
                     resumed.again.push(job.index);
                 }
@@ -103,7 +113,7 @@ pub(super) fn look(plan: &Plan, options: &Options) -> Resumed {
     }
     // A reference that a run waits for is made again: its motion is in no file.
     for index in (0..plan.references()).filter(|index| !needed.contains(index)) {
-        if let State::Done(finished) = state(&plan.reference(index), plan, options) {
+        if let State::Done { finished, .. } = state(&plan.reference(index), plan, options) {
             resumed.references.insert(index, *finished);
         }
     }
@@ -156,12 +166,14 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     }
     if let Some(reference) = job.reference()
         && record.comparison.until_s.is_none()
-        && !matches!(state(&plan.reference(reference), plan, options), State::Done(_))
+        && !matches!(state(&plan.reference(reference), plan, options), State::Done { .. })
     {
         return State::Again("it was not compared: its reference did not end".into());
     }
     let files = [path, log, problems].into_iter().filter(|file| file.exists()).collect();
-    State::Done(Box::new(Finished { files, notes: record.notes, accepted: !row.is_refused(), row }))
+    let other_build = record.timing.build.is_some_and(|build| build != BUILD);
+    let finished = Finished { files, notes: record.notes, accepted: !row.is_refused(), row };
+    State::Done { finished: Box::new(finished), other_build }
 }
 
 /// Would the run end like this again?

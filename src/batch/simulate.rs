@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 
@@ -15,10 +15,15 @@ use crate::sim::build::setup;
 use crate::sim::setup::Floor;
 use crate::sim::{Observer, Outcome, Problems, Sample, Setup, SimEvent, Simulation, Snapshot};
 
-/// Simulates a job. Ends at the next step once `cancel` is set.
+/// Simulates a job. Ends at the next step once `cancel` is set; scripts that are being loaded end too, if the caller made
+/// them [`stoppable`](crate::script::stoppable) by it.
 pub fn simulate(job: &Job, wanted: &Wanted, cancel: &AtomicBool) -> End {
     let setup = match setup(&job.run, &job.robot) {
         Ok(setup) => setup,
+        // All of it was built once before anything ran: a script that was ended from outside fails, but not by its own fault.
+        Err(_) if cancel.load(Ordering::Relaxed) => {
+            return End { message: "interrupted".into(), ..End::of(Outcome::Cancelled) };
+        }
         Err(errors) => return End::error(errors.to_string()),
     };
     match Recorder::open(job, wanted, &setup) {

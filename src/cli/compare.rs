@@ -6,15 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use stiction::record::changes::{Limits, Results, Tolerance, compare};
 
-use super::Exit;
 use super::terminal::{complain, print};
-
-/// Below the help.
-pub const HELP: &str = "Exit codes:
-  0    all values within what is allowed, the same runs in both
-  1    a value beyond, an outcome changed, or a run that only one of them has
-  2    wrong usage, or results that cannot be read
-  4    no runs in either";
+use super::{Exit, numbers};
 
 /// Arguments of `compare`.
 #[derive(Args, Debug)]
@@ -24,17 +17,17 @@ pub struct Compare {
     /// The same, from another time, program or machine
     b: PathBuf,
     /// Distance allowed in columns that --threshold does not name, in their units
-    #[arg(long, value_name = "ABS", default_value = "1e-9", value_parser = allowed)]
+    #[arg(long, value_name = "ABS", default_value = "1e-9", value_parser = numbers::allowed, allow_negative_numbers = true)]
     absolute: f64,
     /// The same as a part of the greater value; both add up
-    #[arg(long, value_name = "REL", default_value = "1e-6", value_parser = allowed)]
+    #[arg(long, value_name = "REL", default_value = "1e-6", value_parser = numbers::allowed, allow_negative_numbers = true)]
     relative: f64,
     /// Distance allowed in one column, and as a part of the greater value [default: 0]; `inf` ignores the column; may be
     /// repeated
     #[arg(long = "threshold", value_name = "COLUMN=ABS[,REL]", value_parser = threshold)]
     thresholds: Vec<(String, Tolerance)>,
     /// Compare times too: B may take this many times as long as A
-    #[arg(long, value_name = "RATIO", value_parser = ratio)]
+    #[arg(long, value_name = "RATIO", value_parser = numbers::ratio, allow_negative_numbers = true)]
     timing: Option<f64>,
     /// How differences are written
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -80,23 +73,10 @@ impl Compare {
     }
 }
 
-fn allowed(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(x) if x >= 0.0 => Ok(x),
-        _ => Err(format!("`{text}` is no number of 0 or greater")),
-    }
-}
-
-fn ratio(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(x) if x >= 1.0 => Ok(x),
-        _ => Err(format!("`{text}` is no number of 1 or greater")),
-    }
-}
-
 fn threshold(text: &str) -> Result<(String, Tolerance), String> {
     let (column, values) =
         text.split_once('=').ok_or_else(|| format!("`{text}` is not of the form COLUMN=ABS[,REL]"))?;
     let (absolute, relative) = values.split_once(',').unwrap_or((values, "0"));
+    let allowed = |part: &str| numbers::allowed(part).map_err(|wanted| format!("`{part}`: {wanted}"));
     Ok((column.trim().to_owned(), Tolerance { absolute: allowed(absolute)?, relative: allowed(relative)? }))
 }

@@ -1,35 +1,203 @@
-//! Exit codes. They are API: scripts rely on them.
+//! Exit codes. They are API: scripts rely on them. What they mean stands here once: helps and manual pages are made from it,
+//! and a test holds docs/ci.md against it.
 
+use std::error::Error;
+use std::io::ErrorKind;
 use std::process::{ExitCode, Termination};
-
-/// Below the help of commands that run scenarios.
-pub const HELP: &str = "Exit codes:
-  0    all runs finished and every expectation held
-  1    an expectation failed
-  2    wrong usage, or a scenario or robot is invalid; nothing was run
-  3    a run did not finish: diverged, stalled, timed out, crashed
-  4    nothing selected
-  130  interrupted; results so far are kept";
 
 /// How the program ends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Exit {
     /// All is well.
     Success = 0,
-    /// An expectation did not hold.
+    /// An expectation did not hold, or something differs.
     Failed = 1,
-    /// Wrong usage or invalid input; nothing was run.
+    /// Wrong usage or invalid input; nothing was done.
     Invalid = 2,
-    /// A run did not finish.
+    /// A run did not finish, or what was made could not be written to the end.
     Unfinished = 3,
     /// There is nothing to do.
     Nothing = 4,
-    /// Interrupted by a person.
+    /// Interrupted by a person: 128 and the number of SIGINT.
     Interrupted = 130,
+    /// Interrupted by whoever asked the program to end: 128 and the number of SIGTERM.
+    Terminated = 143,
 }
 
 impl Termination for Exit {
     fn report(self) -> ExitCode {
         ExitCode::from(self as u8)
+    }
+}
+
+impl Exit {
+    /// After something could not be written: was it the place that was named, or what became of it since? Whoever named a
+    /// wrong place has to name another; a full disk is not their mistake.
+    pub fn of_writing(error: &(dyn Error + 'static)) -> Self {
+        let (mut cause, mut kind) = (Some(error), None);
+        while let Some(error) = cause {
+            kind = kind.or(error.downcast_ref::<std::io::Error>().map(std::io::Error::kind));
+            cause = error.source();
+        }
+        match kind {
+            Some(
+                ErrorKind::NotFound
+                | ErrorKind::PermissionDenied
+                | ErrorKind::AlreadyExists
+                | ErrorKind::NotADirectory
+                | ErrorKind::IsADirectory
+                | ErrorKind::ReadOnlyFilesystem
+                | ErrorKind::InvalidInput
+                | ErrorKind::InvalidFilename,
+            ) => Exit::Invalid,
+            _ => Exit::Unfinished,
+        }
+    }
+}
+
+/// Codes of a command, with what they mean there.
+pub type Codes = [(Exit, &'static str)];
+
+const SCENARIO: &str = "wrong usage, or a scenario, robot or filter is invalid";
+const NOTHING: &str = "nothing selected: no scenario in a folder, no run left by the filter";
+const STDOUT: &str = "standard output could not be written to the end";
+const FILE: &str = "a file or standard output could not be written to the end";
+
+/// What the exit codes of a command mean; `runner` alone is `run`.
+pub fn codes(command: &str) -> &'static Codes {
+    match command {
+        "check" => &[
+            (Exit::Success, "all is valid"),
+            (Exit::Invalid, SCENARIO),
+            (Exit::Unfinished, STDOUT),
+            (Exit::Nothing, NOTHING),
+        ],
+        "list" => &[
+            (Exit::Success, "listed"),
+            (Exit::Invalid, SCENARIO),
+            (Exit::Unfinished, STDOUT),
+            (Exit::Nothing, NOTHING),
+        ],
+        "inspect" => &[
+            (Exit::Success, "described"),
+            (Exit::Invalid, "wrong usage, or a robot that is invalid or cannot be read"),
+            (Exit::Unfinished, STDOUT),
+        ],
+        "report" => &[
+            (Exit::Success, "written"),
+            (Exit::Invalid, "wrong usage, no such run, no records in the folder, or a place that cannot be written"),
+            (Exit::Unfinished, FILE),
+        ],
+        "merge" => &[
+            (Exit::Success, "all runs finished and every expectation held"),
+            (Exit::Failed, "an expectation did not hold"),
+            (
+                Exit::Invalid,
+                "wrong usage, results of other plans, runs that are missing or differ; nothing was written",
+            ),
+            (
+                Exit::Unfinished,
+                "a run or a reference run did not finish, or standard output could not be written to the end",
+            ),
+        ],
+        "compare" => &[
+            (Exit::Success, "all values within what is allowed, the same runs in both"),
+            (Exit::Failed, "a value beyond, an outcome changed, or a run that only one of them has"),
+            (Exit::Invalid, "wrong usage, or results that cannot be read"),
+            (Exit::Unfinished, STDOUT),
+            (Exit::Nothing, "no runs in either"),
+        ],
+        "export" => &[
+            (Exit::Success, "written"),
+            (
+                Exit::Invalid,
+                "wrong usage, a log that cannot be read, nothing to export, or a place that cannot be written",
+            ),
+            (Exit::Unfinished, FILE),
+        ],
+        "replay" => &[
+            (Exit::Success, "every run gave the same bits again"),
+            (Exit::Failed, "a run differs from what it left"),
+            (Exit::Invalid, "wrong usage, no such run, or a run that cannot be made again"),
+            (Exit::Unfinished, FILE),
+            (Exit::Nothing, "nothing selected: no runs in the folder"),
+            (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT)"),
+            (Exit::Terminated, "interrupted by SIGTERM"),
+        ],
+        "view" => &[
+            (Exit::Success, "shown until Ctrl-C or SIGTERM, or the file is written"),
+            (
+                Exit::Invalid,
+                "wrong usage, no such log, a log that cannot be shown, a port that is taken, or a place that cannot be \
+                 written",
+            ),
+            (Exit::Unfinished, FILE),
+            (Exit::Nothing, "no run of the folder left a log"),
+        ],
+        "schema" | "completions" => {
+            &[(Exit::Success, "printed"), (Exit::Invalid, "wrong usage"), (Exit::Unfinished, STDOUT)]
+        }
+        "man" => &[
+            (Exit::Success, "printed or written"),
+            (Exit::Invalid, "wrong usage, or a folder that cannot be written"),
+            (Exit::Unfinished, FILE),
+        ],
+        _ => &[
+            (Exit::Success, "all runs finished and every expectation held"),
+            (Exit::Failed, "an expectation did not hold"),
+            (
+                Exit::Invalid,
+                "wrong usage, or a scenario, robot or filter is invalid, or the folder of results cannot be used; nothing \
+                 was run",
+            ),
+            (
+                Exit::Unfinished,
+                "a run or a reference run did not finish (diverged, stalled, timed out, ended by an error), or results or \
+                 standard output could not be written to the end",
+            ),
+            (Exit::Nothing, NOTHING),
+            (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT); finished runs are kept"),
+            (Exit::Terminated, "interrupted by SIGTERM; finished runs are kept"),
+        ],
+    }
+}
+
+/// Columns of a terminal that helps are laid out for.
+const WIDTH: usize = 80;
+
+/// Below the help of a command.
+pub fn help(command: &str) -> String {
+    let mut out = "Exit codes:".to_owned();
+    for (exit, meaning) in codes(command) {
+        out += &format!("\n  {:<4}", *exit as u8);
+        let mut column = 6;
+        for word in meaning.split(' ') {
+            if column + 1 + word.len() > WIDTH {
+                out += "\n      ";
+                column = 6;
+            }
+            out += " ";
+            out += word;
+            column += 1 + word.len();
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io;
+
+    #[derive(Debug, thiserror::Error)]
+    #[error("outer")]
+    struct Outer(#[source] io::Error);
+
+    #[test]
+    fn a_place_that_is_wrong_and_a_disk_that_is_full() {
+        assert_eq!(Exit::of_writing(&io::Error::from(ErrorKind::NotADirectory)), Exit::Invalid);
+        assert_eq!(Exit::of_writing(&Outer(ErrorKind::PermissionDenied.into())), Exit::Invalid);
+        assert_eq!(Exit::of_writing(&Outer(ErrorKind::StorageFull.into())), Exit::Unfinished);
+        assert_eq!(Exit::of_writing(&io::Error::other("?")), Exit::Unfinished);
     }
 }

@@ -9,8 +9,8 @@ use stiction::record::export::{
 };
 use stiction::record::{LogError, Trajectory};
 
-use super::Exit;
 use super::terminal::{complain, print};
+use super::{Exit, numbers};
 
 /// Arguments of `export`.
 #[derive(Args, Debug)]
@@ -25,16 +25,16 @@ pub struct Export {
     #[arg(long, value_enum)]
     format: Option<Kind>,
     /// Rows per simulated second, Hz; the log's own instants when not given
-    #[arg(long, value_name = "HZ", value_parser = positive)]
+    #[arg(long, value_name = "HZ", value_parser = numbers::positive, allow_negative_numbers = true)]
     rate: Option<f64>,
     /// Columns by name, `*` and `?` standing for any characters; separated by commas, repeatable
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     columns: Vec<String>,
     /// First instant, s
-    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = numbers::finite, allow_negative_numbers = true)]
     from: Option<f64>,
     /// Last instant, s
-    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = numbers::finite, allow_negative_numbers = true)]
     to: Option<f64>,
     /// Export what happened (touchdown, slip, impact ...) instead of time series
     #[arg(long, conflicts_with_all = ["columns", "rate", "list_columns"])]
@@ -115,7 +115,13 @@ impl Export {
         }
         match &self.output {
             Some(path) => {
-                export::write(&table, &format, path).map_err(refuse)?;
+                export::write(&table, &format, path).map_err(|error| match &error {
+                    ExportError::Record(cause) => {
+                        refuse(&error);
+                        Exit::of_writing(cause)
+                    }
+                    _ => refuse(error),
+                })?;
                 complain(&format!("{}: {} columns, {} rows", path.display(), table.columns().len(), table.rows()));
             }
             None => {
@@ -229,14 +235,6 @@ fn same_file(a: &Path, b: &Path) -> bool {
 fn refuse(why: impl Display) -> Exit {
     complain(&format!("error: {why}"));
     Exit::Invalid
-}
-
-fn finite(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "not a finite number".into())
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    finite(text).ok().filter(|x| *x > 0.0).ok_or_else(|| "not a number above 0".into())
 }
 
 fn separator(text: &str) -> Result<String, String> {

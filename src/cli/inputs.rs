@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Exit, terminal};
-
 /// Commands, for those who misspell one.
 const COMMANDS: [&str; 13] = [
     "run",
@@ -21,38 +19,41 @@ const COMMANDS: [&str; 13] = [
     "man",
 ];
 
+/// Why there are no files.
+pub enum Unusable {
+    /// What is wrong with what was typed.
+    Wrong(Vec<String>),
+    /// There are none where they were looked for.
+    Nothing(String),
+}
+
 /// The files, those of a folder in alphabetical order.
-pub fn scenario_files(typed: &[PathBuf]) -> Result<Vec<PathBuf>, Exit> {
+pub fn scenario_files(typed: &[PathBuf]) -> Result<Vec<PathBuf>, Unusable> {
     let mut files = Vec::new();
-    let mut wrong = false;
+    let mut wrong = Vec::new();
     for path in typed {
         if path.is_dir() {
             match scenarios_in(path) {
                 Ok(found) => files.extend(found),
-                Err(error) => {
-                    terminal::complain(&format!("error: cannot read {}: {error}", path.display()));
-                    wrong = true;
-                }
+                Err(error) => wrong.push(format!("cannot read {}: {error}", path.display())),
             }
         } else if let Some(command) = misspelt(path) {
             let typed = path.display();
-            terminal::complain(&match path.as_os_str() == command {
-                true => format!("error: a command stands before options and files: `runner {command} ...`"),
-                false => format!("error: there is no file or command `{typed}`; did you mean `runner {command}`?"),
+            wrong.push(match path.as_os_str() == command {
+                true => format!("a command stands before options and files: `runner {command} ...`"),
+                false => format!("there is no file or command `{typed}`; did you mean `runner {command}`?"),
             });
-            wrong = true;
         } else {
             files.push(path.clone());
         }
     }
-    match (wrong, files.is_empty()) {
-        (true, _) => Err(Exit::Invalid),
-        (false, true) => {
+    match (wrong.is_empty(), files.is_empty()) {
+        (false, _) => Err(Unusable::Wrong(wrong)),
+        (true, true) => {
             let folders: Vec<String> = typed.iter().map(|p| p.display().to_string()).collect();
-            terminal::complain(&format!("nothing selected: no .toml file in {}", folders.join(", ")));
-            Err(Exit::Nothing)
+            Err(Unusable::Nothing(format!("no .toml file in {}", folders.join(", "))))
         }
-        (false, false) => Ok(files),
+        (true, false) => Ok(files),
     }
 }
 

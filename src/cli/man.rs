@@ -3,11 +3,13 @@
 use std::io;
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory, ValueHint};
+use clap::builder::{Resettable, StyledStr};
+use clap::{Args, Command, CommandFactory, ValueHint};
 use clap_mangen::Man;
+use clap_mangen::roff::{Roff, bold, roman};
 
 use super::terminal::{complain, print};
-use super::{Arguments, Exit};
+use super::{Arguments, Exit, exit};
 
 /// Arguments of `man`.
 #[derive(Args, Debug)]
@@ -23,23 +25,60 @@ impl Manual {
         let refused = |what: String| {
             move |error: io::Error| {
                 complain(&format!("error: cannot write {what}: {error}"));
-                Exit::Invalid
+                Exit::of_writing(&error)
             }
         };
         // `help` repeats the others and has no page.
-        let command = Arguments::command().disable_help_subcommand(true);
+        let mut command = Arguments::command().disable_help_subcommand(true);
+        command.build();
         match self.folder {
             None => {
-                let mut page = Vec::new();
-                Man::new(command).render(&mut page).map_err(refused("the page".into()))?;
-                print(&String::from_utf8_lossy(&page))?;
+                let (_, page) = page(command).map_err(refused("the page".into()))?;
+                print(&page)?;
             }
             Some(folder) => {
                 let named = folder.display().to_string();
                 std::fs::create_dir_all(&folder).map_err(refused(named.clone()))?;
-                clap_mangen::generate_to(command, &folder).map_err(refused(named))?;
+                let all: Vec<Command> = command.get_subcommands().cloned().chain([command.clone()]).collect();
+                for command in all {
+                    let written = page(command).and_then(|(name, page)| std::fs::write(folder.join(name), page));
+                    written.map_err(refused(named.clone()))?;
+                }
             }
         }
         Ok(Exit::Success)
     }
 }
+
+/// Name and text of a command's page.
+fn page(command: Command) -> io::Result<(String, String)> {
+    let codes = exit::codes(command.get_name());
+    // The exit codes have a section of their own.
+    let command = command.after_help(Resettable::<StyledStr>::Reset).mut_args(|argument| {
+        let many = argument.get_num_args().is_some_and(|count| count.max_values() > 1);
+        match argument.get_value_names() {
+            Some([name]) if many && argument.is_positional() => {
+                // Names live as long as the program; a page is made once.
+                let name: &'static str = format!("{name}{MANY}").leak();
+                argument.value_name(name)
+            }
+            _ => argument,
+        }
+    });
+    let man = Man::new(command);
+    let mut text = Vec::new();
+    man.render(&mut text)?;
+    let text = String::from_utf8_lossy(&text).into_owned();
+    // The dots stand behind the bracket, as in helps.
+    let text = text.replace(&format!("{MANY}\\fR>"), "\\fR>...").replace(&format!("{MANY}\\fR]"), "\\fR]...");
+    let mut status = Roff::default();
+    status.control("SH", ["EXIT STATUS"]);
+    for (exit, meaning) in codes {
+        status.control("TP", []).text([bold((*exit as u8).to_string())]).text([roman(*meaning)]);
+    }
+    let at = text.find(".SH VERSION").unwrap_or(text.len());
+    Ok((man.get_filename(), format!("{}{}{}", &text[..at], status.to_roff(), &text[at..])))
+}
+
+/// Marks names of arguments that may be given more than once.
+const MANY: &str = "@";

@@ -10,11 +10,6 @@ use stiction::record::table;
 use super::Exit;
 use super::terminal::{complain, plural, print};
 
-/// Below the help.
-pub const HELP: &str = "Exit codes:
-  0, 1, 3  as of one batch of all these runs
-  2        wrong usage, results of other plans, runs that are missing or differ; nothing was written";
-
 /// Runs that are shown line by line.
 const MOST_SHOWN: usize = 1000;
 

@@ -12,11 +12,13 @@ mod list;
 mod machine;
 mod man;
 mod merge;
+mod numbers;
 mod prepare;
 mod replay;
 mod report;
 mod run;
 mod schema;
+mod signals;
 mod terminal;
 mod view;
 
@@ -29,7 +31,7 @@ pub use exit::Exit;
 /// Without a command the arguments are scenarios to run.
 #[derive(Parser, Debug)]
 #[command(name = "runner", version, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-#[command(arg_required_else_help = true, after_help = exit::HELP)]
+#[command(arg_required_else_help = true, after_help = exit::help("run"))]
 pub struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
@@ -50,35 +52,43 @@ pub fn decide_colours() {
 #[derive(Subcommand, Debug)]
 pub enum Command {
     /// Simulate scenarios, judge them, leave logs and a summary
-    #[command(after_help = exit::HELP)]
+    #[command(after_help = exit::help("run"))]
     Run(run::Run),
     /// Validate scenarios and robots and expand sweeps; step nothing, write nothing
+    #[command(after_help = exit::help("check"))]
     Check(check::Check),
     /// Show the runs that scenarios expand to, with their keys
+    #[command(after_help = exit::help("list"))]
     List(list::List),
     /// Describe a robot: degrees of freedom, masses, joints, soles, what was ignored
+    #[command(after_help = exit::help("inspect"))]
     Inspect(inspect::Inspect),
     /// Write summary and report.html anew from the records of a folder of results
+    #[command(after_help = exit::help("report"))]
     Report(report::Report),
     /// Put the results of shards together to those of one batch
-    #[command(after_help = merge::HELP)]
+    #[command(after_help = exit::help("merge"))]
     Merge(merge::Merge),
     /// Say what differs between two results
-    #[command(after_help = compare::HELP)]
+    #[command(after_help = exit::help("compare"))]
     Compare(compare::Compare),
     /// Write a log's time series as CSV, Parquet or columns of text
+    #[command(after_help = exit::help("export"))]
     Export(export::Export),
     /// Run again from records and compare bit for bit
-    #[command(after_help = replay::HELP)]
+    #[command(after_help = exit::help("replay"))]
     Replay(replay::Replay),
     /// Play a run's log in three dimensions in the browser
-    #[command(after_help = view::HELP)]
+    #[command(after_help = exit::help("view"))]
     View(view::View),
     /// Print the JSON Schema of a file format or of the messages
+    #[command(after_help = exit::help("schema"))]
     Schema(schema::Schema),
     /// Print a script that completes command lines in a shell
+    #[command(after_help = exit::help("completions"))]
     Completions(completions::Completions),
     /// Print the manual page, or write one for each command
+    #[command(after_help = exit::help("man"))]
     Man(man::Manual),
 }
 

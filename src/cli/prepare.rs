@@ -1,13 +1,17 @@
 //! What commands about scenarios share: which ones, with what changes, checked and expanded.
 
+use std::num::NonZero;
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use stiction::batch::{self, Filter, Finding, Findings, Message, Plan, Severity, Shard};
+use stiction::batch::{self, DiagnosticMessage, Filter, Finding, Findings, Message, Plan, Severity, Shard};
 use stiction::scenario::{DEFAULT_MAX_RUNS, Diagnostic, parse_override};
 
 use super::machine::MessageFormat;
-use super::{Exit, inputs, terminal};
+use super::{Exit, inputs, numbers, terminal};
+
+/// Runs that are expanded when nothing is said.
+const MOST_RUNS: NonZero<usize> = NonZero::new(DEFAULT_MAX_RUNS).expect("it is above 0");
 
 /// Scenarios and what is changed in all of them.
 #[derive(Args, Debug)]
@@ -22,14 +26,21 @@ pub struct Scenarios {
     #[arg(long, value_name = "EXPR")]
     filter: Option<String>,
     /// Refuse to expand to more runs than this
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_RUNS)]
-    max_runs: usize,
+    #[arg(long, value_name = "N", default_value_t = MOST_RUNS, value_parser = numbers::count, allow_negative_numbers = true)]
+    max_runs: NonZero<usize>,
     /// Only part I of N equal parts, such as 3/8; `env` asks the job array of Slurm or Kubernetes that this is in
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     /// Take warnings for errors
     #[arg(long)]
     strict: bool,
+}
+
+/// Tells why there is nothing to prepare, if messages are wanted; returns how to end.
+fn tell(format: MessageFormat, severity: &'static str, words: &str, exit: Exit) -> Exit {
+    let (message, rendered) = (words.to_owned(), format!("{severity}: {words}"));
+    let told = DiagnosticMessage { severity, message, rendered, ..DiagnosticMessage::default() };
+    format.tell(Message::Diagnostic(told)).err().unwrap_or(exit)
 }
 
 impl Scenarios {
@@ -46,8 +57,22 @@ impl Scenarios {
             say(&findings).err().unwrap_or(Exit::Invalid)
         };
         let filter = self.filter.as_deref().map(Filter::parse).transpose().map_err(refused)?;
-        let files = inputs::scenario_files(&self.files)?;
-        let (mut plan, findings) = match batch::prepare(&files, &self.overrides, self.max_runs) {
+        let nothing = |words: String| {
+            terminal::complain(&format!("nothing selected: {words}"));
+            tell(format, "note", &format!("nothing selected: {words}"), Exit::Nothing)
+        };
+        let files = match inputs::scenario_files(&self.files) {
+            Ok(files) => files,
+            Err(inputs::Unusable::Nothing(words)) => return Err(nothing(words)),
+            Err(inputs::Unusable::Wrong(all)) => {
+                let told = all.into_iter().map(|words| {
+                    terminal::complain(&format!("error: {words}"));
+                    tell(format, "error", &words, Exit::Invalid)
+                });
+                return Err(told.fold(Exit::Invalid, |_, exit| exit));
+            }
+        };
+        let (mut plan, findings) = match batch::prepare(&files, &self.overrides, self.max_runs.get()) {
             Ok(prepared) => prepared,
             Err(findings) => {
                 say(&findings)?;
@@ -62,18 +87,13 @@ impl Scenarios {
             return Err(Exit::Invalid);
         }
         if plan.runs() == 0 {
-            terminal::complain("nothing selected: the scenarios expand to no runs");
-            return Err(Exit::Nothing);
+            return Err(nothing("the scenarios expand to no runs".into()));
         }
         if let Some(filter) = &filter {
             let all = plan.runs();
             plan.select(filter).map_err(refused)?;
             if plan.runs() == 0 {
-                terminal::complain(&format!(
-                    "nothing selected: the filter holds for none of {}",
-                    terminal::plural(all, "run")
-                ));
-                return Err(Exit::Nothing);
+                return Err(nothing(format!("the filter holds for none of {}", terminal::plural(all, "run"))));
             }
         }
         if let Some(shard) = self.shard {

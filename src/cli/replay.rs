@@ -1,24 +1,17 @@
 //! `runner replay`: runs again from their records, compared bit for bit.
 
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use clap::Args;
-use stiction::batch::{Interrupter, Severity};
-use stiction::replay::{self, Left, ReplayError};
+use stiction::batch::{BatchError, Interrupter, Severity};
+use stiction::replay::{self, Change, Left, ReplayError};
 
+use super::run::Which;
+use super::signals::when_asked_to_end;
 use super::terminal::{complain, plural, print, show};
-use super::{Exit, run};
-
-/// Below the help of `replay`.
-pub const HELP: &str = "Exit codes:
-  0    every run gave the same bits again
-  1    a run differs from what it left
-  2    wrong usage, no such run, or a run that cannot be made again
-  4    nothing selected: no runs in the folder
-  130  interrupted";
+use super::{Exit, numbers};
 
 /// Arguments of `replay`.
 #[derive(Args, Debug)]
@@ -35,8 +28,12 @@ pub struct Replay {
     /// Keep what the runs leave this time in this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Write contact problems as JSON beside what is kept: those without a valid state, or all; at most 100 of each run
+    #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "inconsistent")]
+    #[arg(requires = "output")]
+    dump_problems: Option<Which>,
     /// Wall-clock limit of each run
-    #[arg(long, value_name = "SECONDS", value_parser = run::seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_negative_numbers = true)]
     timeout: Option<Duration>,
 }
 
@@ -53,12 +50,11 @@ impl Replay {
         }
         let running: Arc<Mutex<Option<Interrupter>>> = Arc::default();
         let interrupted = running.clone();
-        if let Err(error) = ctrlc::set_handler(move || stop(&interrupted)) {
-            complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
-        }
+        let asked = when_asked_to_end(move |exit| stop(&interrupted, exit));
         let mut differ = 0;
         for left in &all {
-            differ += usize::from(!self.is_same(left, &running)?);
+            let same = self.is_same(left, &running);
+            differ += usize::from(!same.map_err(|exit| if exit == Exit::Interrupted { asked.exit() } else { exit })?);
         }
         if all.len() > 1 {
             let same = all.len() - differ;
@@ -71,7 +67,9 @@ impl Replay {
     fn is_same(&self, left: &Left, running: &Mutex<Option<Interrupter>>) -> Result<bool, Exit> {
         let temporary = tempfile::tempdir().map_err(|error| refuse(format!("no temporary folder: {error}")))?;
         let output: &Path = self.output.as_deref().unwrap_or(temporary.path());
-        let prepared = replay::prepare(left, self.base.as_deref(), output, self.timeout).map_err(refuse)?;
+        let prepared =
+            replay::prepare(left, self.base.as_deref(), output, self.timeout, Which::problems(self.dump_problems))
+                .map_err(refuse)?;
         if same_file(&left.path, prepared.path()) {
             return Err(refuse(format!("{} would be written over: choose another folder", left.path.display())));
         }
@@ -88,7 +86,7 @@ impl Replay {
                 format!("{name}: it was ended from outside and left no log: there is nothing to compare\n")
             }
             [] if left.was_cut() => format!("{name}: same bits up to where it was ended from outside (log.mcap)\n"),
-            [] if again.changes.is_empty() => format!("{name}: same bits ({files})\n"),
+            [] if !again.changes.iter().any(Change::is_of_inputs) => format!("{name}: same bits ({files})\n"),
             [] => format!("{name}: same values, though not all is as it was ({files})\n"),
             all => all.iter().fold(format!("{name}: differs\n"), |text, one| format!("{text}  {one}\n")),
         };
@@ -98,11 +96,11 @@ impl Replay {
 }
 
 /// The running run is cancelled: what it would leave is of no use.
-fn stop(running: &Mutex<Option<Interrupter>>) {
+fn stop(running: &Mutex<Option<Interrupter>>, exit: Exit) {
     let slot = running.lock().ok().and_then(|slot| slot.clone());
     match slot {
         Some(interrupter) => (0..2).for_each(|_| interrupter.interrupt()),
-        None => std::process::exit(Exit::Interrupted as i32),
+        None => std::process::exit(exit as i32),
     }
 }
 
@@ -121,14 +119,19 @@ fn refuse(why: impl Into<Refusal>) -> Exit {
             complain(&format!("error: the run cannot be made again from {}", record.display()));
             Exit::Invalid
         }
-        Refusal::Replay(error) => said(error),
-        Refusal::Words(words) => said(words),
+        Refusal::Replay(error) => {
+            complain(&format!("error: {error}"));
+            // Folder and threads are looked at before anything runs; what comes later is the disk.
+            match &error {
+                ReplayError::Batch(BatchError::Record(cause)) => Exit::of_writing(cause),
+                _ => Exit::Invalid,
+            }
+        }
+        Refusal::Words(words) => {
+            complain(&format!("error: {words}"));
+            Exit::Invalid
+        }
     }
-}
-
-fn said(why: impl Display) -> Exit {
-    complain(&format!("error: {why}"));
-    Exit::Invalid
 }
 
 enum Refusal {

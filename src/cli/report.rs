@@ -42,11 +42,15 @@ impl Report {
         complain(&format!("{} read, {} passed over", plural(read, "record"), records.skipped.len()));
         let pictured = self.pictured(&records)?;
         let (rows, reference_rows) = (rows(&records.runs), rows(&records.references));
-        let files = write_summary(&self.results, &rows).map_err(fail)?;
+        let unwritten = |error: RecordError| {
+            complain(&format!("error: {error}"));
+            Exit::of_writing(&error)
+        };
+        let files = write_summary(&self.results, &rows).map_err(unwritten)?;
         let runs = as_reported(&rows, &records.runs);
         let references = as_reported(&reference_rows, &records.references);
         let page = self.output.unwrap_or_else(|| self.results.join("report.html"));
-        write_report(&page, &self.results, &runs, &references, &pictured).map_err(fail)?;
+        write_report(&page, &self.results, &runs, &references, &pictured).map_err(unwritten)?;
         let accuracy = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>());
         let air = if accuracy.is_empty() { "" } else { "\n" };
         let written: Vec<String> =

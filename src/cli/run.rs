@@ -14,10 +14,11 @@ use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{Shown, SummaryRow, table, verdicts};
 use stiction::sim::Problems;
 
-use super::Exit;
 use super::machine::{Format, MessageFormat, TestResults};
 use super::prepare::Scenarios;
+use super::signals::{Asked, when_asked_to_end};
 use super::terminal::{complain, counted, plural, print};
+use super::{Exit, numbers};
 
 /// Runs whose files are named one by one below the table.
 const MOST_NAMED: usize = 20;
@@ -45,7 +46,7 @@ pub struct Run {
     #[arg(short, long, value_name = "DIR", default_value = "results", value_hint = ValueHint::DirPath)]
     output: PathBuf,
     /// Runs side by side [default: one per processor]
-    #[arg(short, long, value_name = "N")]
+    #[arg(short, long, value_name = "N", value_parser = numbers::count, allow_negative_numbers = true)]
     jobs: Option<NonZero<usize>>,
     /// Repeat no runs to time them
     #[arg(long)]
@@ -57,16 +58,16 @@ pub struct Run {
     #[arg(long, conflicts_with = "max_fail")]
     fail_fast: bool,
     /// Start no more runs once so many failed or did not finish
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = numbers::count, allow_negative_numbers = true)]
     max_fail: Option<NonZero<usize>>,
     /// Make only the runs whose results are not in the folder, and say why those that are do not count
     #[arg(long)]
     resume: bool,
     /// Wall-clock limit of each run
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_negative_numbers = true)]
     timeout: Option<Duration>,
     /// Name runs that take longer than this, while they run and at the end
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_negative_numbers = true)]
     slow: Option<Duration>,
     /// Write contact problems as JSON: those without a valid state, or all; at most 100 of each run
     #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "inconsistent")]
@@ -82,19 +83,21 @@ pub struct Run {
 
 /// Contact problems to write.
 #[derive(ValueEnum, Clone, Copy, Debug)]
-enum Which {
+pub(super) enum Which {
     /// Selections in which no state was valid
     Inconsistent,
     /// Every selection
     All,
 }
 
-/// A span of time above 0.
-pub(super) fn seconds(text: &str) -> Result<Duration, String> {
-    let number: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
-    match Duration::try_from_secs_f64(number) {
-        Ok(duration) if !duration.is_zero() => Ok(duration),
-        _ => Err("a number of seconds above 0 is wanted".into()),
+impl Which {
+    /// What to write of these.
+    pub fn problems(asked: Option<Which>) -> Problems {
+        match asked {
+            None => Problems::None,
+            Some(Which::Inconsistent) => Problems::Inconsistent,
+            Some(Which::All) => Problems::All,
+        }
     }
 }
 
@@ -122,33 +125,29 @@ impl Run {
             timeout: self.timeout,
             max_fail: if self.fail_fast { Some(NonZero::<usize>::MIN) } else { self.max_fail },
             slow: self.slow,
-            problems: match self.dump_problems {
-                None => Problems::None,
-                Some(Which::Inconsistent) => Problems::Inconsistent,
-                Some(Which::All) => Problems::All,
-            },
+            problems: Which::problems(self.dump_problems),
             timing: !self.no_timing,
             resume: self.resume,
         };
         let side_by_side = options.jobs.min(runs + references);
         let started = BatchStarted { jobs: side_by_side, ..BatchStarted::new(&plan, &options) };
         let mut junit = self.junit.listener(&plan, &options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
-        let mut is_heard = true;
-        let mut teller = Teller::new(&options, |line| is_heard = is_heard && print(&line).is_ok());
+        // Runs are made even if nobody can be told of them: a line that was not taken is an error of the last one.
+        let mut teller = Teller::new(&options, |line| {
+            let _ = print(&line);
+        });
         let batch = Batch::new(plan, options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
         if self.resume {
             resumed(batch.resumed());
         }
         let interrupter = batch.interrupter();
-        if let Err(error) = ctrlc::set_handler(move || interrupter.interrupt()) {
-            complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
-        }
+        let asked = when_asked_to_end(move |_| interrupter.interrupt());
         let then = match repetitions {
             0 => String::new(),
             n => format!(", then {} one at a time for timing", plural(n, "repetition")),
         };
         complain(&format!("{}, {side_by_side} side by side{then}", counted(runs, references)));
-        format.tell(Message::BatchStarted(started))?;
+        let _ = format.tell(Message::BatchStarted(started));
         let mut listeners: Vec<&mut dyn Listener> = Vec::new();
         if format == MessageFormat::Json {
             listeners.push(&mut teller);
@@ -159,7 +158,11 @@ impl Run {
         let junit = junit.map(|junit| junit.write().map_err(|error| refuse(&error, last, Exit::Unfinished)));
         let report = report.map_err(|error| {
             let exit = refuse(&error, last, Exit::Unfinished);
-            complain("what was finished is kept; the same with --resume goes on from there");
+            let folder = self.output.display();
+            complain(&format!(
+                "runs that were finished are kept in {folder}, and runs.jsonl there has a line of each that could be told of; \
+                 the same with --resume goes on from there"
+            ));
             exit
         })?;
         let junit = junit.transpose()?;
@@ -167,7 +170,7 @@ impl Run {
         if format == MessageFormat::Human {
             print(&summary(&report, self.verdicts, self.slow, junit.as_deref()))?;
         }
-        Ok(exit(&report))
+        Ok(exit(&report, &asked))
     }
 }
 
@@ -181,6 +184,12 @@ fn refuse(error: &dyn std::error::Error, last: &mut BatchFinished, exit: Exit) -
 /// What is there already, and why other runs are made again.
 fn resumed(resumed: &Resumed) {
     complain(&format!("resumed: {} done already", counted(resumed.runs(), resumed.references())));
+    if resumed.other_builds() > 0 {
+        let runs = plural(resumed.other_builds(), "run");
+        complain(&format!(
+            "  {runs} of these by another build of this version: what it computes may have changed since"
+        ));
+    }
     for again in resumed.again().iter().take(MOST_NAMED) {
         let example =
             if again.runs > 1 { format!(", such as {}", again.example) } else { format!(", {}", again.example) };
@@ -272,9 +281,9 @@ fn shown(wanted: Option<Verdicts>, values: usize) -> Shown {
     }
 }
 
-fn exit(report: &Report) -> Exit {
+fn exit(report: &Report, asked: &Asked) -> Exit {
     match () {
-        () if report.interrupted => Exit::Interrupted,
+        () if report.interrupted => asked.exit(),
         () if report.has_unfinished() => Exit::Unfinished,
         () if report.has_failed() => Exit::Failed,
         () => Exit::Success,

@@ -1,18 +1,27 @@
 //! Standard output and standard error, which may be pipes that nobody reads any more.
 
 use std::io::{ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use stiction::batch::{Findings, Severity};
 
 use super::{Exit, colour};
 
-/// Writes results to standard output. A pipe that was closed has had all it wanted; any other trouble is an error.
+/// Has standard output failed to take something? What comes after a gap would mislead whoever reads it.
+static GAP: AtomicBool = AtomicBool::new(false);
+
+/// Writes results to standard output. A pipe that was closed has had all it wanted; any other trouble is an error, which is
+/// told once and stays.
 pub fn print(text: &str) -> Result<(), Exit> {
+    if GAP.load(Ordering::Relaxed) {
+        return Err(Exit::Unfinished);
+    }
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            GAP.store(true, Ordering::Relaxed);
             complain(&format!("error: cannot write to standard output: {error}"));
-            Err(Exit::Invalid)
+            Err(Exit::Unfinished)
         }
         _ => Ok(()),
     }

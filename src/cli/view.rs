@@ -7,14 +7,9 @@ use std::process::{Command, Stdio};
 use clap::Args;
 use stiction::view::{Replay, Runs, Server, file_page, pack};
 
-use super::Exit;
+use super::signals::when_asked_to_end;
 use super::terminal::{complain, plural, print};
-
-/// Below the help of `view`.
-pub const HELP: &str = "Exit codes:
-  0    shown until Ctrl-C, or the file is written
-  2    wrong usage, no such log, a log that cannot be shown, a port that is taken
-  4    no run of the folder left a log";
+use super::{Exit, numbers};
 
 /// Arguments of `view`.
 #[derive(Args, Debug)]
@@ -32,12 +27,8 @@ pub struct View {
     #[arg(short, long, value_name = "FILE.html")]
     output: Option<PathBuf>,
     /// Show at most so many ticks per simulated second, Hz; all that were logged when not given
-    #[arg(long, value_name = "HZ", value_parser = positive)]
+    #[arg(long, value_name = "HZ", value_parser = numbers::positive, allow_negative_numbers = true)]
     rate: Option<f64>,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "a number above 0 is wanted".into())
 }
 
 impl View {
@@ -68,7 +59,10 @@ impl View {
             return Err(refuse(format!("{} is the log itself: choose another file to write", file.display())));
         }
         let page = file_page(&run.title(), &pack(&Replay::read(&run.log).map_err(refuse)?, self.rate));
-        stiction::view::write_page(file, &page).map_err(refuse)?;
+        stiction::view::write_page(file, &page).map_err(|error| {
+            refuse(&error);
+            Exit::of_writing(&error)
+        })?;
         complain(&format!("{}: {:.1} MB", file.display(), page.len() as f64 * 1e-6));
         Ok(Exit::Success)
     }
@@ -83,9 +77,7 @@ impl View {
         let server = Server::new(runs, self.rate, port)
             .map_err(|error| refuse(format!("cannot listen on port {port} of 127.0.0.1: {error}")))?;
         let stopper = server.stopper();
-        if let Err(error) = ctrlc::set_handler(move || stopper.stop()) {
-            complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
-        }
+        when_asked_to_end(move |_| stopper.stop());
         let address = format!("http://{}/", server.address());
         print(&format!("{address}\n"))?;
         complain(&format!("{} shown to this machine only; Ctrl-C ends", plural(count, "run")));

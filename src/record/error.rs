@@ -13,6 +13,16 @@ pub enum RecordError {
         /// The cause.
         source: std::io::Error,
     },
+    /// A file could not be written, and neither can any other beside it.
+    #[error("{what}; nothing more can be written into {}: {source}", folder.display())]
+    NoRoom {
+        /// The file, in the words of what failed.
+        what: String,
+        /// The folder of the results.
+        folder: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
     /// Another program is writing these results.
     #[error("{path}: another runner is writing these results: wait for its end, or give this one a folder of its own")]
     InUse {

@@ -56,7 +56,7 @@ pub use problems::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
 pub use rebuild::{FoundRun, Records, read_records};
 pub use reference_motion::{Comparator, ReferenceMotion};
 pub use report::{Pictured, ReportRun, write_report, write_report_of};
-pub use run::{InputHash, Machine, PROGRAM, RUN_SCHEMA, RunRecord, Timing, hash_input};
+pub use run::{BUILD, InputHash, Machine, PROGRAM, RUN_SCHEMA, RunRecord, Timing, hash_input};
 pub use runs_log::{RunsLog, Told};
 pub use shard_list::{PlanHash, SHARD_LIST, SHARD_SCHEMA, ShardHead, ShardList, ShardRun};
 pub use summary::{Rows, SummaryFiles, summary_frame, write_summary, write_summary_of};

@@ -13,6 +13,9 @@ pub const RUN_SCHEMA: u32 = 1;
 /// This program and its version, as records name them.
 pub const PROGRAM: &str = concat!("stiction ", env!("CARGO_PKG_VERSION"));
 
+/// Which build of it this is: a hash of its sources.
+pub const BUILD: &str = env!("STICTION_BUILD");
+
 /// The record of one finished run. Everything but `timing` depends on the run alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
@@ -85,6 +88,10 @@ pub struct Timing {
     /// versions do not say.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
+    /// The build of the program, [`BUILD`]: no part of the key, since most changes of the sources change no result. Records of
+    /// earlier versions do not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub build: Option<String>,
     /// Times of its repetitions, if there were any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeats: Option<Repeats>,

@@ -24,7 +24,7 @@ pub struct Again {
 }
 
 /// Reads what the run was made of. Paths of its scenario begin at `base`, or where the record says that they began; its
-/// records go below `output`. A wall-clock limit ends it as it ends any run.
+/// records go below `output`, with its contact problems if they are wanted. A wall-clock limit ends it as it ends any run.
 ///
 /// # Errors
 /// It is not known where paths begin; a file is not there any more or not as it must be; the folder cannot be written.
@@ -33,6 +33,7 @@ pub fn prepare(
     base: Option<&Path>,
     output: &Path,
     timeout: Option<Duration>,
+    problems: Problems,
 ) -> Result<Prepared, ReplayError> {
     let record = &left.record;
     let folder = match (base, &record.timing.file) {
@@ -61,7 +62,7 @@ pub fn prepare(
         max_fail: None,
         slow: None,
         resume: false,
-        problems: Problems::None,
+        problems,
         timing: false,
     };
     Ok(Prepared { batch: Batch::new(plan, options)?, path })

@@ -13,6 +13,13 @@ pub enum Change {
         /// This one.
         now: String,
     },
+    /// Another build of the same version.
+    Build {
+        /// The one that made the record.
+        then: String,
+        /// This one.
+        now: String,
+    },
     /// Another machine: results are equal on equal kinds of machine.
     Machine {
         /// Then.
@@ -34,6 +41,9 @@ impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Change::Program { then, now } => write!(f, "it was run by {then}, this is {now}"),
+            Change::Build { then, now } => {
+                write!(f, "it was run by another build of this version, {then}, this is {now}")
+            }
             Change::Machine { then, now } => write!(f, "it was run on {then}, this is {now}"),
             Change::Input(name) => write!(f, "{name} has changed since"),
             Change::New(name) => write!(f, "{name} was not among its files"),
@@ -43,12 +53,24 @@ impl fmt::Display for Change {
     }
 }
 
+impl Change {
+    /// Is it something that the result may depend on, and not only the program as it was built?
+    pub fn is_of_inputs(&self) -> bool {
+        !matches!(self, Change::Build { .. })
+    }
+}
+
 /// What differs between the inputs of two records of one run. Names may repeat (two meshes of one name in different
 /// packages); the n-th of a name is compared with the n-th.
 pub(super) fn changes(then: &RunRecord, now: &RunRecord) -> Vec<Change> {
     let mut all = Vec::new();
     if then.program != now.program {
         all.push(Change::Program { then: then.program.clone(), now: now.program.clone() });
+    }
+    if let (true, Some(a), Some(b)) = (then.program == now.program, &then.timing.build, &now.timing.build)
+        && a != b
+    {
+        all.push(Change::Build { then: a.clone(), now: b.clone() });
     }
     let machine = |r: &RunRecord| format!("{} {}", r.timing.machine.os, r.timing.machine.arch);
     if machine(then) != machine(now) {
@@ -66,7 +88,7 @@ pub(super) fn changes(then: &RunRecord, now: &RunRecord) -> Vec<Change> {
         }
     }
     all.extend(left.into_iter().map(|input| Change::New(input.name.clone())));
-    let explained = all.iter().any(|change| !matches!(change, Change::Machine { .. }));
+    let explained = all.iter().any(|change| !matches!(change, Change::Machine { .. } | Change::Build { .. }));
     if then.key != now.key && !explained {
         all.push(Change::Record);
     }

@@ -1,6 +1,6 @@
 //! What differs between a run and the same run made again.
 
-use super::{Again, Left, log, record};
+use super::{Again, Change, Left, log, record};
 use std::fmt;
 
 /// The first difference of a file.
@@ -36,7 +36,7 @@ impl fmt::Display for Difference {
 /// Not compared are times that the run took, swept parameters (a run made again is not swept), and what changed inputs
 /// change by themselves: hashes, key and program, and the texts attached to the log.
 pub fn compare(then: &Left, again: &Again) -> Vec<Difference> {
-    let inputs_changed = !again.changes.is_empty();
+    let inputs_changed = again.changes.iter().any(Change::is_of_inputs);
     let logs = match (&then.log, &again.left.log) {
         (Some(a), Some(b)) => log::compare(a, b, inputs_changed, then.was_cut()),
         _ => None,

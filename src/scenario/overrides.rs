@@ -1,6 +1,12 @@
 //! Values given beside a scenario file, as `--set KEY=VALUE` does.
 
-use super::{diagnostic::Findings, path::Path, source::Sources, tree, tree::Node};
+use super::{
+    diagnostic::Findings,
+    path::{Path, PathError},
+    source::Sources,
+    tree,
+    tree::Node,
+};
 
 /// Read `KEY=VALUE`, the key a dotted path and the value as in TOML; a word that is no TOML value is taken as a string,
 /// so that `contact.method=one-step` needs no quotes.
@@ -24,7 +30,8 @@ pub fn parse_override(text: &str) -> Result<(String, toml::Value), String> {
     }
 }
 
-/// Put overrides into a scenario's tree, the later over the earlier; the paths they lead to are returned.
+/// Put overrides into a scenario's tree, the later of one key over the earlier; the paths they lead to are returned. A key
+/// that holds what is overridden before it would drop that unseen.
 pub(super) fn apply(
     root: &mut Node,
     overrides: &[(String, toml::Value)],
@@ -36,6 +43,12 @@ pub(super) fn apply(
         let text = format!("{key} = {value}");
         let start = sources.add("--set", &text);
         let set = Path::parse(key, &(start..start + key.len()), sources).and_then(|path| {
+            let mut before = paths.iter().filter(|before: &&Path| before.segments.len() > path.segments.len());
+            if let Some(part) = before.find(|before| before.overlaps(&path)) {
+                let part = part.segments.iter().map(|s| Path::segment(&s.0)).collect::<Vec<_>>().join(".");
+                let message = format!("`{key}` would replace `{part}`, which is set as well: set one or the other");
+                return Err(PathError { span: start..start + key.len(), message });
+            }
             let node = tree::assigned(&text, start, path.segments.len(), findings);
             path.set(root, node).map(|()| path)
         });

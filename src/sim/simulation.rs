@@ -167,8 +167,13 @@ impl Simulation {
         }
         let mut snapshot = super::observe::blank(&model);
         snapshot.external.reserve(plant.arrows.capacity());
-        snapshot.points =
-            setup.tasks.points().map(|(name, _)| Point { name: name.to_owned(), position: None }).collect();
+        for (name, _) in setup.tasks.points() {
+            // Two tasks may have a point of one name.
+            let taken = |name: &str| snapshot.points.iter().any(|point| point.name == name);
+            let names = std::iter::once(name.to_owned()).chain((2..).map(|n| format!("{name}.{n}")));
+            let free = names.into_iter().find(|name| !taken(name)).unwrap_or_default();
+            snapshot.points.push(Point::named(free));
+        }
         if setup.sensors.is_some() || estimator.estimates() {
             setup.tasks.tick_always();
             snapshot.estimate = Some(super::observe::blank_estimate(&model));

@@ -11,3 +11,10 @@ pub struct Point {
     /// World, m; nowhere when not given.
     pub position: Option<Vector3<f64>>,
 }
+
+impl Point {
+    /// A point that is nowhere yet.
+    pub fn named(name: impl Into<String>) -> Self {
+        Point { name: name.into(), position: None }
+    }
+}

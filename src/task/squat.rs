@@ -10,7 +10,7 @@
 
 use super::kinematic::{Figure, Poser};
 use super::posture::minimum_jerk;
-use super::{Command, Context, Status, Task, TaskResult, over};
+use super::{Command, Context, Point, Status, Task, TaskResult, over};
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -61,13 +61,17 @@ pub struct Squat {
     start: f64,
     over: Vector3<f64>,
     upright: UnitQuaternion<f64>,
+    /// The centre of mass as planned.
+    points: [Point; 1],
 }
 
 impl Squat {
     /// For a robot that [`super::kinematic::figure::check`] has let through.
     pub fn new(model: &Model, shape: Shape, feed_forward: bool) -> Self {
         let poser = Poser::new(model);
-        Squat { shape, poser, feed_forward, start: 0.0, over: Vector3::zeros(), upright: UnitQuaternion::identity() }
+        let points = [Point::named("squat.com")];
+        let (over, upright) = (Vector3::zeros(), UnitQuaternion::identity());
+        Squat { shape, poser, feed_forward, start: 0.0, over, upright, points }
     }
 }
 
@@ -88,6 +92,7 @@ impl Task for Squat {
         let (drop, rate, bend) = self.shape.drop(t - self.shape.settle);
         self.poser.goal.com.z -= drop;
         self.poser.rates.com.z += rate;
+        self.points[0].position = Some(self.poser.goal.com);
         self.poser.pose(context, command)?;
         if self.feed_forward {
             let part = minimum_jerk(t, self.shape.settle).0;
@@ -98,6 +103,10 @@ impl Task for Squat {
 
     fn lends(&self) -> bool {
         true
+    }
+
+    fn points(&self) -> &[Point] {
+        &self.points
     }
 
     fn name(&self) -> &str {

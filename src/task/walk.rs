@@ -7,7 +7,7 @@
 use super::gait::{Footsteps, Preview, Sample, Stride};
 use super::kinematic::{Figure, Poser};
 use super::posture::minimum_jerk;
-use super::{Command, Context, Status, Task, TaskResult, over};
+use super::{Command, Context, Point, Status, Task, TaskResult, over};
 use crate::dynamics::Motion;
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
@@ -34,6 +34,8 @@ pub struct Walk {
     over: Vector3<f64>,
     upright: UnitQuaternion<f64>,
     plan: Option<Plan>,
+    /// Centre of mass and zero-moment point as planned, then where each sole stands or is to come down.
+    points: [Point; 4],
 }
 
 /// What is known once the task has begun.
@@ -41,6 +43,8 @@ struct Plan {
     footsteps: Footsteps,
     /// x and y of the centre of mass.
     samples: [Vec<Sample>; 2],
+    /// Height of the soles when it began, m.
+    ground: f64,
     /// Height of the centre of mass over gravity, s^2.
     lag: f64,
 }
@@ -77,6 +81,12 @@ impl Walk {
             over: Vector3::zeros(),
             upright: UnitQuaternion::identity(),
             plan: None,
+            points: [
+                Point::named("walk.com"),
+                Point::named("walk.zmp"),
+                Point::named(format!("walk.foot.{}", model.soles[0].name)),
+                Point::named(format!("walk.foot.{}", model.soles[1].name)),
+            ],
         }
     }
 }
@@ -114,7 +124,7 @@ impl Task for Walk {
         let reference =
             |axis: usize| -> Vec<f64> { (0..seen).map(|k| footsteps.zmp(k as f64 * PERIOD)[axis]).collect() };
         let samples = [0, 1].map(|axis| preview.follow(&reference(axis), count));
-        self.plan = Some(Plan { footsteps, samples, lag: preview.lag });
+        self.plan = Some(Plan { footsteps, samples, ground: support.z, lag: preview.lag });
         Ok(Status::Running)
     }
 
@@ -138,6 +148,10 @@ impl Task for Walk {
                 self.poser.rates.soles[s] = Motion::new(velocity, Vector3::zeros());
             }
         }
+        let reference = plan.footsteps.zmp(since.max(0.0));
+        let (ground, feet) = (plan.ground, [0, 1].map(|s| plan.footsteps.landing(s, since)));
+        let places = [self.poser.goal.com, Vector3::new(reference.x, reference.y, ground), feet[0], feet[1]];
+        self.points.iter_mut().zip(places).for_each(|(point, at)| point.position = Some(at));
         self.poser.pose(context, command)?;
         if self.feed_forward {
             let part = minimum_jerk(t, self.settle).0;
@@ -148,6 +162,10 @@ impl Task for Walk {
 
     fn lends(&self) -> bool {
         true
+    }
+
+    fn points(&self) -> &[Point] {
+        &self.points
     }
 
     fn name(&self) -> &str {

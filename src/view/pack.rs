@@ -9,7 +9,7 @@
 //! is absent (a centre of pressure in flight) is not a number.
 
 use super::replay::Replay;
-use crate::record::{Frame, SoleSeries};
+use crate::record::{Frame, SelfCollisionSeries, SoleSeries};
 use foxglove::messages::{Color, LinePrimitive, Point3, Pose, SceneEntity, line_primitive};
 use nalgebra::{Isometry3, Vector3};
 use serde_json::{Value, json};
@@ -48,6 +48,7 @@ pub fn pack(replay: &Replay, rate: Option<f64>) -> Packed {
         "points": motion.map(|m| m.points.iter().map(|p| json!({
             "name": p.name, "position": columns.optional(&p.position),
         })).collect::<Vec<_>>()),
+        "nearest": run.self_collision.as_ref().map(|s| nearest(s, margin(replay), &mut columns)),
         "soles": run.soles.as_ref().map(|all| all.iter().map(|s| sole(s, &mut columns)).collect::<Vec<_>>()),
         "events": run.events.iter().map(|e| json!({
             "time": e.time, "kind": e.kind, "subject": e.subject, "message": e.message,
@@ -132,6 +133,39 @@ fn frame(frame: &Frame, columns: &mut Columns) -> Value {
         false => columns.ticks.iter().flat_map(|&i| numbers(&frame.poses[i])).collect(),
     };
     json!({ "name": frame.name, "parent": frame.parent, "fixed": fixed, "poses": columns.floats(&rows) })
+}
+
+/// The nearest pair of the robot's bodies: numbers in a list of names, distance, and a point on either.
+fn nearest(series: &SelfCollisionSeries, margin: f64, columns: &mut Columns) -> Value {
+    let mut names: Vec<&str> = Vec::new();
+    let ticks = columns.ticks;
+    let codes: Vec<u32> = ticks
+        .iter()
+        .map(|&i| {
+            let pair = series.pair[i].as_str();
+            let known = names.iter().position(|name| *name == pair);
+            known.unwrap_or_else(|| {
+                names.push(pair);
+                names.len() - 1
+            }) as u32
+        })
+        .collect();
+    let distances: Vec<f64> = ticks.iter().map(|&i| series.distance[i]).collect();
+    let [first, second] = [0, 1].map(|side| {
+        let points: Vec<_> = series.points.iter().map(|points| points.map(|both| both[side])).collect();
+        columns.optional(&points)
+    });
+    json!({
+        "margin": margin, "pairs": names, "pair": columns.whole(&codes), "distance": columns.floats(&distances),
+        "first": first, "second": second,
+    })
+}
+
+/// Distance that avoidance keeps, as the scenario in the log has it, m; 0 without one.
+fn margin(replay: &Replay) -> f64 {
+    let scenario = replay.run.scenario_text().and_then(|text| text.parse::<toml::Table>().ok());
+    let given = scenario.as_ref().and_then(|table| table.get("self_collision")?.get("margin")?.as_float());
+    given.unwrap_or(0.0)
 }
 
 fn sole(sole: &SoleSeries, columns: &mut Columns) -> Value {

@@ -166,9 +166,9 @@ fn what_cannot_be_compared_is_2_and_nothing_is_4() {
         (&["a", "bad.parquet"], "bad.parquet: "),
         (&["a", "a", "--threshold", "final_base_q=1"], "did you mean `final_base_"),
         (&["a", "a", "--threshold", "final_base_x"], "COLUMN=ABS[,REL]"),
-        (&["a", "a", "--threshold", "final_base_x=-1"], "no number of 0 or greater"),
+        (&["a", "a", "--threshold", "final_base_x=-1"], "a number of 0 or more is wanted"),
         (&["a", "a", "--threshold", "method=1"], "neither has a numeric column `method`"),
-        (&["a", "a", "--timing", "0.5"], "no number of 1 or greater"),
+        (&["a", "a", "--timing", "0.5"], "a number of 1 or more is wanted"),
         (&["a"], "required"),
     ] {
         let done = place.runner(&[&["compare"], arguments].concat()).exits(2);

@@ -60,6 +60,28 @@ fn wrong_usage_is_2() {
 }
 
 #[test]
+fn numbers_that_make_no_sense_are_told_what_is_wanted() {
+    let place = Place::new();
+    place.block("rest.toml", "");
+    for (arguments, wanted) in [
+        (&["rest.toml", "--jobs", "0"][..], "a whole number of 1 or more is wanted"),
+        (&["rest.toml", "-j", "-2"], "a whole number of 1 or more is wanted"),
+        (&["rest.toml", "--max-fail", "-1"], "a whole number of 1 or more is wanted"),
+        (&["rest.toml", "--max-runs", "0"], "a whole number of 1 or more is wanted"),
+        (&["rest.toml", "--timeout", "-1"], "a number of seconds above 0 is wanted"),
+        (&["rest.toml", "--slow", "soon"], "a number of seconds above 0 is wanted"),
+        (&["replay", "x", "--timeout", "-1"], "a number of seconds above 0 is wanted"),
+        (&["view", "x", "--rate", "-1"], "a number above 0 is wanted"),
+        (&["export", "x", "--rate", "-1"], "a number above 0 is wanted"),
+        (&["compare", "a", "b", "--absolute", "-1"], "a number of 0 or more is wanted"),
+        (&["compare", "a", "b", "--timing", "-1"], "a number of 1 or more is wanted"),
+    ] {
+        let done = place.runner(arguments).exits(2);
+        assert!(done.stderr.contains(wanted), "{arguments:?}: {}", done.stderr);
+    }
+}
+
+#[test]
 fn a_misspelt_command_is_told_from_a_missing_file() {
     let place = Place::new();
     place.block("rest.toml", "");
@@ -93,6 +115,18 @@ fn a_run_out_of_time_is_3_and_hurts_no_other() {
     assert!(wall >= 0.2, "ended after {wall} s");
     let simulated = summary.numbers("duration_s")[0];
     assert!(simulated > 0.0 && simulated < 1e9, "what was reached is kept: {simulated}");
+}
+
+#[test]
+fn a_run_out_of_time_while_its_script_is_loaded_is_timed_out() {
+    let place = Place::new();
+    // Nine tenths of what a script may do before its end of definitions, some tenths of a second.
+    place.write("slow.luau", "for i = 1, 9e5 do local x = {} end\nfunction run() return {} end\n");
+    place.block("slow.toml", "[[force]]\ntype = \"script\"\nfile = \"slow.luau\"\n");
+    let done = place.runner(&["slow.toml", "--timeout", "0.001"]).exits(3);
+    let summary = place.summary("results");
+    assert_eq!(summary.column("outcome"), ["timed-out"], "{}", done.stderr);
+    assert_eq!(summary.column("message"), ["not at its end after 0.001 s of wall-clock time"]);
 }
 
 #[test]

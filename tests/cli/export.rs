@@ -290,10 +290,10 @@ fn what_cannot_be_exported_is_said() {
     refused(&place, &[f, "--format", "parquet"], "Parquet is no text: name a file");
     refused(&place, &[f, "-o", "x.csv", "--separator", "tab"], "are of `--format gnuplot`");
     refused(&place, &[f, "--from", "7"], "nothing to export from 7 s to 0.1 s: the log reaches from 0 s to 0.1 s");
-    refused(&place, &[f, "--rate", "0"], "not a number above 0");
-    refused(&place, &[f, "--rate", "fast"], "not a number above 0");
+    refused(&place, &[f, "--rate", "0"], "a number above 0 is wanted");
+    refused(&place, &[f, "--rate", "fast"], "a number above 0 is wanted");
     refused(&place, &[f, "--rate", "1e15"], "is too high");
-    refused(&place, &[f, "--to", "inf"], "not a finite number");
+    refused(&place, &[f, "--to", "inf"], "a finite number is wanted");
     refused(&place, &[f, "--numbers", "%d"], "`%d` is no number format");
     refused(&place, &[f, "--separator", "1"], "taken for a part of a cell");
     refused(&place, &[f, "--comment", " "], "neither empty nor with blanks");

@@ -79,6 +79,28 @@ fn references_stay_with_the_runs_that_need_them() {
 }
 
 #[test]
+fn stars_can_be_meant_and_lists_may_end_with_a_comma() {
+    let place = Place::new();
+    place.block("a.toml", "").block("a*.toml", "").block("a?b.toml", "");
+    let left = |filter: &str| {
+        let arguments = ["list", "--format", "csv", "a.toml", "a*.toml", "a?b.toml", "--filter", filter];
+        let table = Table::parse(&place.runner(&arguments).exits(0).stdout);
+        table.column("scenario").into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(left(r#"name ~ "a*""#), ["a", "a*", "a?b"]);
+    assert_eq!(left(r#"name ~ "a\*""#), ["a*"]);
+    assert_eq!(left(r#"name ~ "*\?b""#), ["a?b"]);
+    assert_eq!(left(r#"name !~ "a\*""#), ["a", "a?b"]);
+    // In single quotes nothing takes a meaning away, and `==` knows no patterns.
+    assert_eq!(left(r"not name ~ 'a\*'"), ["a", "a*", "a?b"]);
+    assert_eq!(left(r#"name == "a\*""#), ["a*"]);
+    assert_eq!(left("name in ['a', 'a*',]"), ["a", "a*"]);
+    // A word that could be there, though no run has it, is no mistake.
+    let words = "contact.method == 'lcp' or name == 'a'";
+    assert_eq!(left(words), ["a"]);
+}
+
+#[test]
 fn nothing_selected_is_4() {
     let place = place();
     for command in ["run", "check", "list"] {
@@ -107,6 +129,21 @@ fn mistakes_are_shown_at_their_place_with_what_was_meant() {
         ("name == 'rest' name", 16, "`and`, `or` or the end is wanted here", ""),
         ("seed == 1e999", 9, "a finite number is wanted here", ""),
         ("seed == 1.2.3", 9, "this is no number", ""),
+        ("contact.method == 'exct'", 19, "`contact.method` cannot be \"exct\"", "did you mean `exact`?"),
+        ("seed > 0 and contact.method in ['exact', 'ncq']", 42, "`contact.method` cannot be \"ncq\"", "`ncp`?"),
+        ("contact.method != 'colour'", 19, "`contact.method` cannot be \"colour\"", "known here: `exact`"),
+        ("contact.method in ['exact', 3]", 29, "a number, but the list begins with a text", "of one kind"),
+        ("seed in [1, true]", 13, "true or false, but the list begins with a number", "of one kind"),
+        ("0.4 == floor.friction.static", 1, "something of the run is wanted", "write `floor.friction.static == 0.4`"),
+        ("0.4 < floor.friction.static", 1, "something of the run is wanted", "write `floor.friction.static > 0.4`"),
+        ("'exact' == contact.method", 1, "something of the run is wanted", "write `contact.method == 'exact'`"),
+        ("1 == 1", 1, "something of the run is wanted", ""),
+        ("seed == 1 AND name == 'rest'", 11, "`and`, `or` or the end is wanted here", "in small letters: `and`"),
+        ("(seed == 1 Or name == 'rest')", 12, "`and`, `or` or `)` is wanted here", "in small letters: `or`"),
+        ("NOT seed == 1", 5, "a comparison is wanted here", "in small letters: `not`"),
+        ("seed IN [1]", 6, "a comparison is wanted here", "in small letters: `in`"),
+        ("seed == TRUE", 9, "a text stands in quotes", "in small letters: `true`"),
+        ("seed in [,]", 10, "a value is wanted here", ""),
         ("", 1, "something of the run is wanted here", "`name`"),
     ] {
         let done = place.runner(&["check", "rest.toml", "slide.toml", "--filter", filter]).exits(2);

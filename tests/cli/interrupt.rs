@@ -31,7 +31,11 @@ fn lines(path: &Path) -> usize {
 
 /// As a terminal does on Ctrl-C.
 fn interrupt(child: &Child) {
-    let sent = Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap();
+    signal(child, "INT");
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("sh").args(["-c", &format!("kill -{name} {}", child.id())]).status().unwrap();
     assert!(sent.success());
 }
 
@@ -43,6 +47,34 @@ fn start(place: &Place, arguments: &[&str]) -> Child {
 
 fn said(place: &Place) -> String {
     std::fs::read_to_string(place.path("stderr")).unwrap()
+}
+
+/// As schedulers and servers do before they kill.
+#[test]
+fn to_be_terminated_is_to_be_interrupted() {
+    let place = Place::new();
+    place.block("s.toml", "[sweep]\nrepeat = 5000\n");
+    let mut child = start(&place, &["s.toml", "--set", "duration=20", "-j", "2"]);
+    let rows = place.path("results/runs.jsonl");
+    until("the first row", || (lines(&rows) > 0).then_some(()));
+    signal(&child, "TERM");
+    let status = until("the end", || child.try_wait().unwrap());
+    assert_eq!(status.code(), Some(143), "{}", said(&place));
+    assert!(said(&place).contains("interrupted: no more runs are started"), "{}", said(&place));
+    let outcomes = place.summary("results");
+    assert!(outcomes.column("outcome").iter().all(|outcome| *outcome == "passed"), "running ones are finished");
+    assert_eq!(outcomes.rows.len(), lines(&rows));
+
+    // A second one cancels, whichever it is; the code is of the first.
+    let mut child = start(&place, &["s.toml", "--set", "duration=1e6", "--no-log", "-j", "2", "-o", "long"]);
+    until("a start", || said(&place).contains("side by side").then_some(()));
+    // That it is told of the first before the second comes: two signals at once are one.
+    signal(&child, "TERM");
+    until("the first", || said(&place).contains("interrupted: ").then_some(()));
+    signal(&child, "TERM");
+    let status = until("the end", || child.try_wait().unwrap());
+    assert_eq!(status.code(), Some(143), "{}", said(&place));
+    assert!(said(&place).contains("interrupted again"), "{}", said(&place));
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn a_suite_per_scenario_and_a_case_per_run_with_what_did_not_hold() {
     let failure = child(cases[1], "failure").unwrap();
     assert_eq!(failure.attribute("type"), Some("expectation"));
     let message = failure.attribute("message").unwrap();
-    assert!(message.starts_with("2 of 3 expectations did not hold: "), "{message}");
+    assert!(message.starts_with("2 broken expectations of 3: "), "{message}");
     let lines: Vec<&str> = failure.text().unwrap().lines().collect();
     assert_eq!(lines.len(), 2, "{lines:?}");
     assert!(lines[0].starts_with("duration_s: measured 0.2, wanted at most 0.15, error 0.05"), "{}", lines[0]);

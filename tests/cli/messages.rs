@@ -145,7 +145,9 @@ fn what_goes_wrong_with_the_batch_is_in_its_last_message() {
     assert_eq!(events(&lines), ["batch-finished"]);
     assert!(lines[0]["error"].as_str().unwrap().contains("cannot write results into file/results"), "{}", lines[0]);
     let done = place.runner(&["s.toml", "--message-format", "json", "--filter", "seed == 9"]).exits(4);
-    assert_eq!(self::lines(&done)[0]["exit_code"], 4);
+    let lines = self::lines(&done);
+    assert_eq!(events(&lines), ["diagnostic", "batch-finished"]);
+    assert_eq!(lines[1]["exit_code"], 4);
 }
 
 #[test]
@@ -189,4 +191,23 @@ fn runs_that_are_there_already_are_told_as_such() {
     let junit = std::fs::read_to_string(place.path("junit.xml")).unwrap();
     assert!(junit.contains("tests=\"2\" skipped=\"0\" failures=\"0\" errors=\"0\""), "{junit}");
     assert_eq!(junit.matches("<property name=\"resumed\" value=\"true\"/>").count(), 1);
+}
+
+#[test]
+fn why_nothing_is_run_is_told() {
+    let place = Place::new();
+    place.block("s.toml", "").write("empty/read.me", "");
+    for (arguments, exit, severity, message) in [
+        (&["s.toml", "--filter", "seed > 1e6"][..], 4, "note", "nothing selected: the filter holds for none of 1 run"),
+        (&["empty"], 4, "note", "nothing selected: no .toml file in empty"),
+        (&["chekc"], 2, "error", "there is no file or command `chekc`; did you mean `runner check`?"),
+    ] {
+        for command in ["run", "check"] {
+            let done = place.runner(&[&[command][..], arguments, &["--message-format", "json"]].concat()).exits(exit);
+            let lines = lines(&done);
+            let [told, last] = lines.as_slice() else { panic!("{}", done.stdout) };
+            assert_eq!((&told["event"], &told["severity"]), (&"diagnostic".into(), &severity.into()));
+            assert_eq!((&told["message"], &last["exit_code"]), (&message.into(), &exit.into()));
+        }
+    }
 }

@@ -19,6 +19,7 @@ mod results;
 mod schemas;
 mod shells;
 mod snapshots;
+mod unwritten;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@ use std::process::Command;
 use super::Place;
 
 /// Commands as `--help` names them.
-fn commands(place: &Place) -> Vec<String> {
+pub fn commands(place: &Place) -> Vec<String> {
     let help = place.runner(&["--help"]).exits(0).stdout;
     let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| line.starts_with("  "));
     let words = listed.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
@@ -56,7 +56,7 @@ fn bash_completes_with_the_script() {
 fn the_manual_has_a_page_per_command() {
     let place = Place::new();
     let page = place.runner(&["man"]).exits(0).stdout;
-    assert!(page.contains(".TH runner 1") && page.contains("Exit codes:"), "{page}");
+    assert!(page.contains(".TH runner 1") && page.contains("EXIT STATUS"), "{page}");
     assert!(page.contains("runner\\-run(1)") && !page.contains("runner\\-help"), "pages that are there: {page}");
     place.runner(&["man", "--folder", "man/man1"]).exits(0);
     let mut pages: Vec<String> = std::fs::read_dir(place.path("man/man1"))

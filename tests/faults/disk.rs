@@ -53,6 +53,7 @@ fn a_device_that_is_full_is_told() {
     std::os::unix::fs::symlink("/dev/full", place.path("results/runs.jsonl")).unwrap();
     let done = place.runner(&["s.toml", "--set", "duration=0.1", "-j", "1"]).exits(3);
     assert!(done.stderr.contains("results/runs.jsonl: No space left on device"), "{}", done.stderr);
+    assert!(done.stderr.contains("runs that were finished are kept in results"), "{}", done.stderr);
     // It goes no further than the run that could not be told of, and those begun meanwhile: one, or more where the processor is busy.
     let kept = fs::read_dir(place.path("results/s")).unwrap().count();
     assert!((1..50).contains(&kept), "{kept} runs");

@@ -162,6 +162,7 @@ pub fn record() -> RunRecord {
             cpu_s: 0.1 + 0.7,
             machine: Machine::here(),
             file: None,
+            build: Some("0123456789abcdef".into()),
             repeats: Some(repeats()),
             avoidance: Some(AvoidanceTime { total_s: 0.015, cycles_s: 0.005 }),
         },
@@ -222,7 +223,7 @@ fn inputs_are_hashed_with_blake3() {
 fn timings_and_machine_are_apart_from_results() {
     let json: serde_json::Value = serde_json::to_value(record()).unwrap();
     let timing = json["timing"].as_object().unwrap();
-    assert_eq!(timing.keys().collect::<Vec<_>>(), ["avoidance", "cpu_s", "machine", "repeats", "wall_s"]);
+    assert_eq!(timing.keys().collect::<Vec<_>>(), ["avoidance", "build", "cpu_s", "machine", "repeats", "wall_s"]);
     assert_eq!(timing["machine"]["os"], std::env::consts::OS);
     assert_eq!(json["outcome"], "fallen");
     assert_eq!(json["metrics"]["energy_error_J"], -4.900_000_000_000_001);

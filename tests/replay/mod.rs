@@ -201,6 +201,37 @@ fn another_program_is_named() {
 }
 
 #[test]
+fn another_build_is_named_and_the_bits_are_compared_all_the_same() {
+    let (place, folder) = slid();
+    let mut own = String::new();
+    tamper(&place, &folder, |record| {
+        own = record["timing"]["build"].as_str().unwrap().to_owned();
+        record["timing"]["build"] = "0123456789abcdef".into();
+    });
+    assert!(own.len() == 16 && own == stiction::record::BUILD, "{own}");
+    let said = place.runner(&["replay", &folder]).exits(0);
+    says(&said, &format!("it was run by another build of this version, 0123456789abcdef, this is {own}"));
+    says(&said, "same bits (run.json and log.mcap)");
+    let resumed = place.runner(&["slide.toml", "--set", "duration=0.3", "--resume"]).exits(0);
+    says(&resumed, "resumed: 1 run done already\n  1 run of these by another build of this version");
+}
+
+#[test]
+fn contact_problems_are_written_where_the_run_is_kept() {
+    let (place, folder) = slid();
+    place.runner(&["replay", &folder, "--dump-problems=all"]).exits(2);
+    place.runner(&["replay", &folder, "--dump-problems=all", "-o", "again"]).exits(0);
+    let again = place.path("again").join(folder.strip_prefix("results/").unwrap());
+    let problems = fs::read_dir(again.join("problems")).unwrap().count();
+    assert!(problems > 0, "a block that slides and stops selects states");
+    place.runner(&["slide.toml", "--set", "duration=0.3", "--dump-problems=all", "-o", "first"]).exits(0);
+    let first = place.path("first").join(folder.strip_prefix("results/").unwrap()).join("problems");
+    assert_eq!(fs::read_dir(&first).unwrap().count(), problems);
+    let bytes = |folder: &std::path::Path| fs::read(folder.join("0001.json")).unwrap();
+    assert_eq!(bytes(&first), bytes(&again.join("problems")));
+}
+
+#[test]
 fn a_run_that_ended_by_the_clock_is_compared_as_far_as_it_came() {
     let place = Place::new();
     place.block("long.toml", "base = { linear_velocity = [1, 0, 0] }\n[log]\nrate = 100\n");

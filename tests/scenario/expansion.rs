@@ -188,6 +188,23 @@ fn the_number_of_runs_is_limited() {
 }
 
 #[test]
+fn an_override_does_not_drop_another_unseen() {
+    let file = file("[robot]\nmodel = \"r\"\n[floor]\nfriction = { static = 0.9, kinetic = 0.7 }\n").unwrap();
+    // What the file has is replaced as a whole, and of one key the last counts.
+    let friction = |overrides: &[&str]| file.expand(&set(overrides)).unwrap()[0].scenario.floor.friction;
+    assert_eq!((friction(&["floor.friction=0.4"]).static_, friction(&["floor.friction=0.4"]).kinetic), (0.4, 0.4));
+    assert_eq!(friction(&["floor.friction.static=1", "floor.friction.static=0.8"]).static_, 0.8);
+    // A number and a part of a table for one value are two answers, in either order.
+    for order in
+        [["floor.friction.static=0.9", "floor.friction=0.4"], ["floor.friction=0.4", "floor.friction.static=0.9"]]
+    {
+        assert!(file.expand(&set(&order)).is_err(), "{order:?}");
+    }
+    let found = file.expand(&set(&["floor.friction.static=0.9", "floor.friction=0.4"])).unwrap_err().to_string();
+    assert!(found.contains("`floor.friction` would replace `floor.friction.static`, which is set as well"), "{found}");
+}
+
+#[test]
 fn overrides_replace_values() {
     let overrides = set(&[
         "contact.method=one-step",
@@ -290,7 +307,7 @@ fn later_findings_are_shown_where_the_value_of_that_run_was_written() {
 fn overrides_of_a_swept_key_and_then_of_its_table() {
     let text = format!("{SMALLEST}[sweep]\ngrid = {{ \"floor.height\" = [0, 1] }}\n");
     let found = wrong(&text, &set(&["floor.height=2", "floor={}"]));
-    assert!(found.to_string().contains("overrides leave no such value"), "{found}");
+    assert!(found.to_string().contains("`floor` would replace `floor.height`, which is set as well"), "{found}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `balance` with `control = "position"` in short simulations.
 
-use crate::analytic::support::simulation;
+use crate::analytic::support::{simulation, watch};
 use std::sync::atomic::AtomicBool;
 use stiction::dynamics::body;
 use stiction::sim::Blind;
@@ -38,6 +38,39 @@ fn the_centre_of_mass_comes_over_the_point_of_optimal_stability() {
     );
     let com = end(&task);
     assert!((com.x - middle - 0.005).abs() < 1e-4 && (com.y + 0.01).abs() < 1e-4, "{com}");
+}
+
+#[test]
+fn what_it_wants_is_shown() {
+    let points = |robot: &str, task: &str| {
+        let text = format!(
+            "duration = 3\nrobot = {{ model = \"{robot}\" }}\n[integrator]\nmethod = \"semi-implicit\"\n[log]\nrate = 10\n{task}"
+        );
+        let (_, told) = watch(&text);
+        let last = told.snapshots.last().unwrap();
+        let names: Vec<_> = last.points.iter().map(|p| p.name.clone()).collect();
+        let at: Vec<_> = last.points.iter().map(|p| p.position).collect();
+        (names, at, last.com, last.centre_of_pressure.unwrap())
+    };
+    let hoap2 = "robots/hoap2/hoap2.toml";
+    for task in [
+        "[[task]]\ntype = \"balance\"\ncontrol = \"position\"\nposition = { leaning = 3, approach = 0.3 }\n",
+        "[[task]]\ntype = \"balance\"\ncontrol = \"force\"\nforce = { approach = 0.3 }\n",
+    ] {
+        let (names, at, com, cop) = points(hoap2, task);
+        assert_eq!(names, ["balance.com", "balance.zmp"]);
+        let (wanted, zmp) = (at[0].unwrap(), at[1].unwrap());
+        // At rest over the soles; what is left after 3 s is some tenths of a millimetre.
+        assert!((wanted - com).norm() < 2e-3, "{task}: {wanted} {com}");
+        assert!((zmp - cop).norm() < 2e-3, "{task}: {zmp} {cop}");
+    }
+    // Two of a kind are told apart; nothing draws back a robot whose gravity alone is compensated.
+    let twice = "[[task]]\ntype = \"gravity-compensation\"\nduration = 1\n[[task]]\ntype = \"gravity-compensation\"\nstart = 1\n";
+    let (names, at, _, cop) = points(hoap2, twice);
+    let name = |rest: &str| format!("gravity-compensation.{rest}");
+    assert_eq!(names, ["com", "zmp", "com.2", "zmp.2"].map(name));
+    assert_eq!((at[0], at[1], at[2]), (None, None, None));
+    assert!((at[3].unwrap() - cop).norm() < 5e-3, "{:?} {cop}", at[3]);
 }
 
 /// A robot of a person's size with default gains: it comes to rest instead of rocking.

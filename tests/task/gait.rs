@@ -96,6 +96,15 @@ fn feet_come_down_where_and_when_the_plan_says() {
             assert!(velocity.norm() < 1e-12);
         }
     }
+    // While a foot swings its landing is where it will be, otherwise where it is.
+    for foot in [0, 1] {
+        assert_eq!(plan.landing(foot, 0.5), plan.sole(foot, 0.5).0);
+        for i in 0..5 {
+            let (now, next) = (1.0 + 0.8 * f64::from(i) + 0.3, 1.0 + 0.8 * f64::from(i + 1));
+            assert_eq!(plan.landing(foot, now), plan.sole(foot, next).0, "step {i} foot {foot}");
+        }
+        assert_eq!(plan.landing(foot, 6.0), plan.sole(foot, 6.0).0);
+    }
     // Half way through the swing of step 2: 20 mm up, in the middle, at 15/8 of the mean speed.
     let (place, velocity) = plan.sole(0, 1.8 + 0.2 + 0.3);
     assert!((place - Vector3::new(0.13, 0.04, 0.02)).norm() < 1e-12, "{place}");

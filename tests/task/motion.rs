@@ -1,9 +1,10 @@
 //! `squat` and `walk` in short simulations.
 
 use crate::analytic::support::{simulation, watch};
+use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;
 use stiction::dynamics::body;
-use stiction::sim::{Blind, Outcome};
+use stiction::sim::{Blind, Outcome, Snapshot};
 
 const HOAP2: &str = "robot = { model = \"robots/hoap2/hoap2.toml\" }\n";
 /// Height of the centre of mass of the home posture above the soles, m.
@@ -37,6 +38,24 @@ fn a_step_lifts_one_foot_after_the_other_and_puts_it_down() {
     let lifted: Vec<bool> =
         (0..2).map(|s| told.snapshots.iter().any(|t| t.soles[s].positions.iter().all(|p| p.z > 5e-3))).collect();
     assert_eq!(lifted, [false, true]);
+    // What it aims at is shown while it lasts, 2.9 s.
+    let shown = |s: &Snapshot, name: &str| s.points.iter().find(|p| p.name == name).expect(name).position;
+    for s in &told.snapshots {
+        let points = ["walk.com", "walk.zmp", "walk.foot.left", "walk.foot.right"].map(|name| shown(s, name));
+        assert!(points.iter().all(|p| p.is_some() == (s.time < 2.9 - 1e-9)), "{}", s.time);
+        let [Some(com), Some(zmp), Some(left), Some(right)] = points else { continue };
+        // Servos with gravity fed forward follow within millimetres; the reference of the zero-moment point jumps from foot to foot in
+        // 0.2 s, which no centre of mass follows exactly.
+        assert!((com - s.com).norm() < 5e-3, "{} {com} {}", s.time, s.com);
+        assert!((zmp - s.centre_of_pressure.expect("it stands")).norm() < 0.05, "{}", s.time);
+        for (sole, name, foot) in [(0, "left", left), (1, "right", right)] {
+            let corners = &s.soles[sole].positions;
+            let middle = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
+            let stands = corners.iter().all(|p| p.z < 1e-4);
+            // It comes down beside the other: no step is longer than nothing.
+            assert!(!stands || (middle - foot).norm() < 5e-3, "{name} at {}: {middle} {foot}", s.time);
+        }
+    }
     let last = told.snapshots.last().unwrap();
     assert!(last.soles.iter().all(|s| s.positions.iter().all(|p| p.z < 1e-4)));
 }

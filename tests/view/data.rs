@@ -94,6 +94,18 @@ fn numbers_are_those_of_the_log() {
     for (k, point) in points.iter().enumerate() {
         same(&page.floats(&point["position"]), each(all.iter().map(|s| some(s.points[k].position))));
     }
+    let nearest = &page.head["nearest"];
+    let own: Vec<_> = all.iter().map(|s| s.self_contact.as_ref().unwrap()).collect();
+    let of = |k: usize| own[k].nearest.as_ref();
+    same(&page.floats(&nearest["distance"]), (0..TICKS).map(|k| of(k).map_or(f64::INFINITY, |n| n.0)));
+    same(&page.floats(&nearest["first"]), each((0..TICKS).map(|k| some(of(k).map(|n| n.2)))));
+    same(&page.floats(&nearest["second"]), each((0..TICKS).map(|k| some(of(k).map(|n| n.3)))));
+    assert!((0..TICKS).any(|k| of(k).is_some()));
+    for (k, code) in page.whole(&nearest["pair"]).into_iter().enumerate() {
+        let pair = of(k).map_or_else(|| "/".to_owned(), |n| own[k].pairs[n.1].join("/"));
+        assert_eq!(nearest["pairs"][code], pair.as_str());
+    }
+    assert_eq!(nearest["margin"].as_f64(), Some(0.0), "the sample's scenario says nothing of it");
     for (i, sole) in page.head["soles"].as_array().unwrap().iter().enumerate() {
         let states = sole["states"].as_array().unwrap();
         let codes = page.bytes(&sole["state"], 1);

@@ -21,12 +21,15 @@ pub(super) enum Expression {
 pub(super) struct Comparison {
     pub subject: Subject,
     pub relation: Relation,
-    /// At least one; more only with [`Relation::In`].
+    /// At least one, all of one kind; more only with [`Relation::In`]. Patterns have `\` before characters that mean
+    /// themselves, as in double quotes.
     pub wanted: Vec<ParamValue>,
     /// Where the subject stands in the text.
     pub at: Range<usize>,
-    /// Where the wanted value does.
+    /// Where what is wanted does.
     pub wanted_at: Range<usize>,
+    /// Where each of its values does.
+    pub values_at: Vec<Range<usize>>,
 }
 
 /// What of a run is looked at.
@@ -77,6 +80,28 @@ impl Relation {
         matches!(self, Relation::Less | Relation::AtMost | Relation::Greater | Relation::AtLeast)
     }
 
+    /// The relation of the two sides when they change places; none where that makes no sense.
+    pub fn turned(self) -> Option<&'static str> {
+        match self {
+            Relation::Equal | Relation::Unequal => Some(self.sign()),
+            Relation::Less => Some(">"),
+            Relation::AtMost => Some(">="),
+            Relation::Greater => Some("<"),
+            Relation::AtLeast => Some("<="),
+            Relation::Like | Relation::Unlike | Relation::Begins | Relation::In => None,
+        }
+    }
+
+    /// Is it about values being the same?
+    pub fn equals(self) -> bool {
+        matches!(self, Relation::Equal | Relation::Unequal | Relation::In)
+    }
+
+    /// Does it take a pattern?
+    pub fn globs(self) -> bool {
+        matches!(self, Relation::Like | Relation::Unlike)
+    }
+
     /// Does it need texts?
     pub fn reads(self) -> bool {
         matches!(self, Relation::Like | Relation::Unlike | Relation::Begins)
@@ -114,6 +139,12 @@ impl fmt::Display for Expression {
             }
             Expression::Not(a) => write!(f, "not {a}"),
             Expression::Holds(_, Comparison { subject, relation, wanted, .. }) => {
+                let literal = |value: &ParamValue| match value {
+                    // It is kept as it stands in double quotes.
+                    ParamValue::Text(pattern) if relation.globs() => format!("\"{pattern}\""),
+                    ParamValue::Text(text) => super::parse::quoted(text),
+                    other => other.to_string(),
+                };
                 let values: Vec<String> = wanted.iter().map(literal).collect();
                 match relation {
                     Relation::In => write!(f, "{subject} in [{}]", values.join(", ")),
@@ -134,13 +165,5 @@ impl fmt::Display for Subject {
                 f.write_str(&segments.join("."))
             }
         }
-    }
-}
-
-/// A value as the language writes it.
-fn literal(value: &ParamValue) -> String {
-    match value {
-        ParamValue::Text(text) => super::parse::quoted(text),
-        other => other.to_string(),
     }
 }

@@ -10,11 +10,11 @@
 //! one        = "not" one | "(" any ")" | subject relation
 //! subject    = "name" | "key" | dotted path of a parameter
 //! relation   = ( "==" | "!=" ) value | ( "<" | "<=" | ">" | ">=" ) number
-//!            | ( "~" | "!~" | "^=" ) text | "in" "[" value { "," value } "]"
+//!            | ( "~" | "!~" | "^=" ) text | "in" "[" value { "," value } [ "," ] "]"
 //! value      = number | text in double or single quotes | "true" | "false"
 //! ```
 //!
-//! `~` matches a pattern with `*` and `?`, `^=` a beginning. A path leads into the run's resolved scenario, where
+//! `~` matches a pattern with `*` and `?`, `^=` a beginning. The values of a list are of one kind. A path leads into the run's resolved scenario, where
 //! defaults are written out, numbers have SI units and angles are in radians; where that holds a table or a list, the value
 //! that a sweep gave under this name counts. A run that has no value there, or one of another kind, satisfies no
 //! comparison with it.

@@ -9,7 +9,18 @@ use crate::scenario::Diagnostic;
 /// Brackets and negations inside each other; more would be a mistake, and the stack is not endless.
 const DEEPEST: usize = 100;
 
+/// Said of a word in capitals.
+const SMALL: &str = "it is written in small letters: `?`";
+
 type Parsed<T> = Result<T, Box<Diagnostic>>;
+
+/// A value as it was written.
+struct Written {
+    value: ParamValue,
+    /// A text as a pattern: with `\` before characters that mean themselves.
+    pattern: Option<String>,
+    at: Range<usize>,
+}
 
 /// Reads a whole text.
 pub(super) fn parse(text: &str) -> Parsed<Expression> {
@@ -18,7 +29,10 @@ pub(super) fn parse(text: &str) -> Parsed<Expression> {
     match parser.rest() {
         "" => Ok(expression),
         rest if rest.starts_with(')') => Err(parser.wrong("this bracket closes nothing", None)),
-        _ => Err(parser.wrong("`and`, `or` or the end is wanted here", None)),
+        _ => {
+            let help = parser.small(&["and", "or"]);
+            Err(parser.wrong("`and`, `or` or the end is wanted here", help))
+        }
     }
 }
 
@@ -34,6 +48,19 @@ pub(super) fn quoted(text: &str) -> String {
         return format!("'{text}'");
     }
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// What kind of value it is, in words.
+pub(super) fn kind(value: &ParamValue) -> &'static str {
+    match value {
+        ParamValue::Integer(_) | ParamValue::Number(_) => "a number",
+        ParamValue::Flag(_) => "true or false",
+        ParamValue::Text(_) => "a text",
+    }
+}
+
+fn same_kind(a: &ParamValue, b: &ParamValue) -> bool {
+    kind(a) == kind(b)
 }
 
 fn is_bare(c: char) -> bool {
@@ -91,7 +118,8 @@ impl<'a> Parser<'a> {
         if self.rest().is_empty() {
             return Err(super::error(self.text, open, "this bracket is never closed", None));
         }
-        Err(self.wrong("`and`, `or` or `)` is wanted here", None))
+        let help = self.small(&["and", "or"]);
+        Err(self.wrong("`and`, `or` or `)` is wanted here", help))
     }
 
     fn comparison(&mut self) -> Parsed<Expression> {
@@ -99,11 +127,27 @@ impl<'a> Parser<'a> {
         let start = self.at;
         let subject = self.subject()?;
         let at = start..self.at;
-        let relation = self.relation()?;
+        let relation = self.relation(&at)?;
         self.blanks();
         let start = self.at;
-        let wanted = if relation == Relation::In { self.list()? } else { vec![self.value()?] };
+        let values = if relation == Relation::In { self.list() } else { self.value().map(|value| vec![value]) };
+        if let Some(turned) = self.turned(&at, relation, start, values.is_err()) {
+            return Err(turned);
+        }
+        let values = values?;
         let wanted_at = start..self.at;
+        if let Some(other) = values.iter().find(|other| !same_kind(&other.value, &values[0].value)) {
+            let (this, first) = (kind(&other.value), kind(&values[0].value));
+            let help = "what is compared is of one kind, so the values of a list are too".to_owned();
+            let message = format!("{this}, but the list begins with {first}");
+            return Err(super::error(self.text, other.at.clone(), message, Some(help)));
+        }
+        let values_at = values.iter().map(|value| value.at.clone()).collect();
+        let written = |written: Written| match written.pattern {
+            Some(pattern) if relation.globs() => ParamValue::Text(pattern),
+            _ => written.value,
+        };
+        let wanted: Vec<ParamValue> = values.into_iter().map(written).collect();
         let fits = |value: &ParamValue| match value {
             ParamValue::Text(_) => !relation.orders(),
             ParamValue::Integer(_) | ParamValue::Number(_) => !relation.reads(),
@@ -115,7 +159,23 @@ impl<'a> Parser<'a> {
         }
         let index = self.comparisons;
         self.comparisons += 1;
-        Ok(Expression::Holds(index, Comparison { subject, relation, wanted, at, wanted_at }))
+        Ok(Expression::Holds(index, Comparison { subject, relation, wanted, at, wanted_at, values_at }))
+    }
+
+    /// The mistake of one who writes `0.4 == floor.friction`: what stands at `left` is no path, and what begins at `right` is
+    /// one, or there are numbers on both sides. A text in quotes may be a path, unless the right side is wrong.
+    fn turned(&self, left: &Range<usize>, relation: Relation, right: usize, wrong: bool) -> Option<Box<Diagnostic>> {
+        let word = &self.text[left.clone()];
+        let is_number = word.starts_with(|c: char| c.is_ascii_digit() || c == '-') && word.parse::<f64>().is_ok();
+        let is_value = is_number || (wrong && (word.starts_with(['"', '\'']) || ["true", "false"].contains(&word)));
+        let rest = &self.text[right..];
+        let path = &rest[..rest.find(|c| !is_bare(c) && c != '.').unwrap_or(rest.len())];
+        let is_path = path.starts_with(char::is_alphabetic) && !["true", "false"].contains(&path);
+        if !(is_number || is_value && is_path) {
+            return None;
+        }
+        let help = relation.turned().filter(|_| is_path).map(|sign| format!("write `{path} {sign} {word}`"));
+        Some(super::error(self.text, left.clone(), "something of the run is wanted on the left side", help))
     }
 
     fn subject(&mut self) -> Parsed<Subject> {
@@ -123,7 +183,7 @@ impl<'a> Parser<'a> {
         let is_quoted = self.text[self.at..].starts_with(['"', '\'']);
         loop {
             path.push(match self.text[self.at..].chars().next() {
-                Some('"' | '\'') => self.string()?,
+                Some('"' | '\'') => self.string()?.0,
                 Some(c) if is_bare(c) => self.take_while(is_bare).to_owned(),
                 _ if path.is_empty() => {
                     let help = "such as `name`, `key` or `contact.method`".to_owned();
@@ -143,7 +203,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    fn relation(&mut self) -> Parsed<Relation> {
+    fn relation(&mut self, subject: &Range<usize>) -> Parsed<Relation> {
         if self.word("in") {
             return Ok(Relation::In);
         }
@@ -156,30 +216,39 @@ impl<'a> Parser<'a> {
             None => {
                 let help = match self.rest().starts_with('=') {
                     true => "equal is `==`".to_owned(),
-                    false => "one of == != < <= > >= ~ !~ ^= in".to_owned(),
+                    false if self.text[subject.clone()].eq_ignore_ascii_case("not") => SMALL.replace('?', "not"),
+                    false => self.small(&["in"]).unwrap_or_else(|| "one of == != < <= > >= ~ !~ ^= in".to_owned()),
                 };
                 Err(self.wrong("a comparison is wanted here", Some(help)))
             }
         }
     }
 
-    fn list(&mut self) -> Parsed<Vec<ParamValue>> {
+    fn list(&mut self) -> Parsed<Vec<Written>> {
         if !self.sign("[") {
             return Err(self.wrong("a list such as [1, 2] is wanted here", None));
         }
         let mut values = vec![self.value()?];
-        while self.sign(",") {
+        // As in TOML, a comma may follow the last one.
+        while self.sign(",") && !self.rest().starts_with(']') {
             values.push(self.value()?);
         }
         if self.sign("]") { Ok(values) } else { Err(self.wrong("`,` or `]` is wanted here", None)) }
     }
 
-    fn value(&mut self) -> Parsed<ParamValue> {
+    fn value(&mut self) -> Parsed<Written> {
         self.blanks();
         let start = self.at;
         if self.rest().starts_with(['"', '\'']) {
-            return self.string().map(ParamValue::Text);
+            let (text, pattern) = self.string()?;
+            return Ok(Written { value: ParamValue::Text(text), pattern: Some(pattern), at: start..self.at });
         }
+        let value = self.plain(start)?;
+        Ok(Written { value, pattern: None, at: start..self.at })
+    }
+
+    /// A number or a flag.
+    fn plain(&mut self, start: usize) -> Parsed<ParamValue> {
         let word = self.take_while(|c| is_bare(c) || c == '.' || c == '+');
         let wrong = |message: &str, help: Option<String>| super::error(self.text, start..self.at, message, help);
         match word {
@@ -200,24 +269,37 @@ impl<'a> Parser<'a> {
             Err(_) if word.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {
                 Err(wrong("this is no number", None))
             }
+            Err(_) if ["true", "false"].iter().any(|flag| word.eq_ignore_ascii_case(flag)) => {
+                Err(wrong("a text stands in quotes", Some(SMALL.replace('?', &word.to_ascii_lowercase()))))
+            }
             Err(_) => Err(wrong("a text stands in quotes", Some(format!("write {}", quoted(word))))),
         }
     }
 
-    /// A text at the present place; in double quotes `\` takes away the meaning of the next character.
-    fn string(&mut self) -> Parsed<String> {
+    /// A text at the present place, and the pattern that it is: in double quotes `\` takes away the meaning of the next
+    /// character, in the pattern too.
+    fn string(&mut self) -> Parsed<(String, String)> {
         let start = self.at;
         let mut characters = self.text[start..].char_indices();
         let quote = characters.next().map_or('"', |(_, c)| c);
-        let mut out = String::new();
+        let (mut out, mut pattern) = (String::new(), String::new());
         while let Some((i, c)) = characters.next() {
             match c {
                 c if c == quote => {
                     self.at = start + i + c.len_utf8();
-                    return Ok(out);
+                    return Ok((out, pattern));
                 }
-                '\\' if quote == '"' => out.extend(characters.next().map(|(_, c)| c)),
-                c => out.push(c),
+                '\\' if quote == '"' => {
+                    if let Some((_, c)) = characters.next() {
+                        out.push(c);
+                        pattern.extend(['\\', c]);
+                    }
+                }
+                c => {
+                    out.push(c);
+                    // So that the pattern stands in double quotes as it is.
+                    pattern.extend(['"', '\\'].contains(&c).then_some('\\').into_iter().chain([c]));
+                }
             }
         }
         Err(super::error(self.text, start..self.text.len(), "this text is never closed", None))
@@ -252,6 +334,13 @@ impl<'a> Parser<'a> {
         let found = after.is_some_and(|rest| !rest.starts_with(|c| is_bare(c) || c == '.'));
         self.at += if found { word.len() } else { 0 };
         found
+    }
+
+    /// Help for one who wrote one of these words in capitals.
+    fn small(&mut self, words: &[&str]) -> Option<String> {
+        let rest = self.rest();
+        let word = &rest[..rest.find(|c| !is_bare(c)).unwrap_or(rest.len())];
+        words.iter().find(|small| word.eq_ignore_ascii_case(small)).map(|small| SMALL.replace('?', small))
     }
 
     /// The next character, or the place behind the last one.

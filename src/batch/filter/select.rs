@@ -2,7 +2,9 @@
 
 use super::Filter;
 use super::expression::Comparison;
-use super::value::{Answer, Seen};
+use super::expression::Subject;
+use super::parse::kind;
+use super::value::{Answer, Seen, refusal};
 use crate::record::ParamValue;
 use crate::scenario::{Diagnostic, Run, suggest};
 
@@ -11,6 +13,8 @@ pub struct Selection<'a> {
     filter: &'a Filter,
     comparisons: Vec<(&'a Comparison, Met)>,
     held: Vec<bool>,
+    /// Of each comparison: which of the wanted values some run has, and a run that has a value of their kind.
+    same: Vec<(Vec<bool>, Option<Run>)>,
     /// Names of parameters, wanted only while some comparison has met nothing.
     names: Vec<String>,
 }
@@ -39,17 +43,22 @@ impl<'a> Selection<'a> {
     pub fn new(filter: &'a Filter) -> Self {
         let comparisons: Vec<_> = filter.expression.comparisons().into_iter().map(|c| (c, Met::Nothing)).collect();
         let held = vec![false; comparisons.len()];
-        Selection { filter, comparisons, held, names: Vec::new() }
+        let same = comparisons.iter().map(|(comparison, _)| (vec![false; comparison.wanted.len()], None)).collect();
+        Selection { filter, comparisons, held, same, names: Vec::new() }
     }
 
     /// Is a run meant?
     pub fn takes(&mut self, run: &Run, key: &str) -> bool {
         let mut seen = Seen::new(run, key);
         let mut lost = false;
-        for ((comparison, met), held) in self.comparisons.iter_mut().zip(&mut self.held) {
-            let now = match seen.answer(comparison) {
+        let all = self.comparisons.iter_mut().zip(&mut self.held).zip(&mut self.same);
+        for (((comparison, met), held), (same, example)) in all {
+            let now = match seen.answer(comparison, same) {
                 Answer::Held(yes) => {
                     *held = yes;
+                    if example.is_none() && comparison.relation.equals() {
+                        *example = Some(run.clone());
+                    }
                     *met = Met::Comparable;
                     continue;
                 }
@@ -71,10 +80,10 @@ impl<'a> Selection<'a> {
         self.filter.expression.value(&self.held)
     }
 
-    /// Were all comparisons possible with some run?
+    /// Were all comparisons possible with some run, and can the words that no run has stand there at all?
     ///
     /// # Errors
-    /// The first that was not, with what was probably meant.
+    /// The first of which this is not so, with what was probably meant.
     pub fn end(self) -> Result<(), Box<Diagnostic>> {
         for (comparison, met) in &self.comparisons {
             let name = comparison.subject.to_string();
@@ -95,6 +104,21 @@ impl<'a> Selection<'a> {
                 }
             }
         }
+        self.words()
+    }
+
+    /// A word that no run has and none could have, as `contact.method` cannot be "exct".
+    fn words(&self) -> Result<(), Box<Diagnostic>> {
+        for ((comparison, _), (same, example)) in self.comparisons.iter().zip(&self.same) {
+            let (Subject::Parameter(path), Some(run)) = (&comparison.subject, example) else { continue };
+            let strange = comparison.wanted.iter().zip(&comparison.values_at).zip(same).filter(|(_, same)| !**same);
+            for ((wanted, at), _) in strange {
+                let ParamValue::Text(word) = wanted else { continue };
+                if let Some(wrong) = refusal(run, path, word) {
+                    return Err(super::error(&self.filter.text, at.clone(), wrong.message, wrong.help));
+                }
+            }
+        }
         Ok(())
     }
 
@@ -110,14 +134,6 @@ impl<'a> Selection<'a> {
             Some(other) => format!("did you mean `{other}`?"),
             None => "a path into the scenario with its defaults, which `run.json` has under `resolved`".into(),
         }
-    }
-}
-
-fn kind(value: &ParamValue) -> &'static str {
-    match value {
-        ParamValue::Integer(_) | ParamValue::Number(_) => "a number",
-        ParamValue::Flag(_) => "true or false",
-        ParamValue::Text(_) => "a text",
     }
 }
 

@@ -3,7 +3,7 @@
 use super::expression::{Comparison, Relation, Subject};
 use crate::pattern::matches;
 use crate::record::ParamValue;
-use crate::scenario::{Run, segment};
+use crate::scenario::{Diagnostic, Run, parse, segment};
 
 /// What came of one comparison with one run.
 pub(super) enum Answer {
@@ -29,7 +29,8 @@ impl<'a> Seen<'a> {
         Seen { run, key, table: None }
     }
 
-    pub fn answer(&mut self, comparison: &Comparison) -> Answer {
+    /// `same` are told which of the wanted values the run's is the same as.
+    pub fn answer(&mut self, comparison: &Comparison, same: &mut [bool]) -> Answer {
         let value = match &comparison.subject {
             Subject::Name => ParamValue::Text(self.run.name.clone()),
             Subject::Key => ParamValue::Text(self.key.to_owned()),
@@ -38,9 +39,9 @@ impl<'a> Seen<'a> {
                 Err(answer) => return answer,
             },
         };
+        same.iter_mut().zip(&comparison.wanted).for_each(|(same, wanted)| *same |= value == *wanted);
         let mut answers = comparison.wanted.iter().map(|wanted| compare(&value, comparison.relation, wanted));
         match comparison.relation {
-            // One of the list that is of another kind does no harm.
             Relation::In => match answers.by_ref().flatten().reduce(|a, b| a || b) {
                 Some(held) => Answer::Held(held),
                 None => Answer::OtherKind(value),
@@ -79,6 +80,17 @@ impl<'a> Seen<'a> {
         let made = || toml::Value::try_from(&run.scenario).unwrap_or_else(|_| toml::Value::Table(toml::Table::new()));
         self.table.get_or_insert_with(made)
     }
+}
+
+/// What a scenario says when this word stands at this path; none if it may stand there. `run` is one that has a text there.
+pub(super) fn refusal(run: &Run, path: &[String], word: &str) -> Option<Diagnostic> {
+    let path = path.iter().map(|s| segment(s)).collect::<Vec<_>>().join(".");
+    let file = parse(&run.file, run.resolved_toml.as_str()).ok()?;
+    let refused = file.expand(&[(path, toml::Value::String(word.to_owned()))]).err()?;
+    // Other things may be wrong with the word, such as a file that is not there, and would not be for another run.
+    let is_choice =
+        |wrong: &Diagnostic| wrong.file == "--set" && wrong.message.ends_with(&format!("cannot be {word:?}"));
+    refused.0.into_iter().find(is_choice)
 }
 
 /// Does the relation hold; none when the two cannot be compared.

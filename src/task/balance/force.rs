@@ -27,7 +27,7 @@ use super::slack::Slack;
 use super::stance::{Stance, turn_to, upwards};
 use crate::dynamics::{Workspace, body, crba, force, jacobian, kinematics};
 use crate::robot::{DriveMode, JointId, LinkId, Model, SoleId};
-use crate::task::{Command, Context, Needs, Status, Task, TaskResult, over};
+use crate::task::{Command, Context, Needs, Point, Status, Task, TaskResult, over};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Acceleration per displacement (1/s^2) and per velocity (1/s).
@@ -101,6 +101,8 @@ pub struct ForceBalance {
     /// Generalised force and joint motion, nv.
     effort: Vec<f64>,
     motion: Vec<f64>,
+    /// Where it wants the centre of mass, and the zero-moment point of the forces (3).
+    points: [Point; 2],
 }
 
 impl ForceBalance {
@@ -131,6 +133,7 @@ impl ForceBalance {
             motion: vec![0.0; model.nv()],
             settings,
             stance,
+            points: ["com", "zmp"].map(|what| Point::named(format!("{name}.{what}"))),
         }
     }
 
@@ -186,6 +189,20 @@ impl ForceBalance {
             / self.stance.footholds.len().max(1) as f64;
         let measure = Measure { force: weight, length: reach.sqrt().max(1e-3), up: upwards(&context.gravity) };
         self.split.solve(wanted, self.settings.friction, &measure).force
+    }
+
+    /// Puts the points to where they are now; a centre of mass that nothing draws back is wanted nowhere.
+    fn show(&mut self, context: &Context) {
+        let com = self.stance.centre + self.reference.at(context.time).0;
+        self.points[0].position = (self.settings.com.kp > 0.0).then_some(com);
+        let up = upwards(&context.gravity);
+        let (mut sum, mut load) = (Vector3::zeros(), 0.0);
+        for (hold, force) in self.stance.footholds.iter().zip(self.split.forces()) {
+            let part = force.dot(&up);
+            sum += hold.point * part;
+            load += part;
+        }
+        self.points[1].position = (context.model.nb() == 6 && load > 0.0).then(|| sum / load);
     }
 
     /// Equation (4), into `effort`.
@@ -290,6 +307,7 @@ impl Task for ForceBalance {
         self.place(context);
         let wanted = self.wanted(context);
         let total = self.share(context, &wanted);
+        self.show(context);
         self.carry(context, &total);
         self.settle(context, command);
         let nb = context.model.nb();
@@ -326,6 +344,10 @@ impl Task for ForceBalance {
 
     fn lends(&self) -> bool {
         true
+    }
+
+    fn points(&self) -> &[Point] {
+        &self.points
     }
 
     fn name(&self) -> &str {

@@ -24,7 +24,7 @@ use crate::geometry::{convex_hull, stable_point};
 use crate::robot::{Model, SoleId};
 use crate::task::kinematic::{Figure, Goal, Inverse, Unknowns, feed_forward, figure};
 use crate::task::posture::minimum_jerk;
-use crate::task::{Command, Context, Needs, Status, Task, TaskResult, over};
+use crate::task::{Command, Context, Needs, Point, Status, Task, TaskResult, over};
 use nalgebra::{Vector2, Vector3};
 
 /// Default k_z as a part of sqrt(g/h), the rate of the inverted pendulum that the robot is, and greatest, 1/s. HOAP-2 has 6 1/s,
@@ -108,6 +108,8 @@ pub struct PositionBalance {
     rise: f64,
     /// w.
     memory: Vector2<f64>,
+    /// Where it wants the centre of mass, r at the height of the plan, and the zero-moment point, r on the ground.
+    points: [Point; 2],
 }
 
 impl PositionBalance {
@@ -141,6 +143,7 @@ impl PositionBalance {
             soles,
             figure,
             inverse,
+            points: [Point::named("balance.com"), Point::named("balance.zmp")],
         }
     }
 
@@ -160,6 +163,11 @@ impl PositionBalance {
     fn sensed_support(&self, context: &Context) -> Vector2<f64> {
         let sum: Vector2<f64> = self.soles.iter().map(|s| context.data.soles[s.0].position.xy()).sum();
         sum / self.soles.len() as f64
+    }
+
+    /// Their mean height, m.
+    fn ground(&self, context: &Context) -> f64 {
+        self.soles.iter().map(|s| context.data.soles[s.0].position.z).sum::<f64>() / self.soles.len() as f64
     }
 }
 
@@ -202,6 +210,9 @@ impl Task for PositionBalance {
         self.memory = self.memory.map(|x| x.clamp(-s.reach, s.reach));
         let reply = error * s.proportional - context.data.com_velocity.xy() * self.damping;
         let displacement = (self.memory + reply * progress).map(|x| x.clamp(-s.reach, s.reach));
+        let (com, ground) = (here + wanted, self.ground(context));
+        self.points[0].position = Some(Vector3::new(com.x, com.y, self.figure.com().z));
+        self.points[1].position = Some(Vector3::new(com.x, com.y, ground));
         let planned = self.figure.support().xy() + wanted + displacement;
         self.goal.com.x = planned.x;
         self.goal.com.y = planned.y;
@@ -263,6 +274,10 @@ impl Task for PositionBalance {
 
     fn lends(&self) -> bool {
         true
+    }
+
+    fn points(&self) -> &[Point] {
+        &self.points
     }
 
     fn name(&self) -> &str {

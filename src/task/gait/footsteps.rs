@@ -107,6 +107,16 @@ impl Footsteps {
         (landed.map_or(self.start[foot], |f| f.to), Vector3::zeros())
     }
 
+    /// Where a sole's centroid is to come down in the step under way, or stands, m.
+    pub fn landing(&self, foot: usize, t: f64) -> Vector3<f64> {
+        let begun = match self.step(t) {
+            Some((i, _)) => i + 1,
+            None if t < self.stride.wait => 0,
+            None => self.falls.len(),
+        };
+        self.falls[..begun].iter().rev().find(|f| f.foot == foot).map_or(self.start[foot], |f| f.to)
+    }
+
     /// Zero-moment point asked for, m.
     pub fn zmp(&self, t: f64) -> Vector2<f64> {
         let both = |t: f64| (self.sole(0, t).0.xy() + self.sole(1, t).0.xy()) / 2.0;

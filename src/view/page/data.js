@@ -38,6 +38,14 @@ function unpack(buffer) {
     polygon: some(head.polygon, lists),
     external: some(head.external, lists),
     points: (head.points ?? []).map((p) => ({ name: p.name, position: floats(p.position) })),
+    nearest: some(head.nearest, (n) => ({
+      margin: n.margin,
+      pairs: n.pairs,
+      pair: whole(n.pair),
+      distance: floats(n.distance),
+      first: floats(n.first),
+      second: floats(n.second),
+    })),
     soles: some(head.soles, (all) =>
       all.map((s) => ({
         name: s.name,

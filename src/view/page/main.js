@@ -10,6 +10,7 @@ const LAYERS = [
   ["cop", "zero-moment point", COLOURS.cop],
   ["polygon", "support polygon", COLOURS.polygon],
   ["stable", "point of optimal stability", COLOURS.stable],
+  ["nearest", "nearest bodies of the robot", NEARNESS.apart],
   ["points", "points of tasks", COLOURS.point],
 ];
 const HIDDEN_AT_FIRST = ["resultants"];
@@ -240,16 +241,19 @@ class Viewer {
     this.now = now;
   }
 
-  // Names beside the points of tasks.
+  // Names beside the points of tasks, distance beside the nearest bodies.
   label() {
-    const { points } = this.replay;
-    if (points.length === 0) return;
-    const on = this.marks.layers.points.group.visible;
+    const { layers } = this.marks;
+    const tick = this.clock.tick;
+    const all = [];
+    if (layers.points?.group.visible)
+      all.push(...this.replay.points.map((point) => ({ at: vectorAt(point.position, tick), words: point.name })));
+    if (layers.nearest?.group.visible) all.push(this.marks.nearestLabel(tick));
     const { clientWidth: width, clientHeight: height } = byId("canvas");
-    const made = points.flatMap((point) => {
-      const at = on && vectorAt(point.position, this.clock.tick)?.project(this.stage.camera);
+    const made = all.flatMap((one) => {
+      const at = one?.at?.project(this.stage.camera);
       if (!at || Math.abs(at.z) > 1) return [];
-      const label = element("span", {}, point.name);
+      const label = element("span", {}, one.words);
       label.style.left = `${(0.5 + 0.5 * at.x) * width}px`;
       label.style.top = `${(0.5 - 0.5 * at.y) * height}px`;
       return [label];

@@ -19,6 +19,8 @@ const COLOURS = {
   polygon: 0x1f5fd6,
   point: 0x111111,
 };
+// The nearest bodies of the robot: apart, nearer than the margin, one in the other.
+const NEARNESS = { apart: 0x1f5fd6, near: 0xf0892b, overlap: 0xd6202c };
 
 // `edge-1-static` is of kind `edge-static`.
 function kindOf(state) {
@@ -50,6 +52,7 @@ class Marks {
     layer("cop", replay.cop, (group) => this.ball(group, replay.cop, COLOURS.cop, 1.5));
     layer("polygon", replay.polygon, (group) => this.polygon(group));
     layer("stable", replay.stable, (group) => this.ball(group, replay.stable, COLOURS.stable, 1.5));
+    layer("nearest", replay.nearest, (group) => this.nearest(group));
     layer("points", replay.points.length, (group) => this.points(group));
     this.through(true);
   }
@@ -185,6 +188,37 @@ class Marks {
     };
   }
 
+  // From one body to the other, where they are nearest.
+  nearest(group) {
+    const { first, second, distance, margin } = this.replay.nearest;
+    const rod = new THREE.Mesh(new THREE.CylinderGeometry(0.5, 0.5, 1, 12).rotateX(Math.PI / 2).translate(0, 0, 0.5), lit(0));
+    const balls = [0, 1].map(() => new THREE.Mesh(new THREE.SphereGeometry(0.5, 16, 12), rod.material));
+    balls.forEach((ball) => ball.scale.setScalar(0.8 * this.size));
+    group.add(rod, ...balls);
+    return (tick) => {
+      const [a, b] = [vectorAt(first, tick), vectorAt(second, tick)];
+      balls.forEach((ball) => (ball.visible = a !== null && b !== null));
+      rod.visible = balls[0].visible && a.distanceTo(b) > 1e-6;
+      if (!balls[0].visible) return;
+      balls[0].position.copy(a);
+      balls[1].position.copy(b);
+      rod.material.color.setHex(NEARNESS[nearness(distance[tick], margin)]);
+      if (!rod.visible) return;
+      const along = b.clone().sub(a);
+      rod.position.copy(a);
+      rod.scale.set(0.3 * this.size, 0.3 * this.size, along.length());
+      rod.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), along.normalize());
+    };
+  }
+
+  // What is said beside the nearest bodies: where, and in words.
+  nearestLabel(tick) {
+    const { first, second, distance, pairs, pair } = this.replay.nearest;
+    const [a, b] = [vectorAt(first, tick), vectorAt(second, tick)];
+    if (!a || !b) return null;
+    return { at: a.lerp(b, 0.5), words: `${pairs[pair[tick]]} ${(1000 * distance[tick]).toFixed(1)} mm` };
+  }
+
   points(group) {
     const shows = this.replay.points.map((point) => this.ball(group, point.position, COLOURS.point, 1.5));
     return (tick) => shows.forEach((show) => show(tick));
@@ -216,6 +250,12 @@ class Arrow {
     this.head.position.z = length - head;
     this.shaft.material.color.setHex(colour);
   }
+}
+
+// How near is near, by the margin of the scenario.
+function nearness(distance, margin) {
+  if (distance <= 0) return "overlap";
+  return distance < margin ? "near" : "apart";
 }
 
 function vectorOf([x, y, z]) {

@@ -1,6 +1,7 @@
 //! How near the robot is to touching itself, as series.
 
 use super::super::messages::SelfCollision;
+use nalgebra::Vector3;
 
 /// The nearest pair of bodies at each record, and what avoidance does.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,6 +10,8 @@ pub struct SelfCollisionSeries {
     pub distance: Vec<f64>,
     /// Names of its bodies, `FIRST/SECOND`.
     pub pair: Vec<String>,
+    /// The nearest points of its bodies, world, m.
+    pub points: Vec<Option<[Vector3<f64>; 2]>>,
     /// Postures tested in the last cycle.
     pub tests: Vec<f64>,
     /// Joints kept from where the tasks want them.
@@ -37,8 +40,14 @@ pub(super) fn series(joints: &[(String, bool)], rows: &[SelfCollision]) -> SelfC
     SelfCollisionSeries {
         distance: rows.iter().map(|r| r.distance).collect(),
         pair: rows.iter().map(|r| format!("{}/{}", r.first, r.second)).collect(),
+        points: rows.iter().map(points).collect(),
         tests: rows.iter().map(|r| r.tests as f64).collect(),
         frozen: rows.iter().map(|r| r.frozen.iter().filter(|f| **f).count() as f64).collect(),
         wanted: joints.iter().enumerate().filter(|_| avoids).map(wanted).collect(),
     }
+}
+
+fn points(row: &SelfCollision) -> Option<[Vector3<f64>; 2]> {
+    let [a, b] = [row.on_first.as_ref()?, row.on_second.as_ref()?].map(|v| Vector3::new(v.x, v.y, v.z));
+    Some([a, b])
 }

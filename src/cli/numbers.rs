@@ -1,0 +1,35 @@
+//! Numbers as they are typed, and what is wanted where something else is.
+
+use std::num::NonZero;
+use std::time::Duration;
+
+/// A whole number of 1 or more.
+pub fn count(text: &str) -> Result<NonZero<usize>, String> {
+    text.trim().parse().map_err(|_| "a whole number of 1 or more is wanted".into())
+}
+
+/// A span of time above 0.
+pub fn seconds(text: &str) -> Result<Duration, String> {
+    let given = text.trim().parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    given.filter(|span| !span.is_zero()).ok_or_else(|| "a number of seconds above 0 is wanted".into())
+}
+
+/// Any number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    text.trim().parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "a finite number is wanted".into())
+}
+
+/// A number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|x| *x > 0.0).ok_or_else(|| "a number above 0 is wanted".into())
+}
+
+/// A number of 0 or more, or infinity.
+pub fn allowed(text: &str) -> Result<f64, String> {
+    text.trim().parse().ok().filter(|x: &f64| *x >= 0.0).ok_or_else(|| "a number of 0 or more is wanted".into())
+}
+
+/// A number of 1 or more.
+pub fn ratio(text: &str) -> Result<f64, String> {
+    text.trim().parse().ok().filter(|x: &f64| *x >= 1.0).ok_or_else(|| "a number of 1 or more is wanted".into())
+}

@@ -1,0 +1,46 @@
+//! Being asked to end: by Ctrl-C, and where there are signals by SIGTERM, which schedulers and servers send before they kill.
+//! SIGHUP is left alone, so that `nohup` and the like work as ever.
+
+use std::sync::{Arc, OnceLock};
+
+use super::Exit;
+use super::terminal::complain;
+
+/// How the program ends when it ends because it was asked to.
+#[derive(Clone, Default)]
+pub struct Asked(Arc<OnceLock<Exit>>);
+
+impl Asked {
+    /// By the first who asked.
+    pub fn exit(&self) -> Exit {
+        self.0.get().copied().unwrap_or(Exit::Interrupted)
+    }
+}
+
+/// Calls `act` each time that somebody asks. What cannot be heard is told, and ends the program at once as ever.
+pub fn when_asked_to_end(act: impl Fn(Exit) + Clone + Send + 'static) -> Asked {
+    let asked = Asked::default();
+    let hear = |exit: Exit| {
+        let (first, act) = (asked.0.clone(), act.clone());
+        move || {
+            let exit = *first.get_or_init(|| exit);
+            act(exit);
+        }
+    };
+    if let Err(error) = ctrlc::set_handler(hear(Exit::Interrupted)) {
+        complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
+    }
+    #[cfg(unix)]
+    if let Err(error) = terminated(hear(Exit::Terminated)) {
+        complain(&format!("warning: SIGTERM will end the program at once: {error}"));
+    }
+    asked
+}
+
+/// Calls `act` at each SIGTERM, on a thread of its own.
+#[cfg(unix)]
+fn terminated(act: impl Fn() + Send + 'static) -> std::io::Result<()> {
+    let mut signals = signal_hook::iterator::Signals::new([signal_hook::consts::SIGTERM])?;
+    let listen = move || signals.forever().for_each(|_| act());
+    std::thread::Builder::new().name("sigterm".into()).spawn(listen).map(|_| ())
+}

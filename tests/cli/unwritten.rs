@@ -1,0 +1,137 @@
+//! Standard output that takes nothing, and exit codes in helps, manual and documentation.
+#![cfg(unix)]
+
+use std::path::Path;
+
+use super::{Done, Place};
+
+/// Runs a line of a shell whose standard output is a full device.
+fn full(place: &Place, arguments: &str) -> Done {
+    place.shell(&format!("exec \"$0\" {arguments} > /dev/full"))
+}
+
+fn with_results() -> Place {
+    let place = Place::new();
+    place.block("s.toml", "[sweep]\ngrid = { \"floor.friction\" = [0.2, 0.4] }\n").block("rest.toml", "");
+    place.runner(&["rest.toml", "--set", "duration=0.05"]).exits(0);
+    place
+}
+
+fn folder_of_run(results: &Path) -> std::path::PathBuf {
+    std::fs::read_dir(results.join("rest")).unwrap().next().unwrap().unwrap().path()
+}
+
+#[test]
+fn output_that_nobody_got_is_3_whatever_the_command() {
+    let place = with_results();
+    let run = folder_of_run(&place.path("results")).display().to_string();
+    for arguments in [
+        "check s.toml",
+        "check s.toml --message-format json",
+        "list s.toml",
+        "list s.toml --format json",
+        "inspect block/block.toml",
+        "compare results results",
+        "report results",
+        "schema scenario",
+        "completions bash",
+        "man",
+        &format!("export {run}"),
+        &format!("replay {run}"),
+    ] {
+        let done = full(&place, arguments).exits(3);
+        let told = done.stderr.matches("error: cannot write to standard output: No space left on device").count();
+        assert_eq!(told, 1, "{arguments}: {}", done.stderr);
+    }
+}
+
+#[test]
+fn runs_are_made_although_nobody_can_be_told() {
+    for (format, told) in [("human", "human"), ("json", "json")] {
+        let place = Place::new();
+        place.block("s.toml", "[sweep]\ngrid = { \"floor.friction\" = [0.2, 0.4] }\n");
+        let done = full(&place, &format!("s.toml --set duration=0.05 -o {told} --message-format {format}")).exits(3);
+        assert_eq!(done.stderr.matches("cannot write to standard output").count(), 1, "{}", done.stderr);
+        assert_eq!(place.summary(told).column("outcome"), ["passed", "passed"]);
+    }
+}
+
+#[test]
+fn a_pipe_that_was_closed_is_no_trouble() {
+    let place = with_results();
+    place.block("many.toml", "[sweep]\nrepeat = 5000\n");
+    for arguments in ["list many.toml", "list many.toml --format json", "check many.toml --message-format json"] {
+        let done = place.shell(&format!("{{ \"$0\" {arguments}; echo $? > code; }} | head -1"));
+        assert_eq!((done.stderr.as_str(), std::fs::read_to_string(place.path("code")).unwrap().trim()), ("", "0"));
+    }
+}
+
+/// A disk that is full is not the mistake of who named the file; a place where there can be no file is.
+#[test]
+fn files_that_cannot_be_written() {
+    let place = with_results();
+    let run = folder_of_run(&place.path("results")).display().to_string();
+    place.write("file", "");
+    for arguments in [format!("export {run} -o"), format!("view {run} -o")] {
+        let ending = if arguments.starts_with("export") { "csv" } else { "html" };
+        let done = place.shell(&format!("exec \"$0\" {arguments} file/below.{ending}")).exits(2);
+        assert!(done.stderr.starts_with("error: file: "), "{}", done.stderr);
+        let limited = format!("trap '' XFSZ; ulimit -f 1; exec \"$0\" {arguments} small.{ending}");
+        let done = place.shell(&limited).exits(3);
+        assert!(done.stderr.contains(&format!("small.{ending}: File too large")), "{}", done.stderr);
+        assert!(!place.path(&format!("small.{ending}")).exists(), "half a file");
+        // Folders that are missing are made, as of all outputs.
+        place.shell(&format!("exec \"$0\" {arguments} new/{ending}/it.{ending}")).exits(0);
+        assert!(place.path(&format!("new/{ending}/it.{ending}")).exists());
+    }
+}
+
+/// Code and meaning, from below a help.
+fn of_help(place: &Place, command: &[&str]) -> Vec<(String, String)> {
+    let help = place.runner(&[command, &["--help"]].concat()).exits(0).stdout;
+    let (_, below) = help.split_once("Exit codes:\n").unwrap_or_else(|| panic!("{command:?} has none:\n{help}"));
+    let mut codes: Vec<(String, String)> = Vec::new();
+    for line in below.lines().filter(|line| !line.is_empty()) {
+        assert!(line.chars().count() <= 80, "{line}");
+        match line.strip_prefix("  ").and_then(|l| l.split_once(' ')).filter(|(code, _)| code.parse::<u8>().is_ok()) {
+            Some((code, words)) => codes.push((code.into(), words.trim().into())),
+            None => codes.last_mut().unwrap().1 += &format!(" {}", line.trim()),
+        }
+    }
+    codes
+}
+
+#[test]
+fn help_manual_and_documentation_have_one_table() {
+    let place = Place::new();
+    let docs = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/ci.md")).unwrap();
+    let mut documented: Vec<(String, String, String)> = Vec::new();
+    let table = docs.lines().skip_while(|line| *line != "| command | code | meaning |").skip(2);
+    for line in table.take_while(|line| line.starts_with('|')) {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        let [commands, code, meaning] = cells[..] else { panic!("{line}") };
+        let commands = match commands {
+            "" => documented.last().unwrap().0.clone(),
+            some => some.replace('`', ""),
+        };
+        documented.push((commands, code.into(), meaning.into()));
+    }
+    place.runner(&["man", "--folder", "man"]).exits(0);
+    for command in super::shells::commands(&place) {
+        let found = of_help(&place, &[&command]);
+        let mine = documented.iter().filter(|(commands, ..)| commands.split(", ").any(|c| c == command));
+        let mine: Vec<(String, String)> = mine.map(|(_, code, words)| (code.clone(), words.clone())).collect();
+        assert_eq!(found, mine, "`runner {command} --help` and docs/ci.md");
+        let page = std::fs::read_to_string(place.path(&format!("man/runner-{command}.1"))).unwrap();
+        let (_, status) = page.split_once(".SH \"EXIT STATUS\"").unwrap_or_else(|| panic!("{page}"));
+        for (code, words) in &found {
+            // Hyphens are written otherwise there.
+            let wanted = format!(".TP\n\\fB{code}\\fR\n{}", words.replace('-', "\\-"));
+            assert!(status.contains(&wanted), "{command}: no {wanted} in {status}");
+        }
+        assert!(!page.contains("EXTRA"), "{page}");
+    }
+    assert_eq!(of_help(&place, &[]), of_help(&place, &["run"]));
+    let run = std::fs::read_to_string(place.path("man/runner-run.1")).unwrap();
+    assert!(run.contains("<\\fISCENARIO\\fR>..."), "{run}");
+}

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""Reads what a batch told other programs: the lines of `--message-format json` and the file of `--junit`.
+
+    check_messages.py MESSAGES JUNIT SCHEMA RUNS
+
+Checked: every line is a message as the schema has it (by the package `jsonschema` if it is installed, else that its event is known
+and its required fields are there), the batch begins and ends, RUNS runs that are no references are told and have a case each, and the two
+agree on which of them did not end as they should. The Python standard library is enough.
+"""
+
+import json
+import sys
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+
+def validator(schema):
+    """A function that says what is wrong with a line; and by what it knows."""
+    try:
+        import jsonschema
+    except ImportError:
+        variants = {v["properties"]["event"]["const"]: v for v in schema["oneOf"]}
+
+        def problem(line):
+            variant = variants.get(line.get("event"))
+            if variant is None:
+                return f"unknown event {line.get('event')}"
+            parts = [schema, variant]
+            if "$ref" in variant:
+                part = schema
+                for name in variant["$ref"].removeprefix("#/").split("/"):
+                    part = part[name]
+                parts.append(part)
+            missing = [name for part in parts for name in part.get("required", []) if name not in line]
+            return f"{line['event']} lacks {missing}" if missing else None
+
+        return problem, "by required fields"
+    draft = jsonschema.Draft202012Validator(schema)
+
+    def problem(line):
+        error = next(draft.iter_errors(line), None)
+        return f"{line.get('event')}: {error.message}" if error else None
+
+    return problem, "by jsonschema"
+
+
+def main(messages, junit, schema, runs):
+    problem, how = validator(json.loads(Path(schema).read_text()))
+    lines = [json.loads(line) for line in Path(messages).read_text().splitlines()]
+    wrong = [said for said in map(problem, lines) if said]
+    events = [line["event"] for line in lines]
+    if "batch-started" not in events or events[-1] != "batch-finished":
+        wrong.append("the batch does not begin or does not end")
+    told = [line for line in lines if line["event"] == "run-finished"]
+    cases = list(xml.parse(junit).getroot().iter("testcase"))
+    own = sum(not line["reference"] for line in told)
+    if own != int(runs) or len(cases) != len(told):
+        wrong.append(f"{own} runs told, {len(told)} with references, {len(cases)} cases; there are {runs}")
+    refused = sum(not line["accepted"] for line in told)
+    failed = sum(case.find("failure") is not None or case.find("error") is not None for case in cases)
+    if refused != failed:
+        wrong.append(f"{refused} runs not accepted, {failed} cases failed")
+    print("; ".join(wrong) if wrong else f"good: {len(lines)} messages ({how}), {len(cases)} cases, {failed} failed")
+    return int(bool(wrong))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 5:
+        print(__doc__, file=sys.stderr)
+        sys.exit(2)
+    sys.exit(main(*sys.argv[1:]))
