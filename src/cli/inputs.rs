@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 /// Commands, for those who misspell one.
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "run",
     "check",
     "list",
     "inspect",
     "report",
     "merge",
+    "motor-server",
     "compare",
     "export",
     "replay",

@@ -1,7 +1,8 @@
 //! A socket, and what holds for every packet of a session.
 
 use std::io::ErrorKind;
-use std::net::{SocketAddr, UdpSocket};
+use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::counts::Counts;
@@ -19,10 +20,26 @@ pub struct Address {
 }
 
 impl Address {
+    /// An address that was written, its key in a file.
+    pub fn read(host: &str, port: u16, key: Option<&Path>) -> Result<Self, LinkError> {
+        let unknown = |source| LinkError::Name { name: format!("{host}:{port}"), source };
+        let mut found = (host, port).to_socket_addrs().map_err(unknown)?;
+        let at = found.next().ok_or_else(|| unknown(ErrorKind::NotFound.into()))?;
+        let address = Address { at, key: key.map(read_key).transpose()? };
+        address.check().map(|()| address)
+    }
+
     /// Refuses to talk in the open beyond this machine.
     pub fn check(&self) -> Result<(), LinkError> {
         if self.at.ip().is_loopback() || self.key.is_some() { Ok(()) } else { Err(LinkError::Unsealed(self.at)) }
     }
+}
+
+/// The secret that a file holds, without the line end that an editor puts there.
+pub fn read_key(path: &Path) -> Result<Key, LinkError> {
+    let secret = std::fs::read(path).map_err(|source| LinkError::KeyFile { path: path.to_owned(), source })?;
+    let end = secret.iter().rposition(|byte| !b"\r\n".contains(byte)).map_or(0, |last| last + 1);
+    Key::of(&secret[..end]).ok_or_else(|| LinkError::ShortKey { path: path.to_owned(), length: end })
 }
 
 /// See the module.
@@ -137,7 +154,14 @@ impl Channel {
                     continue;
                 }
                 // Nobody listens there yet, or a signal came: as if nothing had come.
-                Err(error) if matches!(error.kind(), ErrorKind::ConnectionRefused | ErrorKind::ConnectionReset | ErrorKind::Interrupted) => continue,
+                Err(error)
+                    if matches!(
+                        error.kind(),
+                        ErrorKind::ConnectionRefused | ErrorKind::ConnectionReset | ErrorKind::Interrupted
+                    ) =>
+                {
+                    continue;
+                }
                 Err(source) => {
                     let address = self.peer.or(self.local()).unwrap_or(SocketAddr::from(([0, 0, 0, 0], 0)));
                     return Err(LinkError::Io { what: "receive from", address, source });

@@ -2,9 +2,11 @@
 
 use std::io;
 use std::net::SocketAddr;
+use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::wire::SHORTEST_SECRET;
 use crate::sim::{Outcome, Stop};
 
 /// Why a link does not come about or ends.
@@ -13,6 +15,30 @@ pub enum LinkError {
     /// Beyond this machine packets must be sealed.
     #[error("{0} is not on this machine's loopback: a key file is needed there, which both sides have")]
     Unsealed(SocketAddr),
+    /// Nobody knows the host.
+    #[error("cannot find {name}: {source}")]
+    Name {
+        /// Host and port.
+        name: String,
+        /// Why not.
+        source: io::Error,
+    },
+    /// The file of the key cannot be read.
+    #[error("cannot read the key in {}: {source}", path.display())]
+    KeyFile {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// The key is no secret.
+    #[error("the key in {} has {length} bytes; at least {SHORTEST_SECRET} are wanted", path.display())]
+    ShortKey {
+        /// The file.
+        path: PathBuf,
+        /// Its bytes.
+        length: usize,
+    },
     /// The system refuses.
     #[error("cannot {what} {address}: {source}")]
     Io {

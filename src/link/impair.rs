@@ -1,5 +1,6 @@
 //! A bad line on purpose: packets that are lost, late, doubled, out of order. Which ones follows from a seed.
 
+use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 use crate::random::Stream;
@@ -38,7 +39,8 @@ impl BadLine {
     /// Takes a packet to be sent; `send` gets what goes out now.
     pub fn send(&mut self, packet: &[u8], mut send: impl FnMut(&[u8])) {
         // All are drawn each time: one share does not change what another one hits.
-        let draws = [self.stream.unit(), self.stream.unit(), self.stream.unit(), self.stream.unit(), self.stream.unit()];
+        let draws =
+            [self.stream.unit(), self.stream.unit(), self.stream.unit(), self.stream.unit(), self.stream.unit()];
         let behind: Vec<_> = self.waiting.extract_if(.., |(due, _)| due.is_none()).collect();
         if draws[0] >= self.how.loss {
             let copies = 1 + usize::from(draws[1] < self.how.duplicate);
@@ -67,5 +69,38 @@ impl BadLine {
     /// When something is due.
     pub fn next(&self) -> Option<Instant> {
         self.waiting.iter().filter_map(|(due, _)| *due).min()
+    }
+}
+
+impl FromStr for Impairment {
+    type Err = String;
+
+    /// Reads words such as `loss=0.2,duplicate=0.1,reorder=0.1,delay=0.2:0.005,seed=1`; what is not named is not bad.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut how = Impairment { loss: 0.0, duplicate: 0.0, reorder: 0.0, delay: 0.0, delay_up_to: 0.0, seed: 1 };
+        let share = |value: &str| -> Result<f64, String> {
+            let share = value.parse().ok().filter(|share: &f64| (0.0..1.0).contains(share));
+            share.ok_or_else(|| format!("`{value}` is no share of the packets: 0 or more, less than 1"))
+        };
+        for word in text.split(',') {
+            let (name, value) = word.split_once('=').ok_or_else(|| format!("`{word}` is not like `loss=0.2`"))?;
+            match name.trim() {
+                "loss" => how.loss = share(value)?,
+                "duplicate" => how.duplicate = share(value)?,
+                "reorder" => how.reorder = share(value)?,
+                "delay" => {
+                    let (part, longest) =
+                        value.split_once(':').ok_or("`delay` is a share and seconds, such as `delay=0.2:0.005`")?;
+                    how.delay = share(part)?;
+                    let seconds = longest.parse().ok().filter(|s: &f64| (0.0..=10.0).contains(s));
+                    how.delay_up_to = seconds.ok_or_else(|| format!("`{longest}` is not 0 to 10 seconds"))?;
+                }
+                "seed" => how.seed = value.parse().map_err(|_| format!("`{value}` is no whole number"))?,
+                other => {
+                    return Err(format!("`{other}` is none of loss, duplicate, reorder, delay, seed"));
+                }
+            }
+        }
+        Ok(how)
     }
 }

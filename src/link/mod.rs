@@ -11,7 +11,7 @@ mod motor_server;
 mod remote;
 pub mod wire;
 
-pub use channel::Address;
+pub use channel::{Address, read_key};
 pub use counts::Counts;
 pub use error::LinkError;
 pub use impair::Impairment;

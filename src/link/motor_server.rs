@@ -39,7 +39,7 @@ pub struct MotorServer {
     robot: [u8; 32],
     rate: f64,
     pace: Pace,
-    cancel: Arc<AtomicBool>,
+    cancel: Option<Arc<AtomicBool>>,
     /// The hello that is answered, and whether control has come in its session.
     answers: u64,
     confirmed: bool,
@@ -59,7 +59,7 @@ impl MotorServer {
         command: &Command,
         (rate, pace): (f64, Pace),
         impairment: Option<Impairment>,
-        cancel: Arc<AtomicBool>,
+        cancel: Option<Arc<AtomicBool>>,
     ) -> Result<Self, LinkError> {
         Ok(MotorServer {
             channel: Channel::bind(address, impairment.map(|how| (how, "robot")))?,
@@ -260,7 +260,8 @@ impl MotorServer {
     }
 
     fn check_cancelled(&self) -> Result<(), LinkError> {
-        if self.cancel.load(Ordering::Relaxed) { Err(LinkError::Cancelled) } else { Ok(()) }
+        let cancelled = self.cancel.as_ref().is_some_and(|cancel| cancel.load(Ordering::Relaxed));
+        if cancelled { Err(LinkError::Cancelled) } else { Ok(()) }
     }
 
     fn silent(&self, after: Duration) -> LinkError {
@@ -275,5 +276,10 @@ impl Commander for MotorServer {
 
     fn finish(&mut self, sensed: &Sensed) -> Result<(), Stop> {
         MotorServer::finish(self, sensed).map_err(Stop::from)
+    }
+
+    fn leave(&mut self) -> Vec<String> {
+        MotorServer::leave(self);
+        vec![format!("link: {}", self.channel.counts)]
     }
 }

@@ -24,7 +24,7 @@ const BYES: usize = 5;
 /// A robot somewhere else.
 pub struct Remote {
     channel: Channel,
-    cancel: Arc<AtomicBool>,
+    cancel: Option<Arc<AtomicBool>>,
     /// Seconds of its clock per second; none: it waits for control.
     pub pace: Option<f64>,
     /// The tick that was answered last, with what.
@@ -48,7 +48,7 @@ impl Remote {
         model: &Model,
         rate: f64,
         impairment: Option<Impairment>,
-        cancel: Arc<AtomicBool>,
+        cancel: Option<Arc<AtomicBool>>,
     ) -> Result<Self, LinkError> {
         address.check()?;
         let here = match address.at.ip() {
@@ -170,7 +170,8 @@ impl Remote {
     }
 
     fn check_cancelled(&self) -> Result<(), LinkError> {
-        if self.cancel.load(Ordering::Relaxed) { Err(LinkError::Cancelled) } else { Ok(()) }
+        let cancelled = self.cancel.as_ref().is_some_and(|cancel| cancel.load(Ordering::Relaxed));
+        if cancelled { Err(LinkError::Cancelled) } else { Ok(()) }
     }
 }
 

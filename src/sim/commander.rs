@@ -14,4 +14,7 @@ pub trait Commander: Send {
 
     /// The run is over; `sensed` is how.
     fn finish(&mut self, sensed: &Sensed) -> Result<(), Stop>;
+
+    /// The run has ended, in whatever way. Gives what there is to tell a person.
+    fn leave(&mut self) -> Vec<String>;
 }

@@ -15,7 +15,7 @@ use crate::dynamics::State;
 use crate::robot::Model;
 use crate::task::sensed::BaseMotion;
 use crate::task::server::Situation;
-use crate::task::{Augmented, Command, Needs, Point, Sensed, TaskServer};
+use crate::task::{Augmented, Command, Needs, Sensed, TaskServer};
 use nalgebra::{Isometry3, Translation3, Vector3};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -70,8 +70,7 @@ impl RemoteRun {
         start.joints.copy_from_slice(&setup.start.joints);
         start.v.copy_from_slice(&setup.start.v);
         let mut snapshot = observe::blank(&model);
-        snapshot.points =
-            setup.tasks.points().map(|(name, _)| Point { name: name.to_owned(), position: None }).collect();
+        snapshot.points = observe::blank_points(&setup.tasks);
         snapshot.estimate = Some(observe::blank_estimate(&model));
         let self_contact = setup.self_contact.take().map(|own| {
             if own.avoid.is_some() {
@@ -92,7 +91,7 @@ impl RemoteRun {
             estimator,
             self_contact,
             snapshot,
-            metrics: Metrics::unmeasured(),
+            metrics: Metrics { elsewhere: true, ..Metrics::unmeasured() },
             duration: setup.duration,
             log_rate: setup.log_rate,
             logged: 0,

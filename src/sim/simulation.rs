@@ -26,7 +26,7 @@ use crate::contact::state::MAX_SOLES;
 use crate::geometry::stable_point::Edge;
 use crate::integrate::StepControl;
 use crate::task::server::Situation;
-use crate::task::{Needs, Point, TaskServer};
+use crate::task::{Needs, TaskServer};
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -56,6 +56,8 @@ pub struct Simulation {
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
     commander: Option<Box<dyn Commander>>,
+    /// What the run has to tell a person at its end.
+    notes: Vec<String>,
     pub(super) loads: Loads,
     pub(super) sensors: Sensors,
     pub(super) estimator: Estimator,
@@ -167,13 +169,7 @@ impl Simulation {
         }
         let mut snapshot = super::observe::blank(&model);
         snapshot.external.reserve(plant.arrows.capacity());
-        for (name, _) in setup.tasks.points() {
-            // Two tasks may have a point of one name.
-            let taken = |name: &str| snapshot.points.iter().any(|point| point.name == name);
-            let names = std::iter::once(name.to_owned()).chain((2..).map(|n| format!("{name}.{n}")));
-            let free = names.into_iter().find(|name| !taken(name)).unwrap_or_default();
-            snapshot.points.push(Point::named(free));
-        }
+        snapshot.points = super::observe::blank_points(&setup.tasks);
         if setup.sensors.is_some() || estimator.estimates() {
             setup.tasks.tick_always();
             snapshot.estimate = Some(super::observe::blank_estimate(&model));
@@ -193,6 +189,7 @@ impl Simulation {
             contact: setup.contact,
             tasks: setup.tasks,
             commander: setup.commander,
+            notes: Vec::new(),
             loads,
             sensors,
             estimator,
@@ -237,6 +234,7 @@ impl Simulation {
     pub fn run(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> (Outcome, String) {
         let end = self.advance(observer, cancel);
         let end = end.and_then(|()| self.finish(observer));
+        self.notes.extend(self.commander.iter_mut().flat_map(|commander| commander.leave()));
         self.sum_up();
         match end {
             Ok(()) => (Outcome::Passed, String::new()),
@@ -249,6 +247,11 @@ impl Simulation {
     /// What was measured so far.
     pub fn metrics(&self) -> &Metrics {
         &self.metrics
+    }
+
+    /// What else there is to tell a person after the end.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// The plant at its present state.

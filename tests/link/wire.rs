@@ -25,8 +25,7 @@ const CONTROL: Header = Header { kind: Kind::Control, flags: 0, session: 7, sequ
 /// Numbers without a pattern, as a robot has them.
 fn command(model: &Model, stream: &mut Stream) -> Command {
     let mut command = Command::hold(model, &model.home);
-    let modes =
-        [DriveMode::Position, DriveMode::Velocity, DriveMode::Force, DriveMode::Kinematic, DriveMode::Passive];
+    let modes = [DriveMode::Position, DriveMode::Velocity, DriveMode::Force, DriveMode::Kinematic, DriveMode::Passive];
     for (j, mode) in command.mode.iter_mut().enumerate() {
         *mode = modes[j % 5];
     }
@@ -122,8 +121,7 @@ fn sensing_comes_back_to_the_last_bit() {
 #[test]
 fn greetings_come_back() {
     let robot = fingerprint(&model());
-    let (hello, welcome) =
-        (Hello { robot, rate: 500.0 }, Welcome { answers: 9, robot, rate: 500.0, pace: 0.5 });
+    let (hello, welcome) = (Hello { robot, rate: 500.0 }, Welcome { answers: 9, robot, rate: 500.0, pace: 0.5 });
     let (mut a, mut b) = (Vec::new(), Vec::new());
     hello.write(&mut a);
     welcome.write(&mut b);

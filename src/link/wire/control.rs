@@ -43,8 +43,7 @@ pub fn read_control(body: &[u8], command: &mut Command) -> Result<Option<u64>, R
         let [byte] = r.bytes::<1>().ok_or(Refused::Length)?;
         *mode = *MODES.get(usize::from(byte)).ok_or(Refused::Value)?;
     }
-    for column in
-        [&mut command.position, &mut command.velocity, &mut command.effort, &mut command.kp, &mut command.kd]
+    for column in [&mut command.position, &mut command.velocity, &mut command.effort, &mut command.kp, &mut command.kd]
     {
         r.numbers(column)?;
     }

@@ -27,7 +27,7 @@ mod sensing;
 use bytes::{Reader, Writer};
 pub use control::{read_control, write_control};
 pub use greeting::{Hello, Welcome, fingerprint};
-pub use seal::Key;
+pub use seal::{Key, SHORTEST_SECRET};
 pub use sensing::{read_sensing, write_sensing};
 
 /// Version of the format.

@@ -15,7 +15,8 @@ impl Key {
     /// The key of a secret that both sides have, such as the bytes of a file; none if it is shorter than
     /// [`SHORTEST_SECRET`] bytes.
     pub fn of(secret: &[u8]) -> Option<Key> {
-        (secret.len() >= SHORTEST_SECRET).then(|| Key(blake3::derive_key("stiction 2026 wire format 1, packets", secret)))
+        (secret.len() >= SHORTEST_SECRET)
+            .then(|| Key(blake3::derive_key("stiction 2026 wire format 1, packets", secret)))
     }
 
     /// The seal of these bytes.
