@@ -14,6 +14,7 @@ fn main() -> Exit {
         Command::Inspect(inspect) => inspect.execute(),
         Command::Report(report) => report.execute(),
         Command::Merge(merge) => merge.execute(),
+        Command::Submit(submit) => submit.execute(),
         Command::Compare(compare) => compare.execute(),
         Command::Export(export) => export.execute(),
         Command::Replay(replay) => replay.execute(),

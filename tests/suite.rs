@@ -15,11 +15,14 @@ mod link;
 mod motion;
 mod oracles;
 mod record;
+mod regressions;
 mod replay;
 mod robot;
 mod same;
 mod scenario;
 mod script;
+#[cfg(unix)]
+mod submit;
 mod task;
 mod validation;
 mod view;

@@ -44,7 +44,7 @@ use std::time::Duration;
 
 use crate::record::{
     Machine, PROGRAM, Pictured, RecordError, ReferenceMotion, ReportRun, RunsLog, SHARD_LIST, SummaryFiles, SummaryRow,
-    Tally, remove_partial, write_report_of, write_summary_of,
+    Tally, confined, remove_partial, write_report_of, write_summary_of,
 };
 use crate::sim::{Outcome, Problems};
 
@@ -201,6 +201,10 @@ impl Batch {
         tempfile::tempfile_in(&options.output).map_err(refused)?;
         let runs_log_path = options.output.join("runs.jsonl");
         let mut runs_log = RunsLog::append(&runs_log_path)?;
+        // Told now and not by each run.
+        for scenario in plan.scenarios() {
+            confined::check(&options.output, &options.output.join(scenario).join("references"))?;
+        }
         remove_partial(&options.output);
         for name in ["summary.csv", "summary.parquet", "report.html", SHARD_LIST] {
             match std::fs::remove_file(options.output.join(name)) {

@@ -1,14 +1,15 @@
 //! From scenario files to jobs, everything checked.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::robots::Robots;
 use super::{Finding, Findings, Options, Part, keys};
+use crate::input_file;
 use crate::record::{ParamValue, SHARD_LIST, is_truth};
 use crate::robot::{Robot, RobotError};
-use crate::scenario::{self, Diagnostics, Expansion, Run, ScenarioFile};
+use crate::scenario::{self, Diagnostics, Expansion, Run, ScenarioFile, Severity};
 use crate::sim::build::setup;
 
 /// Errors after which checking gives up.
@@ -87,6 +88,11 @@ impl Plan {
     /// The key of the run at a position.
     pub fn key(&self, index: usize) -> String {
         written(self.runs[index].key)
+    }
+
+    /// Names of the scenarios.
+    pub fn scenarios(&self) -> impl Iterator<Item = &str> {
+        self.sources.iter().map(|source| source.name.as_str())
     }
 
     /// The scenario of the run at a position.
@@ -291,6 +297,8 @@ struct Planner {
     max_runs: usize,
     /// Scenario names with their files: a name is a folder of the results.
     names: HashMap<String, PathBuf>,
+    /// Files that were looked at for links.
+    looked_at: HashSet<PathBuf>,
     /// References by key, with the shape of their robots.
     known: HashMap<u64, (u32, Shape)>,
 }
@@ -384,6 +392,7 @@ impl Planner {
     }
 
     fn add_run(&mut self, mut run: Run, taken: &mut HashMap<u64, usize>) {
+        self.look_for_links(&run);
         let Some(robot) = self.robot(&run) else { return };
         let Some(shape) = self.build(&run, &robot) else { return };
         let Some(key) = self.key(&run, &robot) else { return };
@@ -447,6 +456,24 @@ impl Planner {
         let key = keys::of(run, robot)
             .and_then(|key| u64::from_str_radix(&key, 16).map_err(|e| format!("its key {key} is no hash: {e}")));
         key.map_err(|message| self.findings.push(Finding::Plan(format!("{}: {message}", run.file.display())))).ok()
+    }
+
+    /// Tells of symbolic links by which the files that a run names lie elsewhere than their names say.
+    fn look_for_links(&mut self, run: &Run) {
+        let home = run.file.parent().unwrap_or(Path::new(""));
+        let robot = ("robot.model", run.resolve(&run.scenario.robot.model));
+        let inputs = run.inputs.iter().map(|input| (input.key.as_str(), input.path.clone()));
+        for (key, path) in std::iter::once(robot).chain(inputs) {
+            if !self.looked_at.insert(path.clone()) {
+                continue;
+            }
+            if let Some(real) = input_file::led_out(home, &path) {
+                let message = format!("a symbolic link leads elsewhere: {} is {}", path.display(), real.display());
+                let mut warning = run.error_at(key, message, None);
+                warning.severity = Severity::Warning;
+                self.findings.push(Finding::Scenario(Box::new(warning)));
+            }
+        }
     }
 
     fn robot(&mut self, run: &Run) -> Option<Arc<Robot>> {

@@ -4,14 +4,12 @@
 //! What depended on the clock, on a person or on trouble of the machine is made again.
 
 use std::collections::{HashMap, HashSet};
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::dispatch::is_to_repeat;
 use super::store::Store;
 use super::{Finished, Job, Options, Plan, Role, stale};
-use crate::record::{BUILD, MAX_PROBLEMS, ParamValue, RecordError, RunRecord, SummaryRow, remove_partial};
+use crate::record::{BUILD, MAX_PROBLEMS, ParamValue, RecordError, RunRecord, SummaryRow, log_fault, remove_partial};
 use crate::sim::{Outcome, Problems};
 
 /// What is there already of a batch.
@@ -157,8 +155,13 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
         return State::Again(format!("it ended as `{}`", row.outcome.name()));
     }
     let log = folder.join("log.mcap");
-    if job.wants_log(options) && !is_whole_log(&log) {
-        return State::Again("it has no whole log".into());
+    if job.wants_log(options) {
+        if record.log.is_none() && !log.exists() {
+            return State::Again("it has no log".into());
+        }
+        if let Some(fault) = log_fault(&record, &log) {
+            return State::Again(fault.into());
+        }
     }
     let problems = folder.join("problems");
     if !has_problems(&row, &problems, options.problems) {
@@ -179,17 +182,6 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
 /// Would the run end like this again?
 fn repeats(row: &SummaryRow) -> bool {
     !matches!(row.outcome, Outcome::TimedOut | Outcome::Error | Outcome::Cancelled) || !row.is_refused()
-}
-
-/// A log ends with the word it begins with.
-fn is_whole_log(path: &Path) -> bool {
-    let end = || {
-        let mut file = File::open(path)?;
-        let mut end = [0; mcap::MAGIC.len()];
-        file.seek(SeekFrom::End(-(end.len() as i64)))?;
-        file.read_exact(&mut end).map(|()| end)
-    };
-    end().is_ok_and(|end: [u8; mcap::MAGIC.len()]| end == mcap::MAGIC)
 }
 
 fn has_problems(row: &SummaryRow, folder: &Path, wanted: Problems) -> bool {

@@ -7,8 +7,8 @@ use super::judge::judge;
 use super::schedule::Against;
 use super::{Body, Cancellation, Finished, Job, Options, Reason, Role, Track, Wanted, guard};
 use crate::record::{
-    Comparison, InputHash, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, hash_input, metric,
-    remove_partial,
+    Comparison, InputHash, LeftLog, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, confined,
+    hash_input, metric, remove_partial,
 };
 use crate::script::stoppable;
 use crate::sim::{AvoidanceTime, Metrics, Outcome, Problems};
@@ -63,11 +63,18 @@ pub(super) fn run(
     against: Option<&Against>,
 ) -> (Finished, Result<ReferenceMotion, String>) {
     let folder = job.folder(&options.output);
-    clear(&folder);
+    let confined = confined::check(&options.output, &folder);
+    if confined.is_ok() {
+        clear(&folder);
+    }
     let wanted = wanted(job, options, &folder, against);
     let clock = Clock::start();
-    let mut end = guard::catch(|| stoppable(cancellation.shared(), || body(job, &wanted, cancellation.flag())))
-        .unwrap_or_else(End::error);
+    let mut end = match &confined {
+        Ok(()) => guard::catch(|| stoppable(cancellation.shared(), || body(job, &wanted, cancellation.flag())))
+            .unwrap_or_else(End::error),
+        // What it would leave could not be kept.
+        Err(error) => End::error(error.to_string()),
+    };
     let timing = Timing { avoidance: end.avoidance, ..clock.read() };
     if end.outcome == Outcome::Cancelled && cancellation.reason() == Some(Reason::TimedOut) {
         end.outcome = Outcome::TimedOut;
@@ -86,9 +93,11 @@ pub(super) fn run(
     let (row, accepted) = judge(record.summary_row(), &job.run.scenario.expect);
     (record.outcome, record.message) = (row.outcome, row.message.clone());
     record.verdicts.clone_from(&row.verdicts);
+    // What cannot be read now cannot be taken for whole later.
+    record.log = wanted.log.as_deref().and_then(|log| LeftLog::of(log).ok());
     let path = folder.join("run.json");
     let left = [wanted.log, wanted.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
-    let finished = match record.write(&path) {
+    let finished = match confined.and_then(|()| record.write(&path)) {
         Ok(()) => Finished { files: [path].into_iter().chain(left).collect(), notes, row, accepted },
         Err(error) => {
             (record.outcome, record.message) = (Outcome::Error, error.to_string());
@@ -183,6 +192,7 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
         program: PROGRAM.to_owned(),
         inputs: inputs(job),
         resolved: job.run.resolved_toml.clone(),
+        log: None,
         timing: Timing { file: Some(job.run.file.display().to_string()), ..timing },
     }
 }

@@ -58,6 +58,11 @@ impl Shard {
         Shard::new(index.saturating_add(1), of).ok_or_else(|| format!("{name} says part {} of {of}", index + 1))
     }
 
+    /// Is it all there is?
+    pub fn is_whole(&self) -> bool {
+        self.of.get() == 1
+    }
+
     /// Is a run with this key in it?
     pub fn takes(&self, key: &str) -> bool {
         // Keys are the beginnings of hashes, spread evenly.
@@ -101,16 +106,17 @@ impl Part {
 }
 
 impl Plan {
+    /// A hash of its runs, by their scenarios and keys in order: the same for the same batch on any machine.
+    pub fn hash(&self) -> String {
+        let mut hash = PlanHash::default();
+        (0..self.runs()).for_each(|place| hash.add(self.scenario(place), &self.key(place)));
+        hash.end()
+    }
+
     /// Keeps the runs of a shard, in their order, and the references that these need.
     pub fn take_shard(&mut self, shard: Shard) {
-        let mut hash = PlanHash::default();
-        let keys = (0..self.runs()).map(|place| {
-            let key = self.key(place);
-            hash.add(self.scenario(place), &key);
-            (place, key)
-        });
-        let places: Vec<usize> = keys.filter(|(_, key)| shard.takes(key)).map(|(place, _)| place).collect();
-        let head = ShardHead::new(shard.number, shard.of.get(), self.runs(), hash.end());
+        let places: Vec<usize> = (0..self.runs()).filter(|place| shard.takes(&self.key(*place))).collect();
+        let head = ShardHead::new(shard.number, shard.of.get(), self.runs(), self.hash());
         self.keep(&places);
         self.part = Some(Part { head, places });
     }

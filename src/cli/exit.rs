@@ -100,6 +100,17 @@ pub fn codes(command: &str) -> &'static Codes {
                 "a run or a reference run did not finish, or standard output could not be written to the end",
             ),
         ],
+        "submit" => &[
+            (Exit::Success, "submitted; with --wait: merged, all runs finished and every expectation held"),
+            (Exit::Failed, "with --wait: an expectation did not hold"),
+            (
+                Exit::Invalid,
+                "wrong usage, an invalid scenario, no cluster, other results in the folder: nothing was submitted; with \
+                 --wait also: the merge found that results are missing",
+            ),
+            (Exit::Unfinished, "with --wait: a run or a reference run did not finish"),
+            (Exit::Nothing, NOTHING),
+        ],
         "compare" => &[
             (Exit::Success, "all values within what is allowed, the same runs in both"),
             (Exit::Failed, "a value beyond, an outcome changed, or a run that only one of them has"),

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::{Exit, terminal};
+
 /// Commands, for those who misspell one.
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "run",
     "check",
     "list",
@@ -11,6 +13,7 @@ const COMMANDS: [&str; 14] = [
     "report",
     "merge",
     "motor-server",
+    "submit",
     "compare",
     "export",
     "replay",
@@ -56,6 +59,16 @@ pub fn scenario_files(typed: &[PathBuf]) -> Result<Vec<PathBuf>, Unusable> {
         }
         (true, false) => Ok(files),
     }
+}
+
+/// The absolute path of a file as text, for a command that is run elsewhere.
+pub fn absolute_text(path: &Path) -> Result<String, Exit> {
+    let refused = |why: &str| {
+        terminal::complain(&format!("error: {}: {why}", path.display()));
+        Exit::Invalid
+    };
+    let whole = std::path::absolute(path).map_err(|error| refused(&error.to_string()))?;
+    whole.into_os_string().into_string().map_err(|_| refused("a path with bytes that are no UTF-8 cannot be submitted"))
 }
 
 /// Scenario files directly in a folder.

@@ -38,12 +38,12 @@ impl Merge {
         shards.check_output(&self.output).map_err(refused)?;
         let missing = shards.check().map_err(refused)?;
         let word = if self.partial { "warning" } else { "error" };
-        missing.iter().for_each(|what| complain(&format!("{word}: {what}")));
-        if !missing.is_empty() && !self.partial {
+        missing.lines.iter().for_each(|what| complain(&format!("{word}: {what}")));
+        if !missing.lines.is_empty() && !self.partial {
             complain("nothing was written; --partial takes what is there");
             return Err(Exit::Invalid);
         }
-        let merged = shards.write(&self.output).map_err(refused)?;
+        let merged = shards.write(&self.output, &missing).map_err(refused)?;
         print(&summary(&merged))?;
         Ok(match () {
             () if merged.unfinished > 0 => Exit::Unfinished,

@@ -4,6 +4,7 @@ mod check;
 mod colour;
 mod compare;
 mod completions;
+mod each;
 mod exit;
 mod export;
 mod inputs;
@@ -20,6 +21,7 @@ mod report;
 mod run;
 mod schema;
 mod signals;
+mod submit;
 mod terminal;
 mod view;
 
@@ -70,6 +72,9 @@ pub enum Command {
     /// Put the results of shards together to those of one batch
     #[command(after_help = exit::help("merge"))]
     Merge(merge::Merge),
+    /// Share a batch out as jobs of a cluster, merged when they have ended
+    #[command(after_help = submit::help())]
+    Submit(submit::Submit),
     /// Say what differs between two results
     #[command(after_help = exit::help("compare"))]
     Compare(compare::Compare),

@@ -13,24 +13,31 @@ use super::{Exit, inputs, numbers, terminal};
 /// Runs that are expanded when nothing is said.
 const MOST_RUNS: NonZero<usize> = NonZero::new(DEFAULT_MAX_RUNS).expect("it is above 0");
 
-/// Scenarios and what is changed in all of them.
+/// Scenarios, and which part of their runs.
 #[derive(Args, Debug)]
 pub struct Scenarios {
+    #[command(flatten)]
+    selection: Selection,
+    /// Only part I of N equal parts, such as 3/8; `env` asks the job array of Slurm or Kubernetes that this is in
+    #[arg(long, value_name = "I/N", value_parser = Asked::parse)]
+    shard: Option<Asked>,
+}
+
+/// Scenarios and what is changed in all of them.
+#[derive(Args, Debug)]
+pub struct Selection {
     /// Scenario files; a folder means every .toml file in it
     #[arg(required = true, value_name = "SCENARIO", value_hint = ValueHint::AnyPath)]
     files: Vec<PathBuf>,
     /// Replace a value of every scenario, such as contact.method=one-step; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
-    overrides: Vec<(String, toml::Value)>,
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = Override::parse)]
+    overrides: Vec<Override>,
     /// Only runs of which this holds, such as 'name ~ "push*" and floor.friction.static < 0.5' (docs/ci.md)
     #[arg(long, value_name = "EXPR")]
     filter: Option<String>,
     /// Refuse to expand to more runs than this
     #[arg(long, value_name = "N", default_value_t = MOST_RUNS, value_parser = numbers::count, allow_negative_numbers = true)]
     max_runs: NonZero<usize>,
-    /// Only part I of N equal parts, such as 3/8; `env` asks the job array of Slurm or Kubernetes that this is in
-    #[arg(long, value_name = "I/N")]
-    shard: Option<Shard>,
     /// Take warnings for errors
     #[arg(long)]
     strict: bool,
@@ -43,9 +50,55 @@ fn tell(format: MessageFormat, severity: &'static str, words: &str, exit: Exit) 
     format.tell(Message::Diagnostic(told)).err().unwrap_or(exit)
 }
 
+/// A value under its path, and the words that said so.
+#[derive(Clone, Debug)]
+struct Override {
+    typed: String,
+    value: (String, toml::Value),
+}
+
+impl Override {
+    fn parse(text: &str) -> Result<Self, String> {
+        Ok(Override { typed: text.to_owned(), value: parse_override(text)? })
+    }
+}
+
+/// A part, and whether an array of Slurm was asked for it.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    shard: Shard,
+    by_array: bool,
+}
+
+impl Asked {
+    fn parse(text: &str) -> Result<Self, String> {
+        let by_array = text == "env" && std::env::var_os("SLURM_ARRAY_TASK_ID").is_some();
+        Ok(Asked { shard: text.parse()?, by_array })
+    }
+}
+
 impl Scenarios {
     /// Loads, expands and checks everything; shows what there is to say from this severity on, as messages too if
     /// these are wanted.
+    pub fn prepare(&self, least: Severity, format: MessageFormat) -> Result<Plan, Exit> {
+        let mut plan = self.selection.prepare(least, format)?;
+        if let Some(Asked { shard, by_array }) = self.shard {
+            let all = plan.runs();
+            plan.take_shard(shard);
+            terminal::complain(&format!("shard {shard}: {} of {all}", terminal::plural(plan.runs(), "run")));
+            if by_array && shard.is_whole() {
+                terminal::complain(
+                    "warning: the job array has one task, which therefore has all runs; a task of a larger array is made \
+                     again with `scontrol requeue JOB_TASK`, not with `sbatch --array=TASK`",
+                );
+            }
+        }
+        Ok(plan)
+    }
+}
+
+impl Selection {
+    /// See [`Scenarios::prepare`]: of all parts.
     pub fn prepare(&self, least: Severity, format: MessageFormat) -> Result<Plan, Exit> {
         let say = |findings: &Findings| {
             terminal::show(findings, least);
@@ -72,7 +125,8 @@ impl Scenarios {
                 return Err(told.fold(Exit::Invalid, |_, exit| exit));
             }
         };
-        let (mut plan, findings) = match batch::prepare(&files, &self.overrides, self.max_runs.get()) {
+        let overrides: Vec<_> = self.overrides.iter().map(|o| o.value.clone()).collect();
+        let (mut plan, findings) = match batch::prepare(&files, &overrides, self.max_runs.get()) {
             Ok(prepared) => prepared,
             Err(findings) => {
                 say(&findings)?;
@@ -96,11 +150,22 @@ impl Scenarios {
                 return Err(nothing(format!("the filter holds for none of {}", terminal::plural(all, "run"))));
             }
         }
-        if let Some(shard) = self.shard {
-            let all = plan.runs();
-            plan.take_shard(shard);
-            terminal::complain(&format!("shard {shard}: {} of {all}", terminal::plural(plan.runs(), "run")));
-        }
         Ok(plan)
+    }
+
+    /// The same as arguments for another place: files by their absolute paths.
+    pub fn words(&self) -> Result<Vec<String>, Exit> {
+        let mut words: Vec<String> = self.overrides.iter().map(|o| format!("--set={}", o.typed)).collect();
+        words.extend(self.filter.iter().map(|filter| format!("--filter={filter}")));
+        if self.max_runs != MOST_RUNS {
+            words.push(format!("--max-runs={}", self.max_runs));
+        }
+        if self.strict {
+            words.push("--strict".into());
+        }
+        for file in &self.files {
+            words.push(inputs::absolute_text(file)?);
+        }
+        Ok(words)
     }
 }

@@ -8,7 +8,7 @@ use clap::Args;
 use stiction::batch::{BatchError, Interrupter, Severity};
 use stiction::replay::{self, Change, Left, ReplayError};
 
-use super::run::Which;
+use super::each::Which;
 use super::signals::when_asked_to_end;
 use super::terminal::{complain, plural, print, show};
 use super::{Exit, numbers};

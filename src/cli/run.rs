@@ -12,8 +12,8 @@ use stiction::batch::{
 };
 use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{Shown, SummaryRow, table, verdicts};
-use stiction::sim::Problems;
 
+use super::each::Each;
 use super::machine::{Format, MessageFormat, TestResults};
 use super::prepare::Scenarios;
 use super::signals::{Asked, when_asked_to_end};
@@ -48,12 +48,8 @@ pub struct Run {
     /// Runs side by side [default: one per processor]
     #[arg(short, long, value_name = "N", value_parser = numbers::count, allow_negative_numbers = true)]
     jobs: Option<NonZero<usize>>,
-    /// Repeat no runs to time them
-    #[arg(long)]
-    no_timing: bool,
-    /// Write no logs
-    #[arg(long)]
-    no_log: bool,
+    #[command(flatten)]
+    each: Each,
     /// Start no more runs after the first that fails or does not finish
     #[arg(long, conflicts_with = "max_fail")]
     fail_fast: bool,
@@ -63,15 +59,6 @@ pub struct Run {
     /// Make only the runs whose results are not in the folder, and say why those that are do not count
     #[arg(long)]
     resume: bool,
-    /// Wall-clock limit of each run
-    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_negative_numbers = true)]
-    timeout: Option<Duration>,
-    /// Name runs that take longer than this, while they run and at the end
-    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_negative_numbers = true)]
-    slow: Option<Duration>,
-    /// Write contact problems as JSON: those without a valid state, or all; at most 100 of each run
-    #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "inconsistent")]
-    dump_problems: Option<Which>,
     /// Expectations to show, with measured value, wanted value and error [default: values, failed when there are too many]
     #[arg(long, value_name = "WHICH")]
     verdicts: Option<Verdicts>,
@@ -79,26 +66,6 @@ pub struct Run {
     junit: TestResults,
     #[command(flatten)]
     format: Format,
-}
-
-/// Contact problems to write.
-#[derive(ValueEnum, Clone, Copy, Debug)]
-pub(super) enum Which {
-    /// Selections in which no state was valid
-    Inconsistent,
-    /// Every selection
-    All,
-}
-
-impl Which {
-    /// What to write of these.
-    pub fn problems(asked: Option<Which>) -> Problems {
-        match asked {
-            None => Problems::None,
-            Some(Which::Inconsistent) => Problems::Inconsistent,
-            Some(Which::All) => Problems::All,
-        }
-    }
 }
 
 impl Run {
@@ -117,16 +84,16 @@ impl Run {
         let format = self.format.message_format;
         let plan = self.scenarios.prepare(Severity::Note, format)?;
         let (runs, references) = (plan.runs(), plan.references());
-        let repetitions = if self.no_timing { 0 } else { plan.repetitions() };
+        let repetitions = if self.each.no_timing { 0 } else { plan.repetitions() };
         let options = Options {
             output: self.output.clone(),
             jobs: self.jobs.or(std::thread::available_parallelism().ok()).map_or(1, NonZero::get),
-            log: !self.no_log,
-            timeout: self.timeout,
+            log: !self.each.no_log,
+            timeout: self.each.timeout,
             max_fail: if self.fail_fast { Some(NonZero::<usize>::MIN) } else { self.max_fail },
-            slow: self.slow,
-            problems: Which::problems(self.dump_problems),
-            timing: !self.no_timing,
+            slow: self.each.slow,
+            problems: self.each.problems(),
+            timing: !self.each.no_timing,
             resume: self.resume,
         };
         let side_by_side = options.jobs.min(runs + references);
@@ -168,7 +135,7 @@ impl Run {
         let junit = junit.transpose()?;
         *last = BatchFinished::new(&report, junit.as_deref());
         if format == MessageFormat::Human {
-            print(&summary(&report, self.verdicts, self.slow, junit.as_deref()))?;
+            print(&summary(&report, self.verdicts, self.each.slow, junit.as_deref()))?;
         }
         Ok(exit(&report, &asked))
     }

@@ -6,6 +6,7 @@
 //! more than half a turn between two frames is taken the short way round); positions stay in the file's unit.
 
 use super::{Fault, Knot, Motion, Track};
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -19,11 +20,11 @@ const CHANNELS: [&str; 6] = ["Xposition", "Yposition", "Zposition", "Xrotation",
 pub fn read(text: &str) -> Result<Motion, Fault> {
     let mut words = Words { text, at: 0 };
     words.expect("HIERARCHY")?;
-    let mut tracks: Vec<Track> = Vec::new();
+    let (mut tracks, mut moving): (Vec<Track>, HashSet<String>) = Default::default();
     let mut roots = 0;
     while words.peek() == "ROOT" || roots == 0 {
         words.expect("ROOT")?;
-        skeleton(&mut words, &mut tracks)?;
+        skeleton(&mut words, &mut tracks, &mut moving)?;
         roots += 1;
     }
     let place = words.next()?;
@@ -65,15 +66,15 @@ pub fn read(text: &str) -> Result<Motion, Fault> {
 }
 
 /// A root and all that hangs on it; `ROOT` has been read.
-fn skeleton(words: &mut Words, tracks: &mut Vec<Track>) -> Result<(), Fault> {
+fn skeleton(words: &mut Words, tracks: &mut Vec<Track>, moving: &mut HashSet<String>) -> Result<(), Fault> {
     let mut depth = 0;
-    joint(words, tracks)?;
+    joint(words, tracks, moving)?;
     depth += 1;
     while depth > 0 {
         let place = words.next()?;
         match &words.text[place.clone()] {
             "JOINT" => {
-                joint(words, tracks)?;
+                joint(words, tracks, moving)?;
                 depth += 1;
             }
             "End" => {
@@ -89,17 +90,17 @@ fn skeleton(words: &mut Words, tracks: &mut Vec<Track>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Name, offset and channels of a joint, up to what hangs on it.
-fn joint(words: &mut Words, tracks: &mut Vec<Track>) -> Result<(), Fault> {
+/// Name, offset and channels of a joint, up to what hangs on it; `moving` are those before it that have channels.
+fn joint(words: &mut Words, tracks: &mut Vec<Track>, moving: &mut HashSet<String>) -> Result<(), Fault> {
     let place = words.next()?;
     let name = &words.text[place.clone()];
     if name == "{" {
         return Err(Fault::new(place, "the joint has no name"));
     }
-    let prefix = format!("{name}.");
-    if tracks.iter().any(|t| t.name.strip_prefix(&prefix).is_some_and(|channel| CHANNELS.contains(&channel))) {
+    if moving.contains(name) {
         return Err(Fault::new(place, format!("there are two joints `{name}`")));
     }
+    let (name, first) = (name.to_owned(), tracks.len());
     words.expect("{")?;
     offset(words)?;
     if words.peek() != "CHANNELS" {
@@ -116,11 +117,14 @@ fn joint(words: &mut Words, tracks: &mut Vec<Track>) -> Result<(), Fault> {
         if !CHANNELS.contains(&channel) {
             return Err(words.unexpected(place, "a channel, such as `Xrotation`,"));
         }
-        let name = format!("{prefix}{channel}");
-        if tracks.iter().any(|t| t.name == name) {
-            return Err(Fault::new(place, format!("there are two channels `{name}`")));
+        let channel = format!("{name}.{channel}");
+        if tracks[first..].iter().any(|t| t.name == channel) {
+            return Err(Fault::new(place, format!("there are two channels `{channel}`")));
         }
-        tracks.push(Track { name, place, knots: Vec::new() });
+        tracks.push(Track { name: channel, place, knots: Vec::new() });
+    }
+    if n > 0 {
+        moving.insert(name);
     }
     Ok(())
 }

@@ -11,6 +11,7 @@
 //! prismatic joints) stand for the joint's.
 
 use super::{Fault, Knot, Motion};
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// Reads a motion from the text of a file.
@@ -66,7 +67,7 @@ fn header_names(text: &str, header: Range<usize>) -> Result<Vec<(String, Range<u
         let message = format!("the first column must be `time`, not {:?}", &text[first.clone()]);
         return Err(Fault::new(first, message));
     }
-    let mut names: Vec<(String, Range<usize>)> = Vec::new();
+    let (mut names, mut known): (Vec<(String, Range<usize>)>, HashSet<&str>) = Default::default();
     for place in cells {
         let written = &text[place.clone()];
         let name = exported(written).map_err(|message| {
@@ -76,7 +77,7 @@ fn header_names(text: &str, header: Range<usize>) -> Result<Vec<(String, Range<u
         if name.is_empty() {
             return Err(Fault::new(place, "this column has no name"));
         }
-        if names.iter().any(|(other, _)| other == name) {
+        if !known.insert(name) {
             return Err(Fault::new(place, format!("there are two columns of `{name}`")));
         }
         names.push((name.to_owned(), place));

@@ -69,14 +69,6 @@ impl Motion {
         self.tracks.iter().find(|t| t.name == name)
     }
 
-    /// Adds a value to the track of that name, which is made if need be.
-    fn add(&mut self, name: &str, place: Range<usize>, knot: Knot) {
-        match self.tracks.iter_mut().find(|t| t.name == name) {
-            Some(track) => track.knots.push(knot),
-            None => self.tracks.push(Track { name: name.to_owned(), place, knots: vec![knot] }),
-        }
-    }
-
     /// Times of the first and the last value of all; none when there is none.
     pub fn span(&self) -> Option<(f64, f64)> {
         let times = || self.tracks.iter().flat_map(|t| &t.knots).map(|k| k.time);

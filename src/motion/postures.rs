@@ -8,10 +8,11 @@
 //!
 //! A joint moves through the postures that name it; others leave it alone.
 
-use super::{Fault, Knot, Motion};
+use super::{Fault, Knot, Motion, Track};
 use crate::scenario::Angle;
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 use toml::Spanned;
 
 #[derive(Deserialize)]
@@ -41,6 +42,8 @@ pub fn read(text: &str) -> Result<Motion, Fault> {
         Fault::new(place, error.message()).help("a motion is a list of `[[posture]]` with `at` (s) and `joints`")
     })?;
     let mut motion = Motion::default();
+    // Where the track of a name is.
+    let mut known: HashMap<String, usize> = HashMap::new();
     let mut before: Option<f64> = None;
     for posture in file.posture {
         let (at, place) = (*posture.at.get_ref(), posture.at.span());
@@ -60,7 +63,14 @@ pub fn read(text: &str) -> Result<Motion, Fault> {
             if !value.is_finite() {
                 return Err(Fault::new(angle.span(), format!("`{}` must be finite, not {value}", name.get_ref())));
             }
-            motion.add(name.get_ref(), name.span(), Knot { time: at, value, place: angle.span() });
+            let (knot, place) = (Knot { time: at, value, place: angle.span() }, name.span());
+            match known.entry(name.into_inner()) {
+                Entry::Occupied(track) => motion.tracks[*track.get()].knots.push(knot),
+                Entry::Vacant(free) => {
+                    motion.tracks.push(Track { name: free.key().clone(), place, knots: vec![knot] });
+                    free.insert(motion.tracks.len() - 1);
+                }
+            }
         }
     }
     if motion.tracks.is_empty() {

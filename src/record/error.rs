@@ -23,6 +23,32 @@ pub enum RecordError {
         /// The cause.
         source: std::io::Error,
     },
+    /// A link stands where results are written.
+    #[error(
+        "{path}: a symbolic link to {target}: nothing is written through links in a folder of results; remove it, or name with --output where results shall go"
+    )]
+    Link {
+        /// The link.
+        path: PathBuf,
+        /// What it leads to.
+        target: PathBuf,
+    },
+    /// A name leads out of the folder of results.
+    #[error("{path} lies outside {root}, the folder of results")]
+    Outside {
+        /// What was named.
+        path: PathBuf,
+        /// The folder.
+        root: PathBuf,
+    },
+    /// A list names what is no folder of results.
+    #[error("{path}: \"{name}\" is no name of a folder of results")]
+    Name {
+        /// The list.
+        path: PathBuf,
+        /// The name.
+        name: String,
+    },
     /// Another program is writing these results.
     #[error("{path}: another runner is writing these results: wait for its end, or give this one a folder of its own")]
     InUse {

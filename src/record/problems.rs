@@ -2,6 +2,7 @@
 
 use super::{RecordError, atomic};
 use crate::contact::frozen::Frozen;
+use crate::input_file::{self, MOST_DATA};
 use crate::sim::Problems;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -44,7 +45,7 @@ impl ProblemRecord {
             schema: u64,
         }
         let json = |source| RecordError::Json { path: path.to_owned(), source };
-        let bytes = std::fs::read(path).map_err(RecordError::io(path))?;
+        let bytes = input_file::read(path, MOST_DATA).map_err(RecordError::io(path))?;
         let Version { schema } = serde_json::from_slice(&bytes).map_err(json)?;
         if schema != u64::from(PROBLEM_SCHEMA) {
             return Err(RecordError::Version { path: path.to_owned(), found: schema, expected: PROBLEM_SCHEMA });

@@ -113,6 +113,9 @@ pub(super) fn files(record: PathBuf) -> Vec<PathBuf> {
 /// Where the last summary has each run; empty if there is none, or it cannot be read: then it orders nothing.
 fn order(summary: &Path) -> HashMap<(String, String), usize> {
     let read = || {
+        if !summary.is_file() {
+            return Ok(DataFrame::empty());
+        }
         let options = CsvReadOptions::default().with_infer_schema_length(Some(0));
         options.try_into_reader_with_file_path(Some(summary.to_owned()))?.finish()
     };

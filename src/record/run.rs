@@ -1,6 +1,7 @@
 //! `run.json`: what one run was, how it ended and what it measured.
 
-use super::{Comparison, ParamValue, RecordError, Repeats, SummaryRow, Verdict, atomic, number};
+use super::{Comparison, LeftLog, ParamValue, RecordError, Repeats, SummaryRow, Verdict, atomic, number};
+use crate::input_file::{self, MOST_DATA};
 use crate::sim::{AvoidanceTime, Metrics, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -55,6 +56,9 @@ pub struct RunRecord {
     pub inputs: Vec<InputHash>,
     /// The resolved scenario, as TOML.
     pub resolved: String,
+    /// The log that it left; none if it left none, or was made by an earlier version, which did not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub log: Option<LeftLog>,
     /// What depends on the machine and the moment.
     pub timing: Timing,
 }
@@ -146,7 +150,7 @@ impl RunRecord {
             schema: u64,
         }
         let json = |source| RecordError::Json { path: path.to_owned(), source };
-        let bytes = std::fs::read(path).map_err(RecordError::io(path))?;
+        let bytes = input_file::read(path, MOST_DATA).map_err(RecordError::io(path))?;
         let Version { schema } = serde_json::from_slice(&bytes).map_err(json)?;
         if schema != u64::from(RUN_SCHEMA) {
             return Err(RecordError::Version { path: path.to_owned(), found: schema, expected: RUN_SCHEMA });

@@ -3,7 +3,7 @@
 
 use super::columns::{COLUMNS, Number, TEXT_COLUMNS};
 use super::number::Real;
-use super::{RecordError, SummaryRow};
+use super::{RecordError, SummaryRow, confined};
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap};
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -26,6 +26,8 @@ impl RunsLog {
     pub fn append(path: &Path) -> Result<Self, RecordError> {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(RecordError::io(folder))?;
+            // It alone is written in place, so what a link leads to would be.
+            confined::check(folder, path)?;
         }
         let mut file =
             OpenOptions::new().create(true).read(true).append(true).open(path).map_err(RecordError::io(path))?;

@@ -2,7 +2,8 @@
 //!
 //! The first line is a [`ShardHead`], each further one a [`ShardRun`], in the order of the plan.
 
-use super::{PROGRAM, RecordError, atomic};
+use super::{PROGRAM, RecordError, atomic, confined};
+use crate::input_file;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -115,7 +116,7 @@ impl ShardList {
             schema: u64,
         }
         let path = results.join(SHARD_LIST);
-        let mut lines = BufReader::new(File::open(&path).map_err(RecordError::io(&path))?);
+        let mut lines = BufReader::new(input_file::open(&path).map_err(RecordError::io(&path))?.0);
         let mut text = String::new();
         lines.read_line(&mut text).map_err(RecordError::io(&path))?;
         let Version { schema } = parse(&text, &path)?;
@@ -126,6 +127,14 @@ impl ShardList {
     }
 }
 
+impl ShardList {
+    /// A run whose names are those of folders: what is merged is copied by them, and removed.
+    fn plain(&self, run: ShardRun) -> Result<ShardRun, RecordError> {
+        let strange = [&run.scenario, &run.key].into_iter().find(|name| !confined::is_plain(name)).cloned();
+        strange.map_or(Ok(run), |name| Err(RecordError::Name { path: self.path.clone(), name }))
+    }
+}
+
 impl Iterator for ShardList {
     type Item = Result<ShardRun, RecordError>;
 
@@ -133,7 +142,7 @@ impl Iterator for ShardList {
         let mut text = String::new();
         match self.lines.read_line(&mut text) {
             Ok(0) => None,
-            Ok(_) => Some(parse(&text, &self.path)),
+            Ok(_) => Some(parse(&text, &self.path).and_then(|run| self.plain(run))),
             Err(source) => Some(Err(RecordError::Io { path: self.path.clone(), source })),
         }
     }

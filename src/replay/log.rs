@@ -1,6 +1,7 @@
 //! Two logs of one run.
 
 use super::Difference;
+use crate::input_file;
 use crate::record::export::{DataTable, Selection, Values, events, series};
 use crate::record::{LogError, Trajectory};
 use std::path::Path;
@@ -8,7 +9,8 @@ use std::path::Path;
 /// The first difference; none if the files are equal, or, where inputs changed, if they tell the same. Of a run that was ended
 /// from outside (`cut`) the log is the beginning of the other's.
 pub(super) fn compare(then: &Path, now: &Path, inputs_changed: bool, cut: bool) -> Option<Difference> {
-    let read = |path: &Path| std::fs::read(path).map_err(|source| LogError::Io { path: path.to_owned(), source });
+    let bytes = |path: &Path| input_file::read(path, input_file::UNLIMITED);
+    let read = |path: &Path| bytes(path).map_err(|source| LogError::Io { path: path.to_owned(), source });
     match (read(then), read(now)) {
         (Ok(a), Ok(b)) if a == b => None,
         (Ok(a), Ok(b)) => match (Trajectory::from_bytes(then, &a), Trajectory::from_bytes(now, &b)) {

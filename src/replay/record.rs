@@ -4,8 +4,8 @@ use super::Difference;
 use crate::record::RunRecord;
 use serde_json::Value;
 
-/// What depends on the moment, the machine, the sweep or the inputs, and not on what happened.
-const APART: [&str; 6] = ["timing", "parameters", "inputs", "key", "program", "resolved"];
+/// What depends on the moment, the machine, the sweep or the inputs, and not on what happened; logs are compared themselves.
+const APART: [&str; 7] = ["timing", "parameters", "inputs", "key", "program", "resolved", "log"];
 
 /// The first value that differs.
 pub(super) fn compare(then: &RunRecord, now: &RunRecord) -> Option<Difference> {

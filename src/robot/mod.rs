@@ -23,7 +23,10 @@ mod self_collision;
 mod source;
 mod urdf;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+
+use crate::input_file;
 
 pub use error::{Fault, RobotError};
 pub use file::schema;
@@ -63,8 +66,18 @@ pub fn load(path: &Path) -> Result<Robot, RobotError> {
 
 /// As [`load`]; `policy`, if given, overrides what the robot file says of inertias that no body can have.
 pub fn load_with(path: &Path, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
+    read(Source::read(path)?, policy)
+}
+
+/// As [`load_with`], for a text that is already at hand; `path` is what errors call it, what its ending says, and what the
+/// names of other files in it start from.
+pub fn parse(path: &Path, text: impl Into<String>, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
+    read(Source::of(path, text.into()), policy)
+}
+
+fn read(source: Source, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
+    let path = source.path().to_owned();
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let source = Source::read(path)?;
     match extension.as_str() {
         "toml" => {
             let file = file::parse(&source)?;
@@ -76,7 +89,7 @@ pub fn load_with(path: &Path, policy: Option<InertiaPolicy>) -> Result<Robot, Ro
             assemble(urdf, Some((source, file)), policy)
         }
         "urdf" | "xml" => assemble(source, None, policy),
-        _ => Err(RobotError::Read { path: path.to_owned(), reason: "it is neither a .toml nor a .urdf file".into() }),
+        _ => Err(RobotError::Read { path, reason: "it is neither a .toml nor a .urdf file".into() }),
     }
 }
 
@@ -124,19 +137,39 @@ fn assemble(
     hull::simplify_meshes(&mut model, &urdf, &mut notices);
     files.push((urdf.path().to_owned(), urdf.text().as_bytes().to_vec()));
     files.extend(meshes);
-    Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.0, self_collision })
+    strayed(&files, &urdf, &mut notices);
+    Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.into_all(), self_collision })
+}
+
+/// Tells of symbolic links that lead out of the robot's folder; what they lead to is read.
+fn strayed(files: &[(PathBuf, Vec<u8>)], urdf: &Source, notices: &mut Notices) {
+    let Some(home) = files.first().and_then(|(path, _)| path.parent()) else { return };
+    let strays = files.iter().filter_map(|(path, _)| Some((path, input_file::led_out(home, path)?)));
+    let strays: Vec<_> = strays.collect();
+    if let Some((path, real)) = strays.first() {
+        let (path, real, more) = (path.display(), real.display(), strays.len() - 1);
+        let others = if more == 0 { String::new() } else { format!(", and so for {more} more of its files") };
+        let words = format!("a symbolic link leads out of the robot's folder: {path} is {real}{others}");
+        notices.warning(urdf, urdf.text().find("<robot").unwrap_or(0), words);
+    }
 }
 
 /// A mimic joint is at home where it would be if it followed, as far as its limits let it.
-fn homes_that_follow<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mimic> + Clone) {
+fn homes_that_follow<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mimic>) {
+    let joints: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
+    let pair = |mimic: &'a Mimic| Some((mimic, *joints.get(mimic.joint.as_str())?, *joints.get(mimic.of.as_str())?));
+    let pairs: Vec<_> = mimics.filter_map(pair).collect();
     // A joint may follow one that follows: as many rounds as there are links in the longest such chain, at most.
-    for _ in mimics.clone() {
-        for mimic in mimics.clone() {
-            let (Some(joint), Some(of)) = (model.joint(&mimic.joint), model.joint(&mimic.of)) else { continue };
-            let home = mimic.multiplier * model.home[of.0] + mimic.offset;
+    for _ in &pairs {
+        let before = model.home.clone();
+        for &(mimic, joint, of) in &pairs {
+            let home = mimic.multiplier * model.home[of] + mimic.offset;
             if home.is_finite() {
-                model.home[joint.0] = home.clamp(model.joints[joint.0].lower, model.joints[joint.0].upper);
+                model.home[joint] = home.clamp(model.joints[joint].lower, model.joints[joint].upper);
             }
+        }
+        if model.home == before {
+            break;
         }
     }
 }

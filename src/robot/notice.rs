@@ -1,5 +1,6 @@
 //! What a loader ignored, assumed or found: never an error, never silent.
 
+use std::collections::HashSet;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -39,9 +40,18 @@ impl fmt::Display for Notice {
 
 /// Collects notices while a file is read.
 #[derive(Default)]
-pub(super) struct Notices(pub Vec<Notice>);
+pub(super) struct Notices {
+    all: Vec<Notice>,
+    /// What was told of which file.
+    told: HashSet<(PathBuf, String)>,
+}
 
 impl Notices {
+    /// In the order in which they came up.
+    pub fn into_all(self) -> Vec<Notice> {
+        self.all
+    }
+
     pub fn info(&mut self, source: &Source, offset: usize, message: impl Into<String>) {
         self.push(Severity::Info, source, offset, message.into());
     }
@@ -52,8 +62,8 @@ impl Notices {
 
     /// Equal messages are told once, where they came up first.
     fn push(&mut self, severity: Severity, source: &Source, offset: usize, message: String) {
-        if !self.0.iter().any(|n| n.message == message && n.file == source.path()) {
-            self.0.push(Notice { severity, file: source.path().to_owned(), line: source.line(offset), message });
+        if self.told.insert((source.path().to_owned(), message.clone())) {
+            self.all.push(Notice { severity, file: source.path().to_owned(), line: source.line(offset), message });
         }
     }
 }

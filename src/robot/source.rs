@@ -4,6 +4,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::input_file;
+
 use super::error::{Fault, RobotError};
 
 /// A file read as text, cheap to clone, able to turn byte offsets into lines and columns.
@@ -18,10 +20,15 @@ pub struct Source {
 impl Source {
     /// Reads a file; [`RobotError::Read`] when it cannot be opened or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, RobotError> {
-        let text = std::fs::read_to_string(path)
+        let text = input_file::read_text(path, input_file::MOST_TEXT)
             .map_err(|source| RobotError::Read { path: path.to_owned(), reason: source.to_string() })?;
+        Ok(Self::of(path, text))
+    }
+
+    /// A text that is at hand; `path` is what it is called.
+    pub fn of(path: &Path, text: String) -> Self {
         let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
-        Ok(Self { path: path.to_owned(), text: text.into(), lines })
+        Self { path: path.to_owned(), text: text.into(), lines }
     }
 
     /// The path as it was opened.

@@ -179,7 +179,12 @@ impl std::error::Error for Diagnostics {}
 #[derive(Default)]
 pub struct Findings {
     found: Vec<(Span, Severity, String, Option<String>)>,
+    /// Errors beyond the most that are kept.
+    more: usize,
 }
+
+/// Findings that are kept: each is shown in its file, and nobody reads so many.
+const MOST_FOUND: usize = 200;
 
 impl Findings {
     pub fn error(&mut self, span: Span, message: impl Into<String>, help: Option<String>) {
@@ -192,6 +197,10 @@ impl Findings {
 
     fn add(&mut self, severity: Severity, span: Span, message: String, help: Option<String>) -> bool {
         let new = !self.found.iter().any(|(s, v, _, _)| *s == span && *v <= severity);
+        if new && self.found.len() == MOST_FOUND {
+            self.more += usize::from(severity == Severity::Error);
+            return false;
+        }
         if new {
             self.found.push((span, severity, message, help));
         }
@@ -203,12 +212,13 @@ impl Findings {
     }
 
     pub fn errors(&self) -> usize {
-        self.found.iter().filter(|f| f.1 == Severity::Error).count()
+        self.found.iter().filter(|f| f.1 == Severity::Error).count() + self.more
     }
 
     /// Take over all of another's; what was not known before is returned too.
     pub fn append(&mut self, other: Findings) -> Findings {
         let mut new = other;
+        self.more += std::mem::take(&mut new.more);
         new.found
             .retain(|(span, severity, message, help)| self.add(*severity, span.clone(), message.clone(), help.clone()));
         new
@@ -227,6 +237,10 @@ impl Findings {
         self.found.sort_by_key(|f| (f.0.start, f.0.end));
         let shown =
             self.found.into_iter().map(|(span, severity, m, h)| Diagnostic::new(severity, sources, &span, m, h));
-        Diagnostics(shown.collect())
+        let mut all: Vec<Diagnostic> = shown.collect();
+        if let (Some(last), 1..) = (all.last(), self.more) {
+            all.push(Diagnostic::unreadable(last.file.clone(), format!("there are {} more errors", self.more)));
+        }
+        Diagnostics(all)
     }
 }

@@ -16,6 +16,9 @@ use super::{
     tree::{Entry, Node, Value},
 };
 
+/// Each key is held against all others.
+const MOST_KEYS: usize = 1000;
+
 /// One dimension before its values are made.
 pub struct Group<'a> {
     keys: Vec<Swept<'a>>,
@@ -149,6 +152,11 @@ impl<'a> Gather<'a, '_> {
                 let none = || Swept { path: path.clone(), entry, given: Given::Tables(vec![None; tables.len()]) };
                 here.push(none());
                 let known = keys.iter().position(|k| k.path.is(&path));
+                if known.is_none() && keys.len() == MOST_KEYS {
+                    let message = format!("`{}` is one too many: at most {MOST_KEYS} keys are swept", entry.key);
+                    self.findings.error(entry.key_span.clone(), message, None);
+                    continue;
+                }
                 let known = known.unwrap_or_else(|| {
                     keys.push(none());
                     keys.len() - 1
@@ -165,6 +173,9 @@ impl<'a> Gather<'a, '_> {
     /// The path of a swept key, and whether exactly it is overridden. `here` are keys that count at the same time.
     fn path_of(&self, entry: &Entry, here: &[Swept]) -> Result<(Path, bool), (Span, String)> {
         let refuse = |message: String| (entry.key_span.clone(), message);
+        if here.len() + self.groups.iter().map(|group| group.keys.len()).sum::<usize>() >= MOST_KEYS {
+            return Err(refuse(format!("`{}` is one too many: at most {MOST_KEYS} keys are swept", entry.key)));
+        }
         let path = Path::parse(&entry.key, &entry.key_span, self.sources).map_err(|e| (e.span, e.message))?;
         if ["sweep", "schema"].contains(&path.segments[0].0.as_str()) {
             return Err(refuse(format!("`{}` cannot be swept", entry.key)));

@@ -2,7 +2,10 @@
 
 use std::{
     path::{Path as FsPath, PathBuf},
-    sync::Arc,
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
 };
 
 use super::{
@@ -18,6 +21,9 @@ use super::{
 
 /// The most runs a file may expand to when nothing else is said.
 pub const DEFAULT_MAX_RUNS: usize = 10_000;
+
+/// Diagnostics of one run that are shown at their places.
+const MOST_PLACES: usize = 100;
 
 /// One run of a scenario, everything decided.
 #[derive(Clone, Debug)]
@@ -54,6 +60,8 @@ pub struct Origin {
     pub(super) sources: Sources,
     pub(super) base: Arc<Node>,
     pub(super) swept: Vec<(Path, Node)>,
+    /// Diagnostics made so far.
+    pub(super) told: Arc<AtomicUsize>,
 }
 
 impl Origin {
@@ -103,6 +111,11 @@ impl Run {
         message: String,
         help: Option<String>,
     ) -> Diagnostic {
+        // Each looks through the whole file; nobody reads so many.
+        if self.origin.told.fetch_add(1, Ordering::Relaxed) >= MOST_PLACES {
+            let file = self.file.display().to_string();
+            return Diagnostic { severity, help, ..Diagnostic::unreadable(file, format!("{path}: {message}")) };
+        }
         let (key, value) = Path::internal(path).locate(&self.origin.tree());
         Diagnostic::new(severity, &self.origin.sources, if at_key { &key } else { &value }, message, help)
     }

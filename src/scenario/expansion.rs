@@ -184,6 +184,7 @@ impl Made<'_> {
                         sources: sources.clone(),
                         base: base.clone(),
                         swept: self.swept.iter().chain(values).cloned().collect(),
+                        told: Arc::default(),
                     },
                 };
                 // What is wrong with them stands among the findings, and no run is made.

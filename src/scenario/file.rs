@@ -1,7 +1,6 @@
 //! A scenario file: reading it, and what belongs to the file rather than to a run.
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -12,6 +11,7 @@ use super::{
     source::Sources,
     tree::Node,
 };
+use crate::input_file;
 
 /// A scenario file whose TOML is sound. Its values are judged by [`ScenarioFile::expand`], since overrides and sweeps
 /// may change any of them.
@@ -32,11 +32,9 @@ pub struct ScenarioFile {
 /// version; as many of these as can be told at once.
 pub fn load(path: &Path) -> Result<ScenarioFile, Diagnostics> {
     let name = path.display().to_string();
-    if path.file_stem().is_some_and(|stem| stem == "." || stem == "..") {
-        let message = "its name without `.toml` is that of its folder of results, and this one would lead elsewhere";
-        return Err(Diagnostic::unreadable(&name, message.to_owned()).into());
-    }
-    let bytes = fs::read(path).map_err(|error| Diagnostic::unreadable(&name, format!("cannot read it: {error}")))?;
+    check_name(path)?;
+    let bytes = input_file::read(path, input_file::MOST_TEXT)
+        .map_err(|error| Diagnostic::unreadable(&name, format!("cannot read it: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let mut sources = Sources::default();
@@ -51,6 +49,7 @@ pub fn load(path: &Path) -> Result<ScenarioFile, Diagnostics> {
 /// # Errors
 /// See [`load`].
 pub fn parse(path: &Path, text: impl Into<String>) -> Result<ScenarioFile, Diagnostics> {
+    check_name(path)?;
     let text = text.into();
     let mut sources = Sources::default();
     let start = sources.add(path.display().to_string(), &text);
@@ -63,6 +62,18 @@ pub fn parse(path: &Path, text: impl Into<String>) -> Result<ScenarioFile, Diagn
         return Err(findings.into_diagnostics(&sources));
     }
     Ok(ScenarioFile { path: path.to_owned(), text, sources, root: Arc::new(root) })
+}
+
+/// The name of a scenario is that of its folder of results.
+fn check_name(path: &Path) -> Result<(), Diagnostics> {
+    match path.file_stem() {
+        Some(stem) if stem == "." || stem == ".." => {
+            let message =
+                "its name without `.toml` is that of its folder of results, and this one would lead elsewhere";
+            Err(Diagnostic::unreadable(path.display().to_string(), message).into())
+        }
+        _ => Ok(()),
+    }
 }
 
 impl ScenarioFile {

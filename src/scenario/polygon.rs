@@ -3,11 +3,17 @@
 /// A point of the plane.
 type Point = [f64; 2];
 
+/// Each edge is held against all others.
+const MOST_CORNERS: usize = 1000;
+
 /// What is wrong with a polygon, worded to follow its name: with the index of a corner where one is to blame.
 pub fn fault(corners: &[Point]) -> Option<(Option<usize>, String)> {
     let n = corners.len();
     if n < 3 {
         return Some((None, format!("must have at least 3 corners, not {n}")));
+    }
+    if n > MOST_CORNERS {
+        return Some((None, format!("has {n} corners, at most {MOST_CORNERS} are allowed")));
     }
     for (i, corner) in corners.iter().enumerate() {
         if let Some(j) = corners[..i].iter().position(|other| other == corner) {

@@ -1,5 +1,6 @@
 //! What is drawn of a run, from the topics of its log.
 
+use crate::input_file;
 use crate::record::{LogError, Scene, Trajectory};
 use std::path::{Path, PathBuf};
 
@@ -44,7 +45,8 @@ impl Replay {
     /// # Errors
     /// It cannot be read, is damaged, or holds no frames.
     pub fn read(path: &Path) -> Result<Self, ViewError> {
-        let bytes = std::fs::read(path).map_err(|source| LogError::Io { path: path.to_owned(), source })?;
+        let bytes = input_file::read(path, input_file::UNLIMITED);
+        let bytes = bytes.map_err(|source| LogError::Io { path: path.to_owned(), source })?;
         let run = Trajectory::from_bytes(path, &bytes)?;
         let scene = Scene::from_bytes(path, &bytes)?;
         Self::new(run, scene).ok_or_else(|| ViewError::NoScene { path: path.to_owned() })

@@ -5,6 +5,7 @@
 //! The scenes are jittered: poses, speeds and pushes are drawn, so that no symmetry makes an order of sums or of events
 //! indifferent.
 
+mod merge_faults;
 mod shards;
 
 use std::collections::BTreeMap;

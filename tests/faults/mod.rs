@@ -3,7 +3,9 @@
 
 mod disk;
 mod killed;
+mod links;
 mod resume;
+mod special;
 mod summary;
 
 use std::path::Path;

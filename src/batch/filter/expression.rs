@@ -108,6 +108,14 @@ impl Relation {
     }
 }
 
+impl Comparison {
+    /// Is a parameter to be equal to words, which may be misspelt?
+    pub fn names_words(&self) -> bool {
+        let is_word = |value: &ParamValue| matches!(value, ParamValue::Text(_));
+        self.relation.equals() && matches!(self.subject, Subject::Parameter(_)) && self.wanted.iter().any(is_word)
+    }
+}
+
 impl Expression {
     /// All comparisons, in the order of the text.
     pub fn comparisons(&self) -> Vec<&Comparison> {

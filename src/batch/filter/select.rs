@@ -1,8 +1,9 @@
 //! Runs are selected one by one; what no run had is a mistake, told at the end.
 
+use std::rc::Rc;
+
 use super::Filter;
-use super::expression::Comparison;
-use super::expression::Subject;
+use super::expression::{Comparison, Subject};
 use super::parse::kind;
 use super::value::{Answer, Seen, refusal};
 use crate::record::ParamValue;
@@ -14,7 +15,7 @@ pub struct Selection<'a> {
     comparisons: Vec<(&'a Comparison, Met)>,
     held: Vec<bool>,
     /// Of each comparison: which of the wanted values some run has, and a run that has a value of their kind.
-    same: Vec<(Vec<bool>, Option<Run>)>,
+    same: Vec<(Vec<bool>, Option<Rc<Run>>)>,
     /// Names of parameters, wanted only while some comparison has met nothing.
     names: Vec<String>,
 }
@@ -51,13 +52,15 @@ impl<'a> Selection<'a> {
     pub fn takes(&mut self, run: &Run, key: &str) -> bool {
         let mut seen = Seen::new(run, key);
         let mut lost = false;
+        // However long the filter, a run is kept once.
+        let mut shared: Option<Rc<Run>> = None;
         let all = self.comparisons.iter_mut().zip(&mut self.held).zip(&mut self.same);
         for (((comparison, met), held), (same, example)) in all {
             let now = match seen.answer(comparison, same) {
                 Answer::Held(yes) => {
                     *held = yes;
-                    if example.is_none() && comparison.relation.equals() {
-                        *example = Some(run.clone());
+                    if example.is_none() && comparison.names_words() {
+                        *example = Some(shared.get_or_insert_with(|| Rc::new(run.clone())).clone());
                     }
                     *met = Met::Comparable;
                     continue;

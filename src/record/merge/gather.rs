@@ -1,13 +1,11 @@
 //! The results of all shards in one folder.
 
-use super::walk::{comparable, first_difference};
-use super::{MOST_NAMED, MergeError, Shards, place};
+use super::{MergeError, Missing, Shards, place};
 use crate::record::rebuild::{FoundRun, files};
 use crate::record::{
     Kept, Pictured, RecordError, ReportRun, Rows, RunRecord, RunsLog, SHARD_LIST, SummaryFiles, SummaryRow, Tally,
-    remove_partial, write_report_of, write_summary_of,
+    confined, remove_partial, write_report_of, write_summary_of,
 };
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// What was put together.
@@ -31,20 +29,14 @@ pub struct Merged {
     pub failed: usize,
 }
 
-/// A reference that runs of the plan need: the shard and the scenario of the first of them.
-struct Needed {
-    shard: usize,
-    scenario: String,
-    key: String,
-}
-
 impl Shards {
-    /// Writes the results of all shards into a folder. Runs that no shard has a result of are left out.
+    /// Writes the results of all shards into a folder. Runs that no shard has a whole result of are left out; which these are
+    /// [`Shards::check`] has found.
     ///
     /// # Errors
     /// A file cannot be read or written; another program is writing there; a reference that two shards made differs.
-    pub fn write(&self, output: &Path) -> Result<Merged, MergeError> {
-        let (needed, mut references) = (self.references()?, Vec::new());
+    pub fn write(&self, output: &Path, missing: &Missing) -> Result<Merged, MergeError> {
+        let mut references = Vec::new();
         let runs_log = output.join("runs.jsonl");
         let mut log = RunsLog::anew(&runs_log)?;
         remove_partial(output);
@@ -56,15 +48,19 @@ impl Shards {
                 _ => {}
             }
         }
-        for Needed { shard, scenario, key } in needed {
-            let below = Path::new(&scenario).join("references").join(&key);
-            place::place(&self.folders[shard].join(&below), &output.join(&below))?;
+        for needed in missing.references.whole() {
+            let below = needed.below();
+            confined::check(output, &output.join(&below))?;
+            place::place(&self.folders[needed.shard].join(&below), &output.join(&below))?;
             references.push(found(output.join(below).join("run.json"))?);
         }
         let (mut tally, mut kept, mut unfinished, mut failed) = (Tally::default(), Kept::default(), 0, 0);
         self.walk(&mut |holders| {
             let to = holders[0].run.folder(output);
-            let Some(holder) = holders.iter().find(|h| h.record().is_file()) else {
+            confined::check(output, &to)?;
+            let Some(holder) =
+                holders.iter().find(|h| h.record().is_file() && !missing.broken.contains(&(h.shard, h.run.at)))
+            else {
                 // What an earlier one brought there is no result of these shards.
                 let _ = std::fs::remove_dir_all(&to);
                 return Ok(());
@@ -84,49 +80,6 @@ impl Shards {
         write_page(&page, output, &runs, &tally, &references)?;
         unfinished += references.iter().filter(|r| r.record.summary_row().is_refused()).count();
         Ok(Merged { tally, runs, references, summary, page, runs_log, unfinished, failed })
-    }
-
-    /// The references that runs of the plan need. The first run that needs one has it in its own shard, under its scenario.
-    fn references(&self) -> Result<Vec<Needed>, MergeError> {
-        let mut places: BTreeMap<String, usize> = BTreeMap::new();
-        let mut needed: Vec<Needed> = Vec::new();
-        let (mut wrong, mut seen) = (Vec::new(), std::collections::BTreeSet::new());
-        self.walk(&mut |holders| {
-            let record = holders.iter().find_map(|h| Some((h, h.read()?)));
-            let Some((holder, key)) = record.and_then(|(h, record)| Some((h, record.comparison.reference?))) else {
-                return Ok(());
-            };
-            let place = *places.entry(key.clone()).or_insert_with(|| {
-                let scenario = holder.run.scenario.clone();
-                needed.push(Needed { shard: holder.shard, scenario, key: key.clone() });
-                needed.len() - 1
-            });
-            // Each other shard has made it too, under the scenario of its own first run that needs it.
-            let first = &needed[place];
-            if seen.insert((holder.shard, key)) && holder.shard != first.shard {
-                let record = |shard: usize, scenario: &str| {
-                    let below = self.folders[shard].join(scenario).join("references").join(&first.key).join("run.json");
-                    RunRecord::read(&below).ok().map(|mut record| {
-                        record.scenario.clear();
-                        comparable(&record)
-                    })
-                };
-                let pair = (record(first.shard, &first.scenario), record(holder.shard, &holder.run.scenario));
-                if let (Some(a), Some(b)) = pair
-                    && let Some(what) = first_difference("", &a, &b)
-                {
-                    let (a, b) = (self.folders[first.shard].display(), self.folders[holder.shard].display());
-                    wrong.push(format!("reference {}: {what} in {a} and {b}", first.key));
-                }
-            }
-            Ok(())
-        })?;
-        if wrong.is_empty() {
-            return Ok(needed);
-        }
-        wrong.truncate(MOST_NAMED);
-        wrong.insert(0, "the shards were made by machines or programs that do not give the same bits:".into());
-        Err(MergeError::Runs(wrong))
     }
 }
 

@@ -5,13 +5,19 @@
 //! have is the same in both. Lists and records are read one by one, so that memory does not grow with the number of runs.
 
 mod gather;
+mod logs;
+mod look;
 mod place;
+mod references;
 mod walk;
 
 use super::{RecordError, ShardHead, ShardList};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 pub use gather::Merged;
+use look::Look;
+use references::References;
 use walk::Holder;
 
 /// Runs that are named of those with the same trouble.
@@ -28,6 +34,17 @@ pub enum MergeError {
     NoShard {
         /// The folder.
         folder: PathBuf,
+    },
+    /// Something that is no folder.
+    #[error(
+        "{}: it is {what}; wanted are the folders of results of all shards, as `runner run ... --shard I/N -o DIR` leaves them",
+        path.display()
+    )]
+    NoFolder {
+        /// What was named.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
     },
     /// The folder to write is one of those to read.
     #[error("{}: the folder to write is one of those to read", folder.display())]
@@ -50,6 +67,16 @@ pub enum MergeError {
     Runs(Vec<String>),
 }
 
+/// What shards do not have.
+#[derive(Debug)]
+pub struct Missing {
+    /// In words, one thing a line; empty when everything is there.
+    pub lines: Vec<String>,
+    /// Shards and places of what is there and is no result to take.
+    broken: BTreeSet<(usize, usize)>,
+    references: References,
+}
+
 /// Shards of one plan.
 #[derive(Debug)]
 pub struct Shards {
@@ -65,6 +92,10 @@ impl Shards {
     pub fn open(folders: &[PathBuf]) -> Result<Self, MergeError> {
         let heads = folders.iter().map(|folder| match ShardList::open(folder) {
             Ok(list) => Ok(list.head),
+            Err(_) if !folder.is_dir() => {
+                let what = if folder.exists() { "a file" } else { "not there" };
+                Err(MergeError::NoFolder { path: folder.clone(), what })
+            }
             Err(RecordError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
                 Err(MergeError::NoShard { folder: folder.clone() })
             }
@@ -90,15 +121,12 @@ impl Shards {
         self.heads.first().map_or(0, |head| head.runs)
     }
 
-    /// Looks at every run: is it there, and the same wherever it is? Returns what is missing, one thing a line.
+    /// Looks at every run: is it there and whole, and the same wherever it is? Returns what there is not.
     ///
     /// # Errors
     /// Runs that two shards have and that differ; lists that contradict each other or cannot be read.
-    pub fn check(&self) -> Result<Vec<String>, MergeError> {
-        let mut missing = self.missing_shards();
-        let mut absent: Vec<Vec<String>> = vec![Vec::new(); self.folders.len()];
-        let mut counts = vec![0; self.folders.len()];
-        let (mut differ, mut differing) = (Vec::new(), 0);
+    pub fn check(&self) -> Result<Missing, MergeError> {
+        let (mut looked, mut references) = (Look::new(self.folders.len()), References::default());
         let (mut place, mut gaps) = (0, 0);
         self.walk(&mut |holders: &[Holder]| {
             let run = &holders[0].run;
@@ -107,50 +135,33 @@ impl Shards {
             if let Some(other) = holders.iter().find(|h| h.run != *run) {
                 return Err(self.contradiction(holders[0].shard, other.shard));
             }
-            let mut first = None;
-            for holder in holders {
-                match holder.read() {
-                    Some(record) => match &first {
-                        None => first = Some((holder, record)),
-                        Some((other, known)) => {
-                            if let Some(what) = walk::difference(other, known, holder, &record) {
-                                differing += 1;
-                                if differ.len() < MOST_NAMED {
-                                    differ.push(what);
-                                }
-                            }
-                        }
-                    },
-                    None => {
-                        counts[holder.shard] += 1;
-                        if absent[holder.shard].len() < MOST_NAMED {
-                            absent[holder.shard].push(format!("{} {}", run.scenario, run.key));
-                        }
-                    }
-                }
+            if let Some((holder, record)) = looked.at(holders) {
+                references.note(self, holder, &record);
             }
             Ok(())
         })?;
         gaps += self.runs().saturating_sub(place);
-        if gaps > 0 && missing.is_empty() {
+        let mut lines = self.missing_shards();
+        if gaps > 0 && lines.is_empty() {
             return Err(MergeError::Runs(vec![format!(
                 "{gaps} runs of the plan are in no shard: a list is not whole"
             )]));
         }
-        if differing > 0 {
-            differ.insert(0, format!("{differing} runs are in several folders and differ:"));
-            return Err(MergeError::Runs(differ));
+        let unlike = logs::unlike(self, &looked)?;
+        let Look { absent, broken, .. } = looked.same()?;
+        for (shard, lost) in absent.into_iter().enumerate() {
+            lines.extend(lost.line(&self.name(shard)));
         }
-        for (shard, count) in counts.into_iter().enumerate().filter(|(_, count)| *count > 0) {
-            let (folder, head) = (self.folders[shard].display(), &self.heads[shard]);
-            let dots = if count > MOST_NAMED { ", ..." } else { "" };
-            let words = absent[shard].join(", ");
-            missing.push(format!(
-                "{folder} (shard {}/{}) has no result of {count} of its runs: {words}{dots}; run it again with --resume",
-                head.shard, head.of
-            ));
-        }
-        Ok(missing)
+        let references = references.same()?;
+        lines.extend(references.lost(self));
+        lines.extend(unlike);
+        Ok(Missing { lines, broken, references })
+    }
+
+    /// `results-1 (shard 1/8)`
+    fn name(&self, shard: usize) -> String {
+        let (folder, head) = (self.folders[shard].display(), &self.heads[shard]);
+        format!("{folder} (shard {}/{})", head.shard, head.of)
     }
 
     fn missing_shards(&self) -> Vec<String> {

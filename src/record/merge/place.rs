@@ -28,7 +28,9 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), RecordError> {
         match () {
             () if entry.file_name().to_string_lossy().starts_with('.') => {}
             () if kind.is_dir() => list(&entry.path(), files)?,
-            () => files.push(entry.path()),
+            () if kind.is_file() => files.push(entry.path()),
+            // A link leads to what is no part of these results, and a pipe has no end.
+            () => {}
         }
     }
     Ok(())

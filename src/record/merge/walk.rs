@@ -1,7 +1,8 @@
 //! The lists of several shards side by side, in the order of the plan.
 
 use super::{MergeError, Shards};
-use crate::record::{RecordError, RunRecord, ShardList, ShardRun};
+use crate::input_file::{self, UNLIMITED};
+use crate::record::{RecordError, RunRecord, ShardList, ShardRun, log_fault};
 use serde_json::Value;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -14,10 +15,36 @@ pub(super) struct Holder<'a> {
     pub run: ShardRun,
 }
 
+/// What there is of a run.
+pub(super) enum Found {
+    /// Its record and what this tells of.
+    Whole(Box<RunRecord>),
+    /// No record.
+    Absent,
+    /// Something, but no result to take; why.
+    Broken(&'static str),
+}
+
 impl Holder<'_> {
-    /// The run's record; none if it is not there or not whole.
+    /// The run's record, looked at alone; none if it is not there or not whole.
     pub fn read(&self) -> Option<RunRecord> {
         RunRecord::read(&self.record()).ok().filter(|r| r.key == self.run.key && r.scenario == self.run.scenario)
+    }
+
+    /// What it has of the run.
+    pub fn find(&self) -> Found {
+        if !self.record().exists() {
+            return Found::Absent;
+        }
+        let Some(record) = self.read() else { return Found::Broken("its record is not whole") };
+        match log_fault(&record, &self.log()) {
+            Some(fault) => Found::Broken(fault),
+            None => Found::Whole(Box::new(record)),
+        }
+    }
+
+    pub fn log(&self) -> PathBuf {
+        self.record().with_file_name("log.mcap")
     }
 
     pub fn record(&self) -> PathBuf {
@@ -68,18 +95,19 @@ pub(super) fn difference(a: &Holder, of_a: &RunRecord, b: &Holder, of_b: &RunRec
     if let Some(what) = first_difference("", &x, &y) {
         return name(&what);
     }
-    let logs = [a, b].map(|holder| std::fs::read(holder.record().with_file_name("log.mcap")).ok());
+    let logs = [a, b].map(|holder| input_file::read(&holder.log(), UNLIMITED).ok());
     match logs {
         [Some(x), Some(y)] if x != y => name("the log differs"),
         _ => None,
     }
 }
 
-/// A record without what depends on the clock.
+/// A record without what depends on the clock, and on whether a log was wanted; logs are compared themselves.
 pub(super) fn comparable(record: &RunRecord) -> Value {
     let mut value = serde_json::to_value(record).unwrap_or(Value::Null);
     if let Value::Object(map) = &mut value {
         map.remove("timing");
+        map.remove("log");
     }
     value
 }

@@ -11,6 +11,7 @@ use nalgebra::{Matrix3, Matrix4, Point3, Unit, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::mesh::Soup;
+use super::xml::{MOST_ATTRIBUTES, crowded};
 
 /// Deeper than this, instances of nodes surely contain themselves.
 const DEEPEST: usize = 64;
@@ -25,6 +26,9 @@ const MOST_COLUMNS: usize = 1000;
 /// Triangles of the file's scene in m, and the up-axis it claims (`Z_UP` by default here, since nothing is turned).
 pub(super) fn decode(bytes: &[u8]) -> Result<(Soup, String), String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "it is not UTF-8")?;
+    if crowded(text).is_some() {
+        return Err(format!("an element has more than {MOST_ATTRIBUTES} attributes"));
+    }
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
     let root = document.root_element();

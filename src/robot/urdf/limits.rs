@@ -1,5 +1,7 @@
 //! One URDF joint's motion, limits and friction, checked.
 
+use std::collections::{HashMap, HashSet};
+
 use nalgebra::Vector3;
 use roxmltree::Node;
 use urdf_rs::JointType;
@@ -57,17 +59,20 @@ pub(super) fn mimic(xml: &Xml, node: Node, notices: &mut Notices) -> Option<Mimi
     Some(Mimic { joint, of, multiplier: number("multiplier", 1.0), offset: number("offset", 0.0) })
 }
 
+/// Joints of a ring that are named.
+const MOST_NAMED: usize = 20;
+
 /// Leaves out those that cannot be followed, by name: of joints that there are not, and those of a ring.
 pub(super) fn sound_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices: &mut Notices) {
-    let of = |name: &str| mimics.iter().find(|m| m.joint == name).map(|m| m.of.as_str());
+    let leaders: HashMap<&str, &str> = mimics.iter().rev().map(|m| (m.joint.as_str(), m.of.as_str())).collect();
     let place = |joint: &str| xml.named("joint", joint);
-    let mut unsound = Vec::new();
+    let mut unsound = HashSet::new();
     for Mimic { joint, of: leader, .. } in &*mimics {
-        let mut chain: Vec<&str> = vec![joint];
+        let (mut chain, mut met): (Vec<&str>, HashSet<&str>) = (vec![joint], HashSet::from([joint.as_str()]));
         let mut next = Some(leader.as_str());
-        while let Some(name) = next.filter(|name| !chain.contains(name)) {
+        while let Some(name) = next.filter(|name| met.insert(name)) {
             chain.push(name);
-            next = of(name);
+            next = leaders.get(name).copied();
         }
         let words = if place(leader) == xml.robot {
             let help = nearest(
@@ -78,13 +83,14 @@ pub(super) fn sound_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices: &mut Not
             format!("joint `{joint}` mimics `{leader}`, which is no joint of the robot{help}")
         } else if next == Some(joint) {
             let ring: Vec<String> = chain.iter().chain([&next.unwrap_or_default()]).map(|j| format!("`{j}`")).collect();
-            format!("joints mimic each other in a ring: {}", ring.join(", "))
+            let more = if ring.len() > MOST_NAMED { ", ..." } else { "" };
+            format!("joints mimic each other in a ring: {}{more}", ring[..ring.len().min(MOST_NAMED)].join(", "))
         } else {
             continue;
         };
         let at = child(place(joint), "mimic").unwrap_or(xml.robot).range().start;
         notices.warning(xml.source, at, format!("{words}: the home of `{joint}` does not follow"));
-        unsound.push(joint.clone());
+        unsound.insert(joint.clone());
     }
     mimics.retain(|m| !unsound.contains(&m.joint));
 }

@@ -59,6 +59,10 @@ pub(super) fn load(
     policy: InertiaPolicy,
     notices: &mut Notices,
 ) -> Result<Loaded, RobotError> {
+    if let Some(at) = xml::crowded(source.text()) {
+        let words = format!("an element has more than {} attributes", xml::MOST_ATTRIBUTES);
+        return Err(source.fault(at..at + 1, words).syntax());
+    }
     let document = roxmltree::Document::parse(source.text()).map_err(|e| xml::syntax_error(source, &e))?;
     let xml = xml::Xml::new(source, &document)?;
     check::check(&xml, notices)?;

@@ -7,6 +7,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::xml::crowded;
+use crate::input_file;
+
 /// The file a mesh name of a URDF in `folder` stands for; the error lists the places searched.
 pub(super) fn resolve(folder: &Path, filename: &str) -> Result<PathBuf, String> {
     let found = as_written(folder, filename);
@@ -51,8 +54,11 @@ fn as_written(folder: &Path, filename: &str) -> Result<PathBuf, String> {
 
 /// Is the folder the ROS package of that name?
 fn is_package(folder: &Path, name: &str) -> bool {
-    let manifest = || std::fs::read_to_string(folder.join("package.xml")).ok();
+    let manifest = || input_file::read_text(&folder.join("package.xml"), input_file::MOST_TEXT).ok();
     let says = |text: String| {
+        if crowded(&text).is_some() {
+            return None;
+        }
         let document = roxmltree::Document::parse(&text).ok()?;
         let node = document.root_element().children().find(|n| n.has_tag_name("name"))?;
         Some(node.text()?.trim() == name)

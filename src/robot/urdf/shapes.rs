@@ -8,6 +8,7 @@ use roxmltree::Node;
 
 use super::xml::{Xml, describe};
 use super::{mesh, package};
+use crate::input_file;
 use crate::robot::model::{Geometry, Shape};
 use crate::robot::notice::Notices;
 
@@ -25,7 +26,8 @@ pub(super) fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64> {
 /// Turns URDF shapes into ours and keeps the mesh files it read.
 pub(super) struct Shapes<'a> {
     xml: &'a Xml<'a>,
-    materials: &'a [urdf_rs::Material],
+    /// Those declared under `<robot>`, by name; of those that share one the first.
+    materials: HashMap<&'a str, &'a urdf_rs::Material>,
     /// Mesh files read so far, each once.
     pub files: Vec<(PathBuf, Vec<u8>)>,
     /// The same files as triangles: several links may share one.
@@ -34,6 +36,7 @@ pub(super) struct Shapes<'a> {
 
 impl<'a> Shapes<'a> {
     pub fn new(xml: &'a Xml<'a>, materials: &'a [urdf_rs::Material]) -> Self {
+        let materials = materials.iter().rev().map(|material| (material.name.as_str(), material)).collect();
         Self { xml, materials, files: Vec::new(), decoded: HashMap::new() }
     }
 
@@ -100,7 +103,7 @@ impl<'a> Shapes<'a> {
         let folder = self.xml.source.path().parent().unwrap_or(Path::new("."));
         let path = package::resolve(folder, filename)?;
         if !self.decoded.contains_key(&path) {
-            let bytes = std::fs::read(&path).map_err(|e| e.to_string())?;
+            let bytes = input_file::read(&path, input_file::MOST_DATA).map_err(|e| e.to_string())?;
             self.decoded.insert(path.clone(), mesh::decode(&bytes, &path));
             self.files.push((path.clone(), bytes));
         }
@@ -120,7 +123,7 @@ impl<'a> Shapes<'a> {
     /// A visual's own colour, or the one of the material of that name declared under `<robot>`.
     fn colour(&self, material: Option<&urdf_rs::Material>) -> [f32; 4] {
         let Some(material) = material else { return GREY };
-        let shared = || self.materials.iter().find(|m| m.name == material.name).and_then(|m| m.color.as_ref());
+        let shared = || self.materials.get(material.name.as_str()).and_then(|m| m.color.as_ref());
         material.color.as_ref().or_else(shared).map_or(GREY, |c| c.rgba.0.map(|x| x.clamp(0.0, 1.0) as f32))
     }
 }

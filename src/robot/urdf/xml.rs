@@ -8,6 +8,27 @@ use roxmltree::{Document, Node};
 use crate::robot::error::{Fault, RobotError};
 use crate::robot::source::Source;
 
+/// The parser holds each attribute of an element against all others of it.
+pub(super) const MOST_ATTRIBUTES: usize = 1000;
+
+/// The byte at which an element has more attributes than that, if one has. Text between two elements counts as if it were
+/// within the first.
+pub(super) fn crowded(text: &str) -> Option<usize> {
+    let (mut count, mut is_given) = (0, false);
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            b'<' => count = 0,
+            b'"' | b'\'' if is_given => count += 1,
+            _ => {}
+        }
+        is_given = byte == b'=' || is_given && byte.is_ascii_whitespace();
+        if count > MOST_ATTRIBUTES {
+            return Some(at);
+        }
+    }
+    None
+}
+
 /// A well-formed document whose root element is `<robot>`.
 pub(super) struct Xml<'a> {
     pub source: &'a Source,

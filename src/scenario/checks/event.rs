@@ -3,9 +3,15 @@
 use super::Check;
 use crate::scenario::spec::event::EventSpec;
 
+/// After each event the whole scenario is kept as it is then.
+const MOST_EVENTS: usize = 1000;
+
 impl Check<'_> {
     /// `end` is the run's, s.
     pub(super) fn events(&mut self, events: &[EventSpec], end: f64) {
+        if events.len() > MOST_EVENTS {
+            return self.error("event", format!("has {} entries, at most {MOST_EVENTS} are allowed", events.len()));
+        }
         for (i, event) in events.iter().enumerate() {
             let path = format!("event.{i}");
             if event.set.is_empty() && event.save.is_none() && event.restore.is_none() {

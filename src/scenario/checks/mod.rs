@@ -22,6 +22,9 @@ use super::{
 /// Most readings of a sensor that are kept until they are seen.
 const MOST_READINGS: f64 = 1e5;
 
+/// Most entries of a list: some of them are held against all others.
+const MOST_ENTRIES: usize = 10_000;
+
 /// A scenario whose single values are sound, its tree, and what is found.
 struct Check<'a> {
     root: &'a Node,
@@ -39,6 +42,9 @@ pub fn host_and_port(backend: &str) -> Option<(&str, u16)> {
 /// Report what does not fit together.
 pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     let mut check = Check { root, findings };
+    if !check.counts(scenario) {
+        return;
+    }
     if scenario.robot.model.is_empty() {
         check.error("robot.model", "must name a file");
     }
@@ -91,6 +97,24 @@ impl Check<'_> {
         if robot.backend.is_none() && robot.backend_key.is_some() {
             self.error("robot.backend_key", "belongs to `robot.backend`, which is not there");
         }
+    }
+
+    /// Is no list longer than can be judged?
+    fn counts(&mut self, scenario: &Scenario) -> bool {
+        let lists = [
+            ("task", scenario.task.len()),
+            ("force", scenario.force.len()),
+            ("expect", scenario.expect.len()),
+            ("floor.patches", scenario.floor.patches.len()),
+            ("contact.forced", scenario.contact.forced.len()),
+            ("robot.payload", scenario.robot.payload.len()),
+            ("robot.soles", scenario.robot.soles.as_ref().map_or(0, Vec::len)),
+        ];
+        let long = lists.into_iter().find(|(_, count)| *count > MOST_ENTRIES);
+        if let Some((path, count)) = long {
+            self.error(path, format!("has {count} entries, at most {MOST_ENTRIES} are allowed"));
+        }
+        long.is_none()
     }
 
     /// Readings that are still to be seen are kept.

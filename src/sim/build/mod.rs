@@ -69,7 +69,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let (changes, saved_states) =
         if errors.is_empty() { events::changes(run, robot, &model, &mut errors) } else { Default::default() };
     if !errors.is_empty() {
-        return Err(Diagnostics(errors));
+        return Err(Diagnostics(names::first(errors)));
     }
     Ok(Setup {
         changes,

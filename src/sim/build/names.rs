@@ -4,6 +4,20 @@ use crate::robot::{Base, DriveMode, JointId, JointKind, LinkId, Model, SoleId};
 use crate::scenario::{BalanceControl, Diagnostic, ForceSpec, JointLimits, Run, TaskSpec, segment, suggest};
 use nalgebra::Isometry3;
 
+/// Errors of one run that are told.
+pub(super) const MOST_ERRORS: usize = 50;
+
+/// The first errors, and how many there are besides.
+pub(super) fn first(mut errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    if errors.len() > MOST_ERRORS {
+        let more = format!("there are {} more errors", errors.len() - MOST_ERRORS);
+        errors.truncate(MOST_ERRORS);
+        let file = errors[0].file.clone();
+        errors.push(Diagnostic::unreadable(file, more));
+    }
+    errors
+}
+
 /// Joint numbers of named values; unknown names are errors at their keys under `path`.
 pub(super) fn joints<'a>(
     model: &Model,

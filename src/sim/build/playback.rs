@@ -67,6 +67,10 @@ pub(super) fn playback(
             Ok(joint) => joints.push(joint),
             Err(error) => errors.push(*error),
         }
+        // Each shows the whole file.
+        if errors.len() > before + names::MOST_ERRORS {
+            break;
+        }
     }
     let ids: Vec<_> = joints.iter().map(|(id, _)| *id).collect();
     names::heard(run, model, path, &ids, notes);

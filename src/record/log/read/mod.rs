@@ -18,6 +18,7 @@ pub use series::{
     Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
 };
 
+use crate::input_file;
 use file::LogFile;
 use std::path::Path;
 use ticks::Ticks;
@@ -28,7 +29,8 @@ impl Trajectory {
     /// # Errors
     /// No such file; a file that is no MCAP or not one of ours; one that was cut short or changed since it was written.
     pub fn read(path: &Path) -> Result<Self, LogError> {
-        let bytes = std::fs::read(path).map_err(|source| LogError::Io { path: path.to_owned(), source })?;
+        let bytes = input_file::read(path, input_file::UNLIMITED);
+        let bytes = bytes.map_err(|source| LogError::Io { path: path.to_owned(), source })?;
         Self::from_bytes(path, &bytes)
     }
 

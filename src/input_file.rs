@@ -1,0 +1,147 @@
+//! Files that a user names, read whole: only such as have an end, and none larger than memory should hold.
+//!
+//! A pipe waits until somebody writes, a device may never end, and a scenario may name either by mistake; both are refused
+//! before they are opened.
+
+use std::fs::{self, File, Metadata};
+use std::io::{self, Read};
+use std::path::{Component, Path, PathBuf};
+
+/// Largest file that people write: scenarios, robot files, URDFs, scripts, packages' manifests. Bytes.
+pub const MOST_TEXT: u64 = 16 << 20;
+/// Largest file that programs write and runs are made of: meshes, motions, logs. Bytes.
+pub const MOST_DATA: u64 = 1 << 30;
+/// For what the user names on the command line himself: a log may be longer than what runs are made of.
+pub const UNLIMITED: u64 = u64::MAX;
+
+/// The bytes of a regular file, at most `most` of them.
+///
+/// # Errors
+/// The system's own, and: it is a folder, a pipe, a device or a socket; it is larger.
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let (file, about) = open(path)?;
+    let mut bytes = Vec::new();
+    if about.len() <= most {
+        let room = usize::try_from(about.len()).unwrap_or(usize::MAX).saturating_add(1);
+        bytes.try_reserve_exact(room).map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
+        // It may grow while it is read, and some files of the system have another length than they say.
+        file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 <= most {
+            return Ok(bytes);
+        }
+    }
+    Err(io::Error::new(
+        io::ErrorKind::FileTooLarge,
+        format!("it is larger than {} MiB, the most that is read", most >> 20),
+    ))
+}
+
+/// Opens a regular file.
+///
+/// # Errors
+/// The system's own, and: it is a folder, a pipe, a device or a socket.
+pub fn open(path: &Path) -> io::Result<(File, Metadata)> {
+    regular(&fs::metadata(path)?)?;
+    let file = File::open(path)?;
+    // What is opened counts: between the two questions the name may have been given to something else.
+    let about = file.metadata()?;
+    regular(&about)?;
+    Ok((file, about))
+}
+
+/// The same as [`read`] for a text.
+///
+/// # Errors
+/// As [`read`], and bytes that are not UTF-8.
+pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    String::from_utf8(read(path, most)?).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        io::Error::new(io::ErrorKind::InvalidData, format!("it is not UTF-8 from byte {at} on"))
+    })
+}
+
+/// Where a file really is that a file in the folder `home` names, if that cannot be told from the names: a symbolic link between
+/// them leads out of what they have in common. Links on the way to `home` are the user's own.
+pub fn led_out(home: &Path, path: &Path) -> Option<PathBuf> {
+    let (from, to) = (plain(home)?, plain(path)?);
+    let common: PathBuf = from.components().zip(to.components()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect();
+    let mut below = to.strip_prefix(&common).ok()?.ancestors().map(|part| common.join(part));
+    let linked = below.any(|part| part != common && part.is_symlink());
+    let real = path.canonicalize().ok().filter(|_| linked)?;
+    (!real.starts_with(common.canonicalize().ok()?)).then_some(real)
+}
+
+/// An absolute path without `.` and `..`, by name alone.
+fn plain(path: &Path) -> Option<PathBuf> {
+    let mut plain = PathBuf::new();
+    for part in std::path::absolute(path).ok()?.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir => drop(plain.pop()),
+            part => plain.push(part),
+        }
+    }
+    Some(plain)
+}
+
+fn regular(about: &Metadata) -> io::Result<()> {
+    match about {
+        file if file.is_file() => Ok(()),
+        folder if folder.is_dir() => Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, not a file")),
+        _ => Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a pipe or a device, not a file")),
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::symlink;
+
+    #[test]
+    fn only_links_that_lead_out_are_told() {
+        let place = tempfile::tempdir().unwrap();
+        // The folder of temporary files may itself be behind a link.
+        let root = place.path().canonicalize().unwrap();
+        let at = |name: &str| root.join(name);
+        for folder in ["robots/a/meshes", "elsewhere"] {
+            std::fs::create_dir_all(at(folder)).unwrap();
+        }
+        for file in ["robots/a/meshes/m.stl", "elsewhere/e.stl", "robots/shared.stl"] {
+            std::fs::write(at(file), "x").unwrap();
+        }
+        symlink(at("robots/a/meshes/m.stl"), at("robots/a/inside.stl")).unwrap();
+        symlink(at("elsewhere/e.stl"), at("robots/a/out.stl")).unwrap();
+        symlink(at("elsewhere"), at("robots/a/folder")).unwrap();
+        symlink(at("robots"), at("link")).unwrap();
+        let home = at("robots/a");
+        for (name, real) in [
+            ("meshes/m.stl", None),
+            ("../shared.stl", None),
+            ("../../elsewhere/e.stl", None),
+            ("inside.stl", None),
+            ("none.stl", None),
+            ("out.stl", Some("elsewhere/e.stl")),
+            ("folder/e.stl", Some("elsewhere/e.stl")),
+            ("meshes/../out.stl", Some("elsewhere/e.stl")),
+        ] {
+            assert_eq!(led_out(&home, &home.join(name)), real.map(at), "{name}");
+        }
+        // The user went through this one himself.
+        assert_eq!(led_out(&at("link/a"), &at("link/a/meshes/m.stl")), None);
+        assert_eq!(led_out(&at("link/a"), &at("link/a/out.stl")), Some(at("elsewhere/e.stl")));
+    }
+
+    #[test]
+    fn what_is_larger_than_allowed_is_not_read() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("file");
+        std::fs::write(&path, [b'x'; 10]).unwrap();
+        assert_eq!(read(&path, 10).unwrap().len(), 10);
+        assert_eq!(read(&path, 9).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
+        assert_eq!(read(place.path(), 9).unwrap_err().kind(), io::ErrorKind::IsADirectory);
+        // It says that it is empty, and is not.
+        assert!(!read(Path::new("/proc/self/status"), MOST_TEXT).unwrap().is_empty());
+        assert_eq!(read(Path::new("/proc/self/status"), 9).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
+        assert_eq!(read(Path::new("/dev/zero"), UNLIMITED).unwrap_err().kind(), io::ErrorKind::InvalidInput);
+    }
+}

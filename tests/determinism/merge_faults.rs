@@ -1,0 +1,129 @@
+//! Shards that are not what their records say, and things that are no shards.
+
+use std::fs;
+use std::path::PathBuf;
+
+use super::run;
+use crate::cli::{Done, Place};
+use crate::same::{assert_same, files};
+
+const FILES: [&str; 3] = ["thrown.toml", "compared.toml", "silent.toml"];
+
+/// Two shards in `a` and `b`, the second with these options: runs with logs, with references, and such as want no log.
+fn shards(more: &[&str]) -> Place {
+    let place = super::scenarios();
+    place.block("silent.toml", "[log]\nrate = 0\n[sweep]\nrepeat = 6\n");
+    run(&place, &FILES, &["--shard", "1/2", "-o", "a"]);
+    run(&place, &FILES, &[&["--shard", "2/2", "-o", "b"], more].concat());
+    place
+}
+
+fn merge(place: &Place, more: &[&str]) -> Done {
+    place.runner(&[&["merge", "a", "b", "-o", "merged"], more].concat())
+}
+
+fn first(place: &Place, of: &str, name: &str) -> PathBuf {
+    let below = files(&place.path(of)).into_iter().find(|f| f.contains("thrown") && f.ends_with(name));
+    place.path(of).join(below.expect("a run with a log"))
+}
+
+#[test]
+fn a_log_that_is_not_the_one_that_was_left_is_told() {
+    let place = shards(&[]);
+    run(&place, &FILES, &["-o", "whole"]);
+    let log = first(&place, "b", "log.mcap");
+    let key = log.parent().unwrap().file_name().unwrap().to_str().unwrap().to_owned();
+    let bytes = fs::read(&log).unwrap();
+    let mut hole = bytes.clone();
+    hole[bytes.len() / 2] ^= 1;
+    let rows = place.summary("whole").rows.len();
+    for (now, why) in [
+        (None, "its log is missing"),
+        (Some(&bytes[..bytes.len() - 100]), "its log is cut off"),
+        (Some(&hole[..]), "its log is not the one that it left"),
+    ] {
+        match now {
+            Some(now) => fs::write(&log, now).unwrap(),
+            None => fs::remove_file(&log).unwrap(),
+        }
+        let done = merge(&place, &[]).exits(2);
+        let told = format!(
+            "error: b (shard 2/2) has no result of 1 of its runs: thrown {key} ({why}); run it again with --resume"
+        );
+        assert!(done.stderr.contains(&told), "{}", done.stderr);
+        assert!(done.stderr.contains("nothing was written") && !place.path("merged").exists(), "{}", done.stderr);
+        let done = merge(&place, &["--partial"]);
+        assert!(done.stderr.contains(&format!("thrown {key} ({why})")), "{}", done.stderr);
+        let table = place.summary("merged");
+        assert!(table.rows.len() == rows - 1 && !table.column("key").contains(&key.as_str()), "{why}");
+        assert!(!place.path("merged/thrown").join(&key).exists());
+        fs::remove_dir_all(place.path("merged")).unwrap();
+    }
+    run(&place, &FILES, &["--shard", "2/2", "-o", "b", "--resume"]);
+    assert!(matches!(merge(&place, &[]).code, Some(0 | 1)));
+    assert_same(&place.path("whole"), &place.path("merged"));
+}
+
+#[test]
+fn a_record_that_is_not_whole_is_told_and_left_out() {
+    let place = shards(&[]);
+    let record = first(&place, "a", "run.json");
+    fs::write(&record, "{").unwrap();
+    let done = merge(&place, &[]).exits(2);
+    assert!(done.stderr.contains("(its record is not whole); run it again with --resume"), "{}", done.stderr);
+    assert!(!place.path("merged").exists());
+    merge(&place, &["--partial"]).exits(0);
+    let reference = files(&place.path("b")).into_iter().find(|f| f.contains("references/")).unwrap();
+    fs::remove_file(place.path("b").join(&reference)).unwrap();
+    let other = place.path("a").join(&reference);
+    if other.exists() {
+        fs::remove_file(&other).unwrap();
+    }
+    let done = merge(&place, &[]).exits(2);
+    assert!(done.stderr.contains("has no whole record of reference"), "{}", done.stderr);
+    merge(&place, &["--partial"]).exits(0);
+}
+
+#[test]
+fn shards_with_and_without_logs_are_no_single_batch() {
+    let place = shards(&["--no-log"]);
+    let done = merge(&place, &[]).exits(2);
+    assert!(done.stderr.contains("some runs left no log (--no-log) and others did"), "{}", done.stderr);
+    assert!(done.stderr.contains(" of b (shard 2/2), such as ") && !done.stderr.contains("of a ("), "{}", done.stderr);
+    assert!(!place.path("merged").exists());
+    let done = merge(&place, &["--partial"]).exits(0);
+    assert!(done.stderr.contains("warning: some runs left no log"), "{}", done.stderr);
+    assert_eq!(place.summary("merged").rows.len(), 8 + 6 + 6);
+    // All without are one batch, and those that want none are beside such as have theirs.
+    run(&place, &FILES, &["--shard", "1/2", "-o", "a", "--no-log"]);
+    merge(&place, &[]).exits(0);
+    run(&place, &FILES, &["--shard", "1/2", "-o", "a"]);
+    run(&place, &FILES, &["--shard", "2/2", "-o", "b"]);
+    merge(&place, &[]).exits(0);
+}
+
+#[test]
+fn what_is_no_folder_of_results_is_told_with_what_is_wanted() {
+    let place = shards(&[]);
+    for (given, what) in [("a/summary.csv", "it is a file"), ("nowhere", "it is not there")] {
+        let done = place.runner(&["merge", "a", given, "-o", "merged"]).exits(2);
+        let told = format!("error: {given}: {what}; wanted are the folders of results of all shards, as `runner run");
+        assert!(done.stderr.contains(&told), "{}", done.stderr);
+    }
+    assert!(!place.path("merged").exists());
+}
+
+#[test]
+fn an_array_of_one_task_is_warned_of() {
+    let place = super::scenarios();
+    let warned = |shard: &str, count: &str, name: &str| {
+        let mut command = place.command(&["list", "thrown.toml", "--shard", shard]);
+        command.env_remove("JOB_COMPLETION_INDEX").env_remove("SLURM_ARRAY_TASK_ID");
+        let variables = [(name, "3"), ("SLURM_ARRAY_TASK_MIN", "3"), ("SLURM_ARRAY_TASK_COUNT", count)];
+        let done = Done::from(command.envs(variables).output().unwrap()).exits(0);
+        done.stderr.matches("warning: the job array has one task, which therefore has all runs").count()
+    };
+    assert_eq!(warned("env", "1", "SLURM_ARRAY_TASK_ID"), 1);
+    assert_eq!(warned("env", "2", "SLURM_ARRAY_TASK_ID"), 0);
+    assert_eq!(warned("1/1", "1", "SLURM_ARRAY_TASK_ID"), 0, "it was typed");
+}

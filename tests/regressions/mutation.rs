@@ -1,0 +1,160 @@
+//! Seeds of the repository with a few things changed in each: words replaced by others of the file or by such as break
+//! things, lines left out, doubled and exchanged, bytes turned. Always the same changes.
+
+use super::targets::{self, tree};
+use super::{Take, files};
+
+/// Changed copies of each seed.
+const COPIES: u64 = 6;
+
+/// What stands for a number or a word.
+const WORDS: [&str; 18] = [
+    "0",
+    "-1",
+    "1e308",
+    "-1e-320",
+    "nan",
+    "inf",
+    "4294967296",
+    "9223372036854775807",
+    "\"\"",
+    "[]",
+    "{}",
+    "true",
+    "\u{0}",
+    "é",
+    "..",
+    "/",
+    "&lt;",
+    "[[",
+];
+
+/// SplitMix64: a seed gives one stream, everywhere.
+struct Stream(u64);
+
+impl Stream {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.next() % n.max(1) as u64) as usize
+    }
+}
+
+/// Where words stand: runs of what can be in names and numbers.
+fn words(text: &str) -> Vec<(usize, usize)> {
+    let within = |c: char| c.is_alphanumeric() || "_.-".contains(c);
+    let mut found = Vec::new();
+    let mut start = None;
+    for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
+        match (within(c), start) {
+            (true, None) => start = Some(at),
+            (false, Some(from)) => {
+                found.push((from, at));
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+fn changed(text: &str, stream: &mut Stream) -> String {
+    let mut text = text.to_owned();
+    for _ in 0..1 + stream.below(3) {
+        let words = words(&text);
+        let mut lines: Vec<&str> = text.lines().collect();
+        text = match stream.below(6) {
+            0 | 1 if !words.is_empty() => {
+                let (from, to) = words[stream.below(words.len())];
+                format!("{}{}{}", &text[..from], WORDS[stream.below(WORDS.len())], &text[to..])
+            }
+            2 if !words.is_empty() => {
+                let ((from, to), other) = (words[stream.below(words.len())], words[stream.below(words.len())]);
+                format!("{}{}{}", &text[..from], &text[other.0..other.1], &text[to..])
+            }
+            3 if !lines.is_empty() => {
+                lines.remove(stream.below(lines.len()));
+                lines.join("\n")
+            }
+            4 if !lines.is_empty() => {
+                let (from, to) = (stream.below(lines.len()), stream.below(lines.len()));
+                lines.insert(to, lines[from]);
+                lines.join("\n")
+            }
+            _ => {
+                let at = stream.below(text.chars().count());
+                let other = char::from(stream.below(128) as u8);
+                text.chars().enumerate().map(|(i, c)| if i == at { other } else { c }).collect()
+            }
+        };
+    }
+    text
+}
+
+/// Files below folders of the repository with an ending, and what each kind of them is begun with.
+fn check(target: Take, folders: &[&str], ending: &str, letters: &str) {
+    let mut folders: Vec<_> = folders.iter().map(|folder| tree::root().join(folder)).collect();
+    let mut seeds = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for path in files(&folder) {
+            match path.extension() {
+                _ if path.is_dir() => folders.push(path),
+                Some(found) if found == ending => seeds.push(path),
+                _ => {}
+            }
+        }
+    }
+    assert!(!seeds.is_empty(), "no {ending}");
+    seeds.sort();
+    for (number, path) in seeds.iter().enumerate() {
+        let text = std::fs::read_to_string(path).unwrap();
+        for copy in 0..COPIES {
+            let mut stream = Stream(1000 * number as u64 + copy);
+            let changed = changed(&text, &mut stream);
+            // Shown if it panics.
+            println!("{} changed, copy {copy}:\n{changed}", path.display());
+            if letters.is_empty() {
+                target(changed.as_bytes());
+            }
+            letters.chars().for_each(|letter| target(format!("{letter}{changed}").as_bytes()));
+        }
+    }
+}
+
+#[test]
+fn scenarios_that_are_nearly_sound() {
+    check(targets::scenario::take, &["scenarios", "tests/scenario"], "toml", "");
+}
+
+#[test]
+fn robot_files_that_are_nearly_sound() {
+    check(targets::robot_file::take, &["robots"], "toml", "");
+}
+
+#[test]
+fn urdfs_that_are_nearly_sound() {
+    check(targets::urdf::take, &["robots", "scenarios"], "urdf", "");
+}
+
+#[test]
+fn motions_that_are_nearly_sound() {
+    check(targets::motion::take, &["scenarios/motions"], "toml", "p");
+    check(targets::motion::take, &["scenarios/motions"], "csv", "clm");
+    check(targets::motion::take, &["scenarios/motions"], "bvh", "b");
+}
+
+#[test]
+fn scripts_that_are_nearly_sound() {
+    check(targets::script::take, &["scenarios"], "luau", "tTHfF");
+}
+
+#[test]
+fn meshes_that_are_nearly_sound() {
+    check(targets::mesh::take, &["fuzz/seeds/mesh"], "obj", "o");
+    check(targets::mesh::take, &["fuzz/seeds/mesh"], "dae", "d");
+}

@@ -1,0 +1,62 @@
+//! A folder that holds something already.
+
+use super::{Site, exists, submit};
+
+#[track_caller]
+fn other(site: &Site, parts: &str, more: &[&str], words: &str) {
+    site.slurm.forget();
+    let done = site.runner(&submit("sweep", parts, more)).exits(2);
+    assert!(done.stderr.contains(words), "{}", done.stderr);
+    assert!(done.stderr.contains("give this sweep another folder with -o"), "{}", done.stderr);
+    assert!(site.slurm.calls().is_empty(), "{:?}", site.slurm.calls());
+}
+
+#[test]
+fn another_plan_or_number_of_parts_is_refused() {
+    let site = Site::new();
+    site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(0);
+    let scripts = site.script("sweep", "array.sbatch");
+    let (set, filter) = (["thrown.toml", "--set", "gravity=[0, 0, -9.8]"], ["thrown.toml", "--filter", "seed == 1"]);
+    // By what was submitted, then by the parts that are there.
+    for of in ["submitted", "part-1"] {
+        if of == "part-1" {
+            site.slurm.set("run", "");
+            site.runner(&submit("sweep", "3", &["thrown.toml", "--wait"])).exits(1);
+            std::fs::remove_file(site.place.path("sweep/submit/jobs.json")).unwrap();
+        }
+        let number =
+            if of == "part-1" { "its part-0 is part 1 of 3, not of 4" } else { "it was submitted in 3 parts, not 4" };
+        other(&site, "4", &["thrown.toml"], number);
+        other(&site, "3", &set, "scenarios, values, robots, files or --filter of what was submitted there differ");
+        other(&site, "3", &filter, "what was submitted there has 12 runs, this has 6");
+        // Not even with --dry-run.
+        other(&site, "4", &["thrown.toml", "--dry-run"], number);
+    }
+    assert_eq!(site.script("sweep", "array.sbatch"), scripts);
+    site.slurm.unset("run");
+    site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(0);
+}
+
+#[test]
+fn jobs_that_have_not_ended_are_not_submitted_again() {
+    let site = Site::new();
+    site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(0);
+    site.slurm.set("alive", "41 RUNNING\n41 PENDING\n42 PENDING\n");
+    site.slurm.forget();
+    let done = site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(2);
+    assert!(done.stderr.contains("have not ended yet (41 pending, 41 running, 42 pending)"), "{}", done.stderr);
+    assert!(done.stderr.contains("`scancel 41 42`"), "{}", done.stderr);
+    assert_eq!(site.slurm.called(), ["scontrol", "squeue"]);
+    assert!(site.slurm.calls()[1].contains(&"--jobs=41,42".to_owned()));
+    site.slurm.unset("alive");
+    site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(0);
+    assert_eq!(site.jobs("sweep")["array"], "43");
+}
+
+#[test]
+fn results_of_something_else_are_left_alone() {
+    let site = Site::new();
+    site.place.runner(&["thrown.toml", "-o", "sweep/results"]).exits(1);
+    other(&site, "3", &["thrown.toml"], "it has a folder `results` that no earlier submission left");
+    assert!(!exists(site.place.path("sweep/submit")));
+}
