@@ -28,7 +28,7 @@ const MOST_VERDICTS: usize = 2000;
 
 /// Which verdicts are shown.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Verdicts {
+pub(super) enum Verdicts {
     /// Those that did not hold
     Failed,
     /// These, and all that name a value
