@@ -14,8 +14,11 @@ pub fn root() -> &'static Path {
     if here.join("robots").is_dir() { here } else { here.parent().unwrap_or(here) }
 }
 
+/// Robots by their files and what is done about their inertias; none where that is no robot.
+type Loaded = HashMap<(PathBuf, Option<InertiaPolicy>), Option<Rc<Robot>>>;
+
 thread_local! {
-    static LOADED: RefCell<HashMap<(PathBuf, Option<InertiaPolicy>), Option<Rc<Robot>>>> = RefCell::default();
+    static LOADED: RefCell<Loaded> = RefCell::default();
 }
 
 /// The robot that a run names, if it is one of the repository's; loaded once.

@@ -53,7 +53,9 @@ impl Manual {
 /// Name and text of a command's page.
 fn page(command: Command) -> io::Result<(String, String)> {
     let codes = exit::codes(command.get_name());
-    // The exit codes have a section of their own.
+    let below = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let notes = below.strip_prefix(&exit::help(command.get_name())).unwrap_or_default().trim().to_owned();
+    // The exit codes have a section of their own, and so has what else stands below the help.
     let command = command.after_help(Resettable::<StyledStr>::Reset).mut_args(|argument| {
         let many = argument.get_num_args().is_some_and(|count| count.max_values() > 1);
         match argument.get_value_names() {
@@ -75,6 +77,9 @@ fn page(command: Command) -> io::Result<(String, String)> {
     status.control("SH", ["EXIT STATUS"]);
     for (exit, meaning) in codes {
         status.control("TP", []).text([bold((*exit as u8).to_string())]).text([roman(*meaning)]);
+    }
+    if !notes.is_empty() {
+        status.control("SH", ["NOTES"]).text([roman(notes.replace('\n', " "))]);
     }
     let at = text.find(".SH VERSION").unwrap_or(text.len());
     Ok((man.get_filename(), format!("{}{}{}", &text[..at], status.to_roff(), &text[at..])))

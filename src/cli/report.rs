@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{
-    FoundRun, Pictured, RecordError, Records, ReportRun, SummaryRow, read_records, write_report, write_summary,
+    FoundRun, Listing, Pictured, RecordError, ReportRun, Seen, SummaryRow, list_records, write_report_of,
+    write_summary_of,
 };
 
 use super::Exit;
@@ -32,25 +33,26 @@ impl Report {
             complain(&format!("error: {error}"));
             Exit::Invalid
         };
-        let records = read_records(&self.results).map_err(fail)?;
-        records.skipped.iter().for_each(|error| complain(&format!("warning: passed over: {error}")));
-        if records.runs.is_empty() {
+        let listing = list_records(&self.results).map_err(fail)?;
+        listing.skipped.iter().for_each(|error| complain(&format!("warning: passed over: {error}")));
+        if listing.runs() == 0 {
             complain(&format!("error: no record of a run below {}", self.results.display()));
             return Err(Exit::Invalid);
         }
-        let read = records.runs.len() + records.references.len();
-        complain(&format!("{} read, {} passed over", plural(read, "record"), records.skipped.len()));
-        let pictured = self.pictured(&records)?;
-        let (rows, reference_rows) = (rows(&records.runs), rows(&records.references));
         let unwritten = |error: RecordError| {
             complain(&format!("error: {error}"));
             Exit::of_writing(&error)
         };
-        let files = write_summary(&self.results, &rows).map_err(unwritten)?;
-        let runs = as_reported(&rows, &records.runs);
-        let references = as_reported(&reference_rows, &records.references);
+        let read = listing.runs() + listing.references.len();
+        complain(&format!("{} read, {} passed over", plural(read, "record"), listing.skipped.len()));
+        let (asked, pictured) = self.pictured(&listing)?;
+        let rows = listing.rows(&asked);
+        let files = write_summary_of(&self.results, &rows).map_err(unwritten)?;
+        let Seen { tally, runs } = rows.into_seen();
+        let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));
+        let (shown, references) = (as_reported(&rows, &runs), as_reported(&reference_rows, &listing.references));
         let page = self.output.unwrap_or_else(|| self.results.join("report.html"));
-        write_report(&page, &self.results, &runs, &references, &pictured).map_err(unwritten)?;
+        write_report_of(&page, &self.results, (&shown, &tally), &references, &pictured).map_err(unwritten)?;
         let accuracy = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>());
         let air = if accuracy.is_empty() { "" } else { "\n" };
         let written: Vec<String> =
@@ -59,32 +61,33 @@ impl Report {
         Ok(Exit::Success)
     }
 
-    /// The runs that the keys name; each must name some.
-    fn pictured(&self, records: &Records) -> Result<Pictured, Exit> {
+    /// The places of the runs that the keys name, each of which must name some, and their keys.
+    fn pictured(&self, listing: &Listing) -> Result<(Vec<usize>, Pictured), Exit> {
         if self.runs.is_empty() {
-            return Ok(Pictured::Few);
+            return Ok((Vec::new(), Pictured::Few));
         }
-        let mut keys = Vec::new();
+        let (mut places, mut keys) = (Vec::new(), Vec::new());
         for typed in &self.runs {
-            let named = records.runs.iter().filter(|run| run.record.key.starts_with(typed.as_str()));
-            let before = keys.len();
-            for run in named {
-                let key = run.record.key.clone();
-                if !run.files.iter().any(|file| file.ends_with("log.mcap")) {
-                    complain(&format!("warning: {} {key} left no log: there is nothing to show", run.record.scenario));
+            let before = places.len();
+            for place in listing.named(typed) {
+                let (key, log) = listing.key_and_log(place);
+                if log.is_none() {
+                    let scenario = listing.scenario(place);
+                    complain(&format!("warning: {scenario} {key} left no log: there is nothing to show"));
                 }
-                keys.push(key);
+                keys.push(key.to_owned());
+                places.push(place);
             }
-            if keys.len() == before {
+            if places.len() == before {
                 complain(&format!("error: no run has a key that begins with `{typed}`; the summary has them all"));
                 return Err(Exit::Invalid);
             }
         }
-        Ok(Pictured::Keys(keys))
+        Ok((places, Pictured::Keys(keys)))
     }
 }
 
-fn rows(runs: &[FoundRun]) -> Vec<SummaryRow> {
+fn summary_rows(runs: &[FoundRun]) -> Vec<SummaryRow> {
     runs.iter().map(|run| run.record.summary_row()).collect()
 }
 

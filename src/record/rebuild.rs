@@ -1,13 +1,15 @@
 //! The records below a folder of results, found again.
 
 use super::pareto::compare;
-use super::{RecordError, ReportRun, RunRecord, SummaryRow};
-use polars::prelude::DataFrame;
+use super::{ParamValue, RecordError, ReportRun, RunRecord, SummaryRow};
+use polars::prelude::{DataFrame, PlSmallStr};
 use polars_io::SerReader;
 use polars_io::csv::read::CsvReadOptions;
 use std::cmp::Ordering;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What was found below a folder.
 #[derive(Debug)]
@@ -43,16 +45,33 @@ impl FoundRun {
 /// # Errors
 /// The folder itself cannot be read.
 pub fn read_records(folder: &Path) -> Result<Records, RecordError> {
-    let mut records = Records { runs: Vec::new(), references: Vec::new(), skipped: Vec::new() };
+    let (mut runs, mut references): (Vec<FoundRun>, Vec<FoundRun>) = Default::default();
+    let skipped = walk(folder, &mut |is_reference, path, record| {
+        if is_reference { &mut references } else { &mut runs }.push(FoundRun { record, files: files(path) });
+    })?;
+    let order = order(&folder.join("summary.csv"));
+    runs.sort_by_cached_key(|run| Place::of(&run.record, &order));
+    let needed: Vec<&str> = runs.iter().filter_map(|r| r.record.comparison.reference.as_deref()).collect();
+    let place = |r: &FoundRun| needed.iter().position(|key| *key == r.record.key).unwrap_or(needed.len());
+    references.sort_by_cached_key(place);
+    Ok(Records { runs, references, skipped })
+}
+
+/// Tells of every record below a folder, and whether it is that of a reference, each run once; returns what was passed over.
+pub(super) fn walk(
+    folder: &Path,
+    tell: &mut dyn FnMut(bool, PathBuf, RunRecord),
+) -> Result<Vec<RecordError>, RecordError> {
+    let mut skipped = Vec::new();
     // An error about this folder alone is an error of the whole.
     std::fs::read_dir(folder).map_err(RecordError::io(folder))?;
-    let mut first: HashMap<(bool, String, String), PathBuf> = HashMap::new();
+    let mut seen: HashMap<Digest, Box<Path>> = HashMap::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
         let (own, below) = match entries(&folder) {
             Ok(found) => found,
             Err(error) => {
-                records.skipped.push(error);
+                skipped.push(error);
                 continue;
             }
         };
@@ -61,26 +80,34 @@ pub fn read_records(folder: &Path) -> Result<Records, RecordError> {
         let Some(path) = own else { continue };
         match RunRecord::read(&path) {
             Ok(record) => {
-                match first.entry((is_reference(&path, &record), record.scenario.clone(), record.key.clone())) {
-                    std::collections::hash_map::Entry::Occupied(other) => {
-                        records.skipped.push(RecordError::Twice { path, other: other.get().clone() });
+                let is_reference = is_reference(&path, &record);
+                match seen.entry(digest(is_reference, &record.scenario, &record.key)) {
+                    Entry::Occupied(other) => {
+                        skipped.push(RecordError::Twice { path, other: other.get().to_path_buf() });
                     }
-                    std::collections::hash_map::Entry::Vacant(free) => {
-                        free.insert(path.clone());
-                        let kind =
-                            if is_reference(&path, &record) { &mut records.references } else { &mut records.runs };
-                        kind.push(FoundRun { record, files: files(path) });
+                    Entry::Vacant(free) => {
+                        free.insert(path.clone().into_boxed_path());
+                        tell(is_reference, path, record);
                     }
                 }
             }
-            Err(error) => records.skipped.push(error),
+            Err(error) => skipped.push(error),
         }
     }
-    sort(&mut records.runs, &order(&folder.join("summary.csv")));
-    let needed: Vec<&str> = records.runs.iter().filter_map(|r| r.record.comparison.reference.as_deref()).collect();
-    let place = |r: &FoundRun| needed.iter().position(|key| *key == r.record.key).unwrap_or(needed.len());
-    records.references.sort_by_cached_key(place);
-    Ok(records)
+    Ok(skipped)
+}
+
+/// What stands for a run where there may be millions.
+pub(super) type Digest = [u8; 16];
+
+/// Of a run, or of the reference of this key.
+pub(super) fn digest(is_reference: bool, scenario: &str, key: &str) -> Digest {
+    let mut hasher = blake3::Hasher::new();
+    // No name holds a zero.
+    hasher.update(&[u8::from(is_reference)]).update(scenario.as_bytes()).update(&[0]).update(key.as_bytes());
+    let mut digest = [0; 16];
+    hasher.finalize_xof().fill(&mut digest);
+    digest
 }
 
 /// References lie in `SCENARIO/references/KEY`, other runs in `SCENARIO/KEY`.
@@ -110,42 +137,78 @@ pub(super) fn files(record: PathBuf) -> Vec<PathBuf> {
     std::iter::once(record).chain(beside.into_iter().filter(|path| path.exists())).collect()
 }
 
+/// A run of which a report shows no more than its row and its files: without the texts that nobody looks at any more.
+pub(super) fn light(path: PathBuf, record: RunRecord) -> FoundRun {
+    FoundRun { record: RunRecord { resolved: String::new(), inputs: Vec::new(), ..record }, files: files(path) }
+}
+
 /// Where the last summary has each run; empty if there is none, or it cannot be read: then it orders nothing.
-fn order(summary: &Path) -> HashMap<(String, String), usize> {
+pub(super) fn order(summary: &Path) -> HashMap<Digest, u32> {
     let read = || {
         if !summary.is_file() {
             return Ok(DataFrame::empty());
         }
-        let options = CsvReadOptions::default().with_infer_schema_length(Some(0));
+        let columns: Arc<[PlSmallStr]> = ["scenario".into(), "key".into()].into();
+        let options = CsvReadOptions::default().with_infer_schema_length(Some(0)).with_columns(Some(columns));
         options.try_into_reader_with_file_path(Some(summary.to_owned()))?.finish()
     };
-    let pairs = |frame: &DataFrame| -> Option<HashMap<(String, String), usize>> {
+    let pairs = |frame: &DataFrame| -> Option<HashMap<Digest, u32>> {
         let (scenarios, keys) = (frame.column("scenario").ok()?.str().ok()?, frame.column("key").ok()?.str().ok()?);
-        let rows = scenarios.iter().zip(keys.iter()).enumerate();
-        Some(rows.filter_map(|(row, (scenario, key))| Some(((scenario?.to_owned(), key?.to_owned()), row))).collect())
+        let rows = scenarios.iter().zip(keys.iter()).zip(0..);
+        Some(rows.filter_map(|((scenario, key), row)| Some((digest(false, scenario?, key?), row))).collect())
     };
     read().ok().as_ref().and_then(pairs).unwrap_or_default()
 }
 
-fn sort(runs: &mut [FoundRun], order: &HashMap<(String, String), usize>) {
-    let place = |r: &RunRecord| order.get(&(r.scenario.clone(), r.key.clone())).copied();
-    let places: HashMap<PathBuf, Option<usize>> =
-        runs.iter().map(|run| (run.files[0].clone(), place(&run.record))).collect();
-    let by_content = |a: &RunRecord, b: &RunRecord| {
-        let parameters = || by_parameters(a, b);
-        let rest = || a.seed.cmp(&b.seed).then_with(|| a.key.cmp(&b.key));
-        a.scenario.cmp(&b.scenario).then_with(parameters).then_with(rest)
-    };
-    runs.sort_by(|a, b| match (places[&a.files[0]], places[&b.files[0]]) {
-        (Some(x), Some(y)) => x.cmp(&y),
-        (Some(_), None) => Ordering::Less,
-        (None, Some(_)) => Ordering::Greater,
-        (None, None) => by_content(&a.record, &b.record),
-    });
+/// What a run stands by that the last summary does not name: scenario, parameters, seed.
+#[derive(PartialEq)]
+pub(super) struct Content {
+    scenario: String,
+    parameters: Vec<(String, ParamValue)>,
+    seed: u64,
+    key: String,
 }
 
-fn by_parameters(a: &RunRecord, b: &RunRecord) -> Ordering {
-    let pairs = a.parameters.iter().zip(&b.parameters);
-    let mut orders = pairs.map(|((n, v), (m, w))| n.cmp(m).then_with(|| compare(Some(v), Some(w))));
-    orders.find(|o| o.is_ne()).unwrap_or_else(|| a.parameters.len().cmp(&b.parameters.len()))
+impl Content {
+    pub fn of(record: &RunRecord) -> Self {
+        let RunRecord { scenario, parameters, seed, key, .. } = record.clone();
+        Content { scenario, parameters, seed, key }
+    }
+}
+
+impl Eq for Content {}
+
+impl Ord for Content {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let parameters = || by_parameters(&self.parameters, &other.parameters);
+        let rest = || self.seed.cmp(&other.seed).then_with(|| self.key.cmp(&other.key));
+        self.scenario.cmp(&other.scenario).then_with(parameters).then_with(rest)
+    }
+}
+
+impl PartialOrd for Content {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// What a run is sorted by: its place in the last summary, else what it is.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Place {
+    Row(u32),
+    After(Box<Content>),
+}
+
+impl Place {
+    pub fn of(record: &RunRecord, order: &HashMap<Digest, u32>) -> Self {
+        match order.get(&digest(false, &record.scenario, &record.key)) {
+            Some(row) => Place::Row(*row),
+            None => Place::After(Box::new(Content::of(record))),
+        }
+    }
+}
+
+fn by_parameters(a: &[(String, ParamValue)], b: &[(String, ParamValue)]) -> Ordering {
+    let mut orders = a.iter().zip(b).map(|((n, v), (m, w))| n.cmp(m).then_with(|| compare(Some(v), Some(w))));
+    orders.find(|o| o.is_ne()).unwrap_or_else(|| a.len().cmp(&b.len()))
 }

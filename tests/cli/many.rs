@@ -46,4 +46,15 @@ fn runs_that_are_not_kept_are_in_the_summary_in_their_order() {
     let done = place.runner(&[&arguments[..], &["--resume"]].concat()).exits(1);
     assert!(done.stderr.contains(&format!("resumed: {runs} runs done already")), "{}", done.stderr);
     assert_eq!(rows(&place.summary("results")), before);
+    // `report` does not have them all in memory either, and says the same of them.
+    place.runner(&["report", "results"]).exits(0);
+    assert_eq!(rows(&place.summary("results")), before);
+    let page = fs::read_to_string(place.path("results/report.html")).unwrap();
+    assert!(page.contains(&format!("{runs} runs of 1 scenario")) && page.contains("60 more runs are counted here"));
+    // Also without a summary that says in which order they stood: by what was swept.
+    fs::remove_file(place.path("results/summary.csv")).unwrap();
+    place.runner(&["report", "results"]).exits(0);
+    let mut durations = place.summary("results").numbers("duration_s");
+    assert_eq!(durations.pop(), Some(0.002), "by `duration`, the only one that is longer");
+    assert!(durations.len() == runs - 1 && durations.iter().all(|duration| *duration < 0.0015));
 }

@@ -91,7 +91,8 @@ fn of_help(place: &Place, command: &[&str]) -> Vec<(String, String)> {
     let help = place.runner(&[command, &["--help"]].concat()).exits(0).stdout;
     let (_, below) = help.split_once("Exit codes:\n").unwrap_or_else(|| panic!("{command:?} has none:\n{help}"));
     let mut codes: Vec<(String, String)> = Vec::new();
-    for line in below.lines().filter(|line| !line.is_empty()) {
+    // Other things may be said after an empty line.
+    for line in below.lines().take_while(|line| !line.is_empty()) {
         assert!(line.chars().count() <= 80, "{line}");
         match line.strip_prefix("  ").and_then(|l| l.split_once(' ')).filter(|(code, _)| code.parse::<u8>().is_ok()) {
             Some((code, words)) => codes.push((code.into(), words.trim().into())),
@@ -132,6 +133,9 @@ fn help_manual_and_documentation_have_one_table() {
         assert!(!page.contains("EXTRA"), "{page}");
     }
     assert_eq!(of_help(&place, &[]), of_help(&place, &["run"]));
+    let submit = std::fs::read_to_string(place.path("man/runner-submit.1")).unwrap();
+    let (_, notes) = submit.split_once(".SH NOTES").expect("what else its help says");
+    assert!(notes.contains("The same command again completes what is missing"), "{notes}");
     let run = std::fs::read_to_string(place.path("man/runner-run.1")).unwrap();
     assert!(run.contains("<\\fISCENARIO\\fR>..."), "{run}");
 }

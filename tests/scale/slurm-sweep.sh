@@ -71,20 +71,22 @@ samples = 80
 "force.0.force.0" = { uniform = [10, 30] }
 "force.0.force.1" = { uniform = [-10, 10] }
 TOML
-code=0
-"$runner" run push.toml --output pushed >pushed.txt 2>&1 || code=$?
-echo "directly: exit code $code"
+direct=0
+"$runner" run push.toml --output pushed >pushed.txt 2>&1 || direct=$?
+echo "directly: exit code $direct"
 slurm --parts 2 --output pushes push.toml
 array=$(sed -n 's/.*"array": "\(.*\)".*/\1/p' pushes/submit/jobs.json)
 merge=$(sed -n 's/.*"merge": "\(.*\)".*/\1/p' pushes/submit/jobs.json)
-# When some of its runs are done.
-while [ "$(wc -l <pushes/part-1/runs.jsonl 2>/dev/null || echo 0)" -lt 3 ]; do sleep 0.2; done
+done_runs() {
+    cat pushes/part-1/runs.jsonl 2>/dev/null | wc -l
+}
+while [ "$(done_runs)" -lt 3 ]; do sleep 0.2; done
 scancel "${array}_1"
-echo "cancelled after $(wc -l <pushes/part-1/runs.jsonl) runs"
+echo "cancelled after $(done_runs) runs"
 ends 2 slurm --parts 2 --output pushes push.toml
 while [ -n "$(squeue --noheader --jobs="$array,$merge")" ]; do sleep 0.5; done
 cat pushes/submit/merge.txt
-ends "$code" slurm --parts 2 --wait --output pushes push.toml
+ends "$direct" slurm --parts 2 --wait --output pushes push.toml
 grep -h 'resumed: ' pushes/submit/task-*.txt
 same pushed pushes/results
 
