@@ -7,6 +7,7 @@ pub mod batch;
 pub mod collision;
 pub mod contact;
 pub mod dynamics;
+mod excerpt;
 pub mod force;
 pub mod geometry;
 mod input_file;

@@ -4,10 +4,11 @@ use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use thiserror::Error;
 
 use super::source::Source;
+use crate::excerpt::excerpt;
 
 /// Why a robot could not be loaded or changed.
 #[derive(Clone, Debug, Error)]
@@ -67,9 +68,14 @@ impl RobotError {
             return renderer.render(&[Group::with_title(Level::ERROR.primary_title(self.to_string()))]);
         };
         let path = fault.file().display().to_string();
-        let annotation = AnnotationKind::Primary.span(fault.span.clone()).label(fault.label());
-        let snippet = Snippet::source(fault.source.text()).path(path).annotation(annotation);
-        let mut group = Level::ERROR.primary_title(fault.message.as_str()).element(snippet);
+        let title = Level::ERROR.primary_title(fault.message.as_str());
+        let mut group = match excerpt(fault.source.text(), fault.span.clone()) {
+            Some(shown) => {
+                let annotation = AnnotationKind::Primary.span(shown.piece).label(fault.label());
+                title.element(Snippet::source(shown.text).line_start(shown.line).path(path).annotation(annotation))
+            }
+            None => title.element(Origin::path(path).line(fault.line()).char_column(fault.column())),
+        };
         if let Some(help) = &fault.help {
             group = group.element(Level::HELP.message(help.as_str()));
         }

@@ -5,6 +5,7 @@ use std::{fmt, ops::Range, sync::Arc};
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::source::{Source, Sources, Span, line_column};
+use crate::excerpt::excerpt;
 
 /// How bad it is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -108,11 +109,18 @@ impl Diagnostic {
             Severity::Warning => Level::WARNING,
         };
         let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
-        let mut group = level.primary_title(&self.message).elements(self.snippet.iter().map(|(source, range)| {
-            Snippet::source(&source.text).path(&self.file).annotation(AnnotationKind::Primary.span(range.clone()))
+        let shown = self.snippet.as_ref().and_then(|(source, range)| excerpt(&source.text, range.clone()));
+        let is_shown = shown.is_some();
+        let mut group = level.primary_title(&self.message).elements(shown.map(|shown| {
+            let mark = AnnotationKind::Primary.span(shown.piece);
+            Snippet::source(shown.text).line_start(shown.line).path(&self.file).annotation(mark)
         }));
-        if self.snippet.is_none() {
-            group = group.element(annotate_snippets::Origin::path(&self.file));
+        if !is_shown {
+            let origin = annotate_snippets::Origin::path(&self.file);
+            group = group.element(match self.place {
+                Some(Place { line, column }) => origin.line(line).char_column(column),
+                None => origin,
+            });
         }
         if let Some(help) = &self.help {
             group = group.element(Level::HELP.message(help));

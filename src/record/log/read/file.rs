@@ -60,7 +60,7 @@ impl<'a> LogFile<'a> {
         if bytes.len() < 2 * mcap::MAGIC.len() || !bytes.ends_with(mcap::MAGIC) {
             return Err(LogError::Truncated { path: path.to_owned(), length: bytes.len() });
         }
-        verify(bytes).map_err(damaged(path))?;
+        verify(bytes).map_err(|reason| LogError::Damaged { path: path.to_owned(), reason })?;
         let summary = Summary::read(bytes).map_err(damaged(path))?;
         let summary = summary.ok_or_else(|| LogError::Foreign { path: path.to_owned(), reason: "it has no index" })?;
         Ok(Self { path, bytes, summary })
@@ -126,19 +126,32 @@ impl<'a> LogFile<'a> {
     }
 }
 
-/// Goes through the records once and compares the check sums over all of them, index and tables included; those of the
-/// messages alone are not enough to trust a name or an offset by.
-fn verify(bytes: &[u8]) -> Result<(), McapError> {
+/// Longest record of a log, bytes, unless the file itself is longer. Where a record stands in a compressed chunk nothing but its
+/// own word says how long it is.
+const MOST_RECORD: usize = 256 << 20;
+/// How much longer than the file its records may be.
+const MOST_GROWTH: usize = 1000;
+
+/// Goes through the records once, those of chunks included, and compares the check sums over all of them, index and tables
+/// included; those of the messages alone are not enough to trust a name or an offset by. No record is longer than what is
+/// read, and all of them together are not much longer than the file, so that a few bytes do not fill the memory.
+fn verify(bytes: &[u8]) -> Result<(), String> {
     let options = LinearReaderOptions::default()
-        .with_emit_chunks(true)
-        .with_record_length_limit(bytes.len())
+        .with_record_length_limit(bytes.len().max(MOST_RECORD))
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true);
     let (mut reader, mut rest) = (LinearReader::new_with_options(options), bytes);
+    let mut left = bytes.len().saturating_mul(MOST_GROWTH).saturating_add(MOST_RECORD);
     while let Some(event) = reader.next_event() {
-        if let LinearReadEvent::ReadRequest(wanted) = event? {
-            let read = rest.read(reader.insert(wanted.min(bytes.len())))?;
-            reader.notify_read(read);
+        match event.map_err(|e| e.to_string())? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let read = rest.read(reader.insert(wanted.min(bytes.len()))).map_err(|e| e.to_string())?;
+                reader.notify_read(read);
+            }
+            LinearReadEvent::Record { data, .. } => {
+                let more = || format!("its records are more than {MOST_GROWTH} times as long as the file");
+                left = left.checked_sub(data.len()).ok_or_else(more)?;
+            }
         }
     }
     Ok(())
