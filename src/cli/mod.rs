@@ -84,7 +84,7 @@ pub enum Command {
     /// Run again from records and compare bit for bit
     #[command(after_help = exit::help("replay"))]
     Replay(replay::Replay),
-    /// Be a robot for tasks that run somewhere else: simulate a scenario's robot and floor, take control and give sensing over UDP
+    /// Be the robot of tasks that run somewhere else, over UDP
     #[command(after_help = exit::help("motor-server"))]
     MotorServer(motor_server::Server),
     /// Play a run's log in three dimensions in the browser
