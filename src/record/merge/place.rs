@@ -29,7 +29,9 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), RecordError> {
             () if entry.file_name().to_string_lossy().starts_with('.') => {}
             () if kind.is_dir() => list(&entry.path(), files)?,
             () if kind.is_file() => files.push(entry.path()),
-            // A link leads to what is no part of these results, and a pipe has no end.
+            // A file that was moved and linked to is still what the run left.
+            () if kind.is_symlink() && entry.path().is_file() => files.push(entry.path()),
+            // Nothing that a run leaves; a pipe has no end.
             () => {}
         }
     }
@@ -39,11 +41,13 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), RecordError> {
 fn bring(from: &Path, to: &Path) -> Result<(), RecordError> {
     let folder = to.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(RecordError::io(folder))?;
+    // Where a link leads to: what is linked and copied is the file itself.
+    let from = &from.canonicalize().map_err(RecordError::io(from))?;
     if std::fs::hard_link(from, to).is_ok() {
         return Ok(());
     }
     atomic::write(to, |out| {
-        let mut file = std::fs::File::open(from).map_err(RecordError::io(from))?;
+        let (mut file, _) = crate::input_file::open(from).map_err(RecordError::io(from))?;
         std::io::copy(&mut file, out).map(|_| ()).map_err(RecordError::io(to))
     })
 }
