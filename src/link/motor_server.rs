@@ -96,11 +96,11 @@ impl MotorServer {
                 return Err(self.silent(patience.unwrap_or_default()));
             }
             let slice = now + Duration::from_millis(100);
-            if let Some(arrived) = self.channel.receive(end.map_or(slice, |end| end.min(slice)))? {
-                if self.greet(&arrived)? {
-                    self.heard = Instant::now();
-                    return Ok(());
-                }
+            if let Some(arrived) = self.channel.receive(end.map_or(slice, |end| end.min(slice)))?
+                && self.greet(&arrived)?
+            {
+                self.heard = Instant::now();
+                return Ok(());
             }
         }
     }

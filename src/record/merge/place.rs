@@ -21,6 +21,9 @@ pub(super) fn place(from: &Path, to: &Path) -> Result<(), RecordError> {
     Ok(())
 }
 
+/// Files of a run that may be links.
+const LINKED: [&str; 2] = ["run.json", "log.mcap"];
+
 fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), RecordError> {
     for entry in std::fs::read_dir(folder).map_err(RecordError::io(folder))? {
         let entry = entry.map_err(RecordError::io(folder))?;
@@ -29,8 +32,8 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), RecordError> {
             () if entry.file_name().to_string_lossy().starts_with('.') => {}
             () if kind.is_dir() => list(&entry.path(), files)?,
             () if kind.is_file() => files.push(entry.path()),
-            // A file that was moved and linked to is still what the run left.
-            () if kind.is_symlink() && entry.path().is_file() => files.push(entry.path()),
+            // A log that was moved and linked to is still the one that the run left: that was looked at.
+            () if kind.is_symlink() && LINKED.iter().any(|name| entry.file_name() == *name) => files.push(entry.path()),
             // Nothing that a run leaves; a pipe has no end.
             () => {}
         }
