@@ -26,15 +26,18 @@ impl Server {
             .unwrap();
         let mut said = BufReader::new(child.stderr.take().unwrap());
         let mut before = String::new();
-        loop {
+        let port = loop {
             let mut line = String::new();
-            assert!(said.read_line(&mut line).unwrap() > 0, "it does not listen:\n{before}");
+            if said.read_line(&mut line).unwrap() == 0 {
+                child.wait().unwrap();
+                panic!("it does not listen:\n{before}");
+            }
             before += &line;
             if let Some((_, port)) = line.trim_end().split_once(" at 127.0.0.1:") {
-                let port = port.parse().unwrap();
-                return Server { child, said, before, port };
+                break port.parse().unwrap();
             }
-        }
+        };
+        Server { child, said, before, port }
     }
 
     fn backend(&self) -> String {
