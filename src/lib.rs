@@ -12,6 +12,7 @@ pub mod force;
 pub mod geometry;
 mod input_file;
 pub mod integrate;
+pub mod link;
 pub mod motion;
 mod pattern;
 pub mod random;

@@ -18,6 +18,7 @@ fn main() -> Exit {
         Command::Compare(compare) => compare.execute(),
         Command::Export(export) => export.execute(),
         Command::Replay(replay) => replay.execute(),
+        Command::MotorServer(server) => server.execute(),
         Command::View(view) => view.execute(),
         Command::Schema(schema) => schema.execute(),
         Command::Completions(completions) => completions.execute(),

@@ -11,6 +11,7 @@ mod faults;
 mod force;
 mod force_balance;
 mod identities;
+mod link;
 mod motion;
 mod oracles;
 mod record;

@@ -61,7 +61,7 @@ pub use progress::Progress;
 pub use resume::{Again, Resumed};
 pub use run::End;
 pub use shard::{Part, Shard};
-pub use simulate::simulate;
+pub use simulate::{simulate, simulate_for};
 
 use event::Event;
 

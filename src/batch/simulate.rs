@@ -2,22 +2,64 @@
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 
 use super::{End, Job, Track, Wanted};
 use crate::contact::frozen::Frozen;
+use crate::link::{Address, Remote};
 use crate::record::{Comparator, Document, LogHeader, LogWriter, ProblemWriter, RecordError, ReferenceMotion, Topics};
 use crate::robot::{Model, Robot};
-use crate::scenario::LogTopic;
+use crate::scenario::{LogTopic, host_and_port};
+use crate::script::stop_flag;
 use crate::sim::build::setup;
+use crate::sim::commander::Commander;
+use crate::sim::estimate::EstimatorSetup;
+use crate::sim::remote::RemoteRun;
 use crate::sim::setup::Floor;
-use crate::sim::{Observer, Outcome, Problems, Sample, Setup, SimEvent, Simulation, Snapshot};
+use crate::sim::{Observer, Outcome, Problems, Sample, Setup, SimEvent, Simulation, Snapshot, Stop};
 
 /// Simulates a job. Ends at the next step once `cancel` is set; scripts that are being loaded end too, if the caller made
 /// them [`stoppable`](crate::script::stoppable) by it.
+///
+/// Where the scenario names a robot somewhere else, that one is driven instead of a simulated one.
 pub fn simulate(job: &Job, wanted: &Wanted, cancel: &AtomicBool) -> End {
+    match job.run.scenario.robot.backend {
+        Some(_) => drive(job, wanted, cancel, |setup, observer, cancel| elsewhere(job, setup, observer, cancel)),
+        None => drive(job, wanted, cancel, here),
+    }
+}
+
+/// Simulates a job whose robot does what somebody else says instead of its tasks. `make` finds who, and may wait for it until the
+/// flag is raised.
+pub fn simulate_for(
+    job: &Job,
+    wanted: &Wanted,
+    cancel: &AtomicBool,
+    make: impl FnOnce(&Setup, Option<Arc<AtomicBool>>) -> Result<Box<dyn Commander>, Stop>,
+) -> End {
+    drive(job, wanted, cancel, |mut setup, observer, cancel| {
+        let commander = match make(&setup, stop_flag()) {
+            Ok(commander) => commander,
+            Err(stop) => return End { outcome: stop.outcome, ..End::error(stop.message) },
+        };
+        setup.commander = Some(commander);
+        // Tasks estimate, and keep bodies apart, where they run.
+        setup.estimator = EstimatorSetup::Truth;
+        setup.self_contact.iter_mut().for_each(|own| own.avoid = None);
+        here(setup, observer, cancel)
+    })
+}
+
+/// Builds a run, has it driven and keeps what it tells.
+fn drive(
+    job: &Job,
+    wanted: &Wanted,
+    cancel: &AtomicBool,
+    driver: impl FnOnce(Setup, &mut dyn Observer, &AtomicBool) -> End,
+) -> End {
     let setup = match setup(&job.run, &job.robot) {
         Ok(setup) => setup,
         // All of it was built once before anything ran: a script that was ended from outside fails, but not by its own fault.
@@ -27,7 +69,7 @@ pub fn simulate(job: &Job, wanted: &Wanted, cancel: &AtomicBool) -> End {
         Err(errors) => return End::error(errors.to_string()),
     };
     match Recorder::open(job, wanted, &setup) {
-        Ok(recorder) => recorded(setup, recorder, cancel),
+        Ok(recorder) => recorded(setup, recorder, cancel, driver),
         Err(error) => End::error(error.to_string()),
     }
 }
@@ -88,9 +130,14 @@ impl Observer for Recorder {
     }
 }
 
-fn recorded(setup: Setup, mut recorder: Recorder, cancel: &AtomicBool) -> End {
+fn recorded(
+    setup: Setup,
+    mut recorder: Recorder,
+    cancel: &AtomicBool,
+    driver: impl FnOnce(Setup, &mut dyn Observer, &AtomicBool) -> End,
+) -> End {
     let log_rate = if recorder.log.is_some() { setup.log_rate } else { 0.0 };
-    let mut end = advance(Setup { log_rate, ..setup }, &mut recorder, cancel);
+    let mut end = driver(Setup { log_rate, ..setup }, &mut recorder, cancel);
     end.notes.extend(recorder.problems.and_then(|p| p.summary()));
     end.comparison = recorder.compared.map(|c| c.comparison()).unwrap_or_default();
     end.trajectory = recorder.kept;
@@ -104,15 +151,39 @@ fn recorded(setup: Setup, mut recorder: Recorder, cancel: &AtomicBool) -> End {
     }
 }
 
-fn advance(mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> End {
-    let notes = std::mem::take(&mut setup.notes);
+fn here(mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> End {
+    let mut notes = std::mem::take(&mut setup.notes);
     let mut simulation = match Simulation::new(setup) {
         Ok(simulation) => simulation,
         Err(stop) => return End { outcome: stop.outcome, ..End::error(stop.message) },
     };
     let (outcome, message) = simulation.run(observer, cancel);
+    notes.extend_from_slice(simulation.notes());
     let avoidance = simulation.avoidance_time();
     End { message, metrics: Some(simulation.metrics().clone()), notes, avoidance, ..End::of(outcome) }
+}
+
+/// Tasks here, the robot at the other end of a link.
+fn elsewhere(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> End {
+    let mut notes = std::mem::take(&mut setup.notes);
+    let rate = job.run.scenario.control.rate;
+    let spec = &job.run.scenario.robot;
+    let (host, port) = spec.backend.as_deref().and_then(host_and_port).unwrap_or_default();
+    let key = spec.backend_key.as_deref().map(|written| job.run.resolve(written));
+    let connected = Address::read(host, port, key.as_deref())
+        .and_then(|address| Remote::connect(&address, &setup.model, rate, None, stop_flag()));
+    let mut robot = match connected {
+        Ok(robot) => robot,
+        Err(error) => {
+            let stop = Stop::from(error);
+            return End { outcome: stop.outcome, notes, ..End::error(stop.message) };
+        }
+    };
+    let mut run = RemoteRun::new(setup);
+    let (outcome, message) = run.run(&mut robot, observer, cancel);
+    notes.extend(crate::sim::remote::Robot::leave(&mut robot));
+    let avoidance = run.avoidance_time();
+    End { message, metrics: Some(run.metrics().clone()), notes, avoidance, ..End::of(outcome) }
 }
 
 fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordError> {

@@ -135,6 +135,18 @@ pub fn codes(command: &str) -> &'static Codes {
             (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT)"),
             (Exit::Terminated, "interrupted by SIGTERM"),
         ],
+        "motor-server" => &[
+            (Exit::Success, "the run reached its end and every expectation held"),
+            (Exit::Failed, "an expectation did not hold"),
+            (Exit::Invalid, "wrong usage, an invalid scenario, not one run, no key for an address beyond loopback"),
+            (
+                Exit::Unfinished,
+                "the run did not finish, the address could not be bound, or the tasks left or went silent",
+            ),
+            (Exit::Nothing, NOTHING),
+            (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT)"),
+            (Exit::Terminated, "interrupted by SIGTERM"),
+        ],
         "view" => &[
             (Exit::Success, "shown until Ctrl-C or SIGTERM, or the file is written"),
             (

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use super::{Exit, terminal};
 
 /// Commands, for those who misspell one.
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "run",
     "check",
     "list",
     "inspect",
     "report",
     "merge",
+    "motor-server",
     "submit",
     "compare",
     "export",

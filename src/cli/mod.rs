@@ -13,6 +13,7 @@ mod list;
 mod machine;
 mod man;
 mod merge;
+mod motor_server;
 mod numbers;
 mod prepare;
 mod replay;
@@ -83,6 +84,9 @@ pub enum Command {
     /// Run again from records and compare bit for bit
     #[command(after_help = exit::help("replay"))]
     Replay(replay::Replay),
+    /// Be the robot of tasks that run somewhere else, over UDP
+    #[command(after_help = exit::help("motor-server"))]
+    MotorServer(motor_server::Server),
     /// Play a run's log in three dimensions in the browser
     #[command(after_help = exit::help("view"))]
     View(view::View),

@@ -28,7 +28,7 @@ const MOST_VERDICTS: usize = 2000;
 
 /// Which verdicts are shown.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Verdicts {
+pub(super) enum Verdicts {
     /// Those that did not hold
     Failed,
     /// These, and all that name a value
@@ -172,7 +172,12 @@ fn resumed(resumed: &Resumed) {
 }
 
 /// The table, the verdicts and the paths written.
-fn summary(report: &Report, wanted: Option<Verdicts>, slow: Option<Duration>, junit: Option<&Path>) -> String {
+pub(super) fn summary(
+    report: &Report,
+    wanted: Option<Verdicts>,
+    slow: Option<Duration>,
+    junit: Option<&Path>,
+) -> String {
     let all = report.rows();
     // Of more runs than can be kept those are shown that went wrong.
     let is_whole = report.tally.runs() == all.len();
@@ -248,7 +253,7 @@ fn shown(wanted: Option<Verdicts>, values: usize) -> Shown {
     }
 }
 
-fn exit(report: &Report, asked: &Asked) -> Exit {
+pub(super) fn exit(report: &Report, asked: &Asked) -> Exit {
     match () {
         () if report.interrupted => asked.exit(),
         () if report.has_unfinished() => Exit::Unfinished,

@@ -60,9 +60,52 @@ pub(crate) fn write(
     publish(temporary, path)
 }
 
+/// The same for a file that the user names: a link leads to the file that is meant, and what is no file, such as a pipe, a device or
+/// `/dev/stdout`, takes what is written to it and stays what it is.
+pub(crate) fn write_named(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), RecordError>,
+) -> Result<(), RecordError> {
+    // Only now is anything followed; a dangling link is replaced.
+    match std::fs::metadata(path) {
+        Ok(about) if about.is_file() => {
+            let meant = path.canonicalize().map_err(RecordError::io(path))?;
+            write(&meant, fill)
+        }
+        Ok(about) if !about.is_dir() => {
+            let file = File::options().write(true).open(path).map_err(RecordError::io(path))?;
+            let mut out = BufWriter::new(file);
+            fill(&mut out)?;
+            out.flush().map_err(RecordError::io(path))
+        }
+        _ => write(path, fill),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn what_a_user_names_stays_what_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link, away) = (folder.path().join("file"), folder.path().join("link"), folder.path().join("away"));
+        std::fs::write(&file, "old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        std::os::unix::fs::symlink("/dev/null", &away).unwrap();
+        let fill = |out: &mut BufWriter<File>| out.write_all(b"new").map_err(RecordError::io(Path::new("x")));
+        write_named(&link, fill).unwrap();
+        assert!(link.is_symlink() && std::fs::read(&file).unwrap() == b"new");
+        write_named(&away, fill).unwrap();
+        assert_eq!(std::fs::read_link(&away).unwrap(), Path::new("/dev/null"));
+        let full = folder.path().join("full");
+        std::os::unix::fs::symlink("/dev/full", &full).unwrap();
+        assert!(matches!(write_named(&full, fill), Err(RecordError::Io { .. })));
+        let new = folder.path().join("deep/new");
+        write_named(&new, fill).unwrap();
+        assert_eq!(std::fs::read(new).unwrap(), b"new");
+    }
 
     #[test]
     fn a_failed_write_keeps_the_old_file_and_leaves_nothing_beside_it() {

@@ -65,6 +65,34 @@ pub(super) struct Column {
     pub get: fn(&SummaryRow) -> Number,
 }
 
+impl Column {
+    /// Its cell of a row: empty where the run could not measure it.
+    pub fn of(&self, row: &SummaryRow) -> Number {
+        if row.metrics.elsewhere && !FELT.iter().any(|known| self.name.starts_with(known)) {
+            return Number::Real(None);
+        }
+        (self.get)(row)
+    }
+}
+
+/// Columns, by the beginnings of their names, of runs whose robot was somewhere else: what follows from sensing and from what was
+/// asked. The rest is known to who simulates alone.
+const FELT: [&str; 13] = [
+    "duration_s",
+    "wall_",
+    "cpu_",
+    "real_time_factor",
+    "final_base_",
+    "final_com_",
+    "first_fall_s",
+    "min_self_distance_m",
+    "self_collisions",
+    "self_near_s",
+    "avoidance_",
+    "timing_",
+    "error_",
+];
+
 /// A column of text.
 pub(super) struct TextColumn {
     pub name: &'static str,
@@ -215,7 +243,7 @@ pub const NUMERIC_COLUMNS: [&str; COLUMNS.len()] = {
 /// for an empty cell (a first-time mark of what never happened).
 pub fn metric(row: &SummaryRow, column: &str) -> Option<f64> {
     let Some(fixed) = COLUMNS.iter().find(|c| c.name == column) else { return truth_error(row, column) };
-    match (fixed.get)(row) {
+    match fixed.of(row) {
         Number::Count(n) => Some(n as f64),
         Number::Real(x) => x,
     }
@@ -223,7 +251,7 @@ pub fn metric(row: &SummaryRow, column: &str) -> Option<f64> {
 
 /// The same as other programs are told it.
 pub fn measure(row: &SummaryRow, column: &str) -> Measure {
-    match COLUMNS.iter().find(|c| c.name == column).map(|c| (c.get)(row)) {
+    match COLUMNS.iter().find(|c| c.name == column).map(|c| c.of(row)) {
         Some(Number::Count(n)) => Measure::Count(n),
         Some(Number::Real(x)) => x.map_or(Measure::Nothing, Measure::Real),
         None => truth_error(row, column).map_or(Measure::Nothing, Measure::Real),

@@ -200,6 +200,8 @@ mod outcome {
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Metrics")]
 struct MetricsRecord {
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    elsewhere: bool,
     #[serde(with = "number::real")]
     duration_s: f64,
     steps: u64,

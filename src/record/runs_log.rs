@@ -152,7 +152,7 @@ impl Serialize for Line<'_> {
             map.serialize_entry(name, value)?;
         }
         for column in COLUMNS {
-            match (column.get)(row) {
+            match column.of(row) {
                 Number::Count(n) => map.serialize_entry(column.name, &n)?,
                 Number::Real(x) => map.serialize_entry(column.name, &x.map(Real))?,
             }

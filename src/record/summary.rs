@@ -182,7 +182,7 @@ fn text_series(name: &str, values: impl Iterator<Item = Option<String>>) -> Seri
 
 /// Counts stay whole numbers.
 fn metric_series(column: &super::columns::Column, rows: &[SummaryRow]) -> Series {
-    let cells = rows.iter().map(|r| (column.get)(r));
+    let cells = rows.iter().map(|r| column.of(r));
     if column.counts {
         let counts = cells.map(|cell| if let Number::Count(n) = cell { Some(n) } else { None });
         Series::new(column.name.into(), counts.collect::<Vec<Option<u64>>>())

@@ -39,6 +39,13 @@ pub fn compare(then: &Left, again: &Again) -> Vec<Difference> {
     let inputs_changed = again.changes.iter().any(Change::is_of_inputs);
     let logs = match (&then.log, &again.left.log) {
         (Some(a), Some(b)) => log::compare(a, b, inputs_changed, then.was_cut()),
+        // Its record knows of one.
+        (None, _) if then.record.log.is_some() => Some(Difference {
+            file: "log.mcap",
+            place: "it is missing, and the record knows of one".into(),
+            values: None,
+            more: 0,
+        }),
         _ => None,
     };
     // The metrics of a run that was ended from outside are those of that moment.

@@ -35,6 +35,7 @@ mod spec;
 mod suggest;
 mod tree;
 
+pub use checks::host_and_port;
 pub use diagnostic::{Diagnostic, Diagnostics, Place, Severity};
 pub use events::Event;
 pub use expand::{DEFAULT_MAX_RUNS, Origin, Run};

@@ -14,6 +14,7 @@ mod stop;
 pub use convert::{Effect, Named};
 pub use error::ScriptError;
 pub use sandbox::{BUDGET, BYTES, MEMORY};
+pub(crate) use stop::flag as stop_flag;
 pub use stop::stoppable;
 
 use crate::random::Stream;

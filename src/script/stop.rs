@@ -23,6 +23,6 @@ pub fn stoppable<R>(flag: Arc<AtomicBool>, body: impl FnOnce() -> R) -> R {
 }
 
 /// The flag of this thread, if it has one.
-pub(super) fn flag() -> Option<Arc<AtomicBool>> {
+pub(crate) fn flag() -> Option<Arc<AtomicBool>> {
     FLAG.with(|f| f.borrow().clone())
 }

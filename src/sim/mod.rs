@@ -3,6 +3,7 @@
 pub mod actuator;
 pub mod build;
 pub mod change;
+pub mod commander;
 mod comply;
 mod damp;
 mod decide;
@@ -30,6 +31,7 @@ pub mod patch;
 pub mod plant;
 mod prescribe;
 mod project;
+pub mod remote;
 pub mod report;
 mod sample;
 pub mod self_contact;
@@ -37,6 +39,7 @@ pub mod sensors;
 pub mod setup;
 pub mod simulation;
 mod speed;
+mod unmeasured;
 mod watch;
 mod zones;
 

@@ -214,6 +214,8 @@ pub struct AvoidanceTime {
 /// What one run measured: the columns of the summary between `duration_s` and the marks, timings apart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metrics {
+    /// Was the robot somewhere else? What only a simulation knows is then not measured.
+    pub elsewhere: bool,
     /// Simulated time reached, s.
     pub duration_s: f64,
     /// Accepted integration steps.

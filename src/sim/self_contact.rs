@@ -83,7 +83,7 @@ impl SelfContact {
     }
 
     /// Makes what the joints are asked safe.
-    fn avoid(&mut self, model: &Model, state: &State, command: &mut Command) {
+    pub(super) fn avoid(&mut self, model: &Model, state: &State, command: &mut Command) {
         let Some(avoider) = &mut self.avoider else { return };
         let clock = ThreadTime::try_now().ok();
         self.measured.0.copy_from_slice(&state.joints);

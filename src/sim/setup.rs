@@ -1,6 +1,7 @@
 //! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
 
 use super::change::Change;
+use super::commander::Commander;
 use super::estimate::EstimatorSetup;
 use super::imu::Imu;
 use super::loads::Load;
@@ -139,6 +140,8 @@ pub struct Setup {
     pub joint_stops: bool,
     /// Tasks.
     pub tasks: TaskServer,
+    /// Who decides what the joints are asked, if not the tasks.
+    pub commander: Option<Box<dyn Commander>>,
     /// External forces.
     pub forces: Vec<Box<dyn Force>>,
     /// Objects that links carry for a time.

@@ -1,6 +1,7 @@
 //! One run from start to end.
 
 use super::change::{Change, Saved};
+use super::commander::Commander;
 use super::error::Stop;
 use super::estimate::Estimator;
 use super::explicit::{Explicit, Sizes};
@@ -25,7 +26,7 @@ use crate::contact::state::MAX_SOLES;
 use crate::geometry::stable_point::Edge;
 use crate::integrate::StepControl;
 use crate::task::server::Situation;
-use crate::task::{Needs, Point, TaskServer};
+use crate::task::{Needs, TaskServer};
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -54,6 +55,9 @@ pub struct Simulation {
     pub(super) tolerances: Tolerances,
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
+    commander: Option<Box<dyn Commander>>,
+    /// What the run has to tell a person at its end.
+    notes: Vec<String>,
     pub(super) loads: Loads,
     pub(super) sensors: Sensors,
     pub(super) estimator: Estimator,
@@ -160,18 +164,12 @@ impl Simulation {
         }
         let sensors = Sensors::new(&plant, setup.sensors, setup.imu, setup.tasks.period(), setup.seed);
         let estimator = Estimator::new(&setup.estimator, &model, setup.imu, setup.gravity);
-        if estimator.adds_forces() {
+        if estimator.adds_forces() || setup.commander.is_some() {
             plant.impulses = Some(Impulses::new(model.soles.len()));
         }
         let mut snapshot = super::observe::blank(&model);
         snapshot.external.reserve(plant.arrows.capacity());
-        for (name, _) in setup.tasks.points() {
-            // Two tasks may have a point of one name.
-            let taken = |name: &str| snapshot.points.iter().any(|point| point.name == name);
-            let names = std::iter::once(name.to_owned()).chain((2..).map(|n| format!("{name}.{n}")));
-            let free = names.into_iter().find(|name| !taken(name)).unwrap_or_default();
-            snapshot.points.push(Point::named(free));
-        }
+        snapshot.points = super::observe::blank_points(&setup.tasks);
         if setup.sensors.is_some() || estimator.estimates() {
             setup.tasks.tick_always();
             snapshot.estimate = Some(super::observe::blank_estimate(&model));
@@ -190,6 +188,8 @@ impl Simulation {
             tolerances,
             contact: setup.contact,
             tasks: setup.tasks,
+            commander: setup.commander,
+            notes: Vec::new(),
             loads,
             sensors,
             estimator,
@@ -234,6 +234,7 @@ impl Simulation {
     pub fn run(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> (Outcome, String) {
         let end = self.advance(observer, cancel);
         let end = end.and_then(|()| self.finish(observer));
+        self.notes.extend(self.commander.iter_mut().flat_map(|commander| commander.leave()));
         self.sum_up();
         match end {
             Ok(()) => (Outcome::Passed, String::new()),
@@ -246,6 +247,11 @@ impl Simulation {
     /// What was measured so far.
     pub fn metrics(&self) -> &Metrics {
         &self.metrics
+    }
+
+    /// What else there is to tell a person after the end.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// The plant at its present state.
@@ -341,7 +347,8 @@ impl Simulation {
         self.snapshot_last(observer)?;
         self.plant.evaluate();
         self.sample_end(observer)?;
-        self.tell(observer)
+        self.tell(observer)?;
+        self.dismiss()
     }
 
     /// The last instant of a run of velocity-level steps, with the forces of the last of them.
@@ -351,10 +358,35 @@ impl Simulation {
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         let time = self.plant.state.time;
-        let loads = self.snapshot.estimate.is_some() || self.tasks.needs(time).contains(Needs::LOADS);
+        let elsewhere = self.commander.is_some();
+        let loads = elsewhere || self.snapshot.estimate.is_some() || self.tasks.needs(time).contains(Needs::LOADS);
         self.sensors.read(&mut self.plant, loads);
-        self.estimator.update(&self.plant.model, &self.plant.state, &self.sensors.readings);
+        self.estimator.update(&self.plant.model, &self.sensors.readings);
         self.take_estimate();
+        let decided = if elsewhere { self.obey() } else { self.call_tasks(observer) };
+        self.pass_command();
+        self.plant.plan(self.tasks.period(), self.tasks.next_tick());
+        decided
+    }
+
+    /// Has the joints asked what somebody else wants.
+    fn obey(&mut self) -> Result<(), Stop> {
+        let Some(commander) = &mut self.commander else { return Ok(()) };
+        let next = commander.exchange(&self.sensors.readings, &mut self.tasks.command)?;
+        self.tasks.decided(self.sensors.readings.time, next);
+        Ok(())
+    }
+
+    /// Tells who decides somewhere else how it ended.
+    fn dismiss(&mut self) -> Result<(), Stop> {
+        if self.commander.is_some() {
+            self.sensors.read(&mut self.plant, true);
+        }
+        self.commander.as_mut().map_or(Ok(()), |commander| commander.finish(&self.sensors.readings))
+    }
+
+    fn call_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        let time = self.plant.state.time;
         let plant = &self.plant;
         let situation = Situation {
             model: &plant.model,
@@ -369,8 +401,6 @@ impl Simulation {
             let event = SimEvent { time, kind: "task", subject: name.to_string(), message };
             failure = observer.event(&event).err().or(failure.take());
         });
-        self.pass_command();
-        self.plant.plan(self.tasks.period(), self.tasks.next_tick());
         failure.map_or(ran, Err).map_err(|m| Stop::new(Outcome::Error, m))
     }
 

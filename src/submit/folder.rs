@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use super::{Jobs, SubmitError, Sweep};
-use crate::record::{RecordError, ShardHead, ShardList};
+use crate::record::{RecordError, ShardHead, ShardList, confined};
 
 /// The beginning of the names of the parts' folders.
 const PART: &str = "part-";
 
 /// See [`Sweep::check_folder`].
 pub(super) fn check(sweep: &Sweep) -> Result<(), SubmitError> {
+    for path in [sweep.scripts(), sweep.results()] {
+        confined::check(&sweep.folder, &path)?;
+    }
     let other = |what: String| Err(SubmitError::Other { folder: sweep.folder.clone(), what });
     let earlier = Jobs::read(&sweep.scripts())?;
     if let Some(jobs) = &earlier {
@@ -25,6 +28,7 @@ pub(super) fn check(sweep: &Sweep) -> Result<(), SubmitError> {
     }
     for (name, path) in parts(&sweep.folder)? {
         let Ok(number) = name[PART.len()..].parse::<u64>() else { continue };
+        confined::check(&sweep.folder, &path)?;
         let Some(head) = head(&path)? else { continue };
         let wanted = number.checked_add(1).filter(|shard| *shard <= sweep.parts.get());
         if (Some(head.shard), head.of) != (wanted, sweep.parts.get()) {

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::input_file::{self, MOST_TEXT};
 use crate::record::{RecordError, atomic};
 
 /// Format version of `jobs.json`.
@@ -48,7 +49,7 @@ impl Jobs {
         }
         let path = scripts.join(JOBS);
         let json = |source| RecordError::Json { path: path.clone(), source };
-        let bytes = match std::fs::read(&path) {
+        let bytes = match input_file::read(&path, MOST_TEXT) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             bytes => bytes.map_err(RecordError::io(&path))?,
         };

@@ -28,6 +28,8 @@ pub struct TaskServer {
     tick: u64,
     /// Does it tick with no task to run?
     always: bool,
+    /// Ticks at the word of who decides somewhere else: the next one, or none any more.
+    told: Option<Option<u64>>,
 }
 
 /// The robot at a tick.
@@ -55,12 +57,25 @@ impl TaskServer {
             rate,
             tick: 0,
             always: false,
+            told: None,
         }
     }
 
     /// Makes it tick whether or not a task is active: for sensors that are to be read.
     pub fn tick_always(&mut self) {
         self.always = true;
+    }
+
+    /// Somebody else decides at a tick, and has: counts the tick at `time` as done. `next` is when there is something to decide
+    /// again; with none the command stays to the end. Tasks of this server are not called.
+    pub fn decided(&mut self, time: f64, next: Option<u64>) {
+        self.tick = (time * self.rate).round() as u64 + 1;
+        self.told = Some(next.map(|next| next.max(self.tick)));
+    }
+
+    /// Number of the next tick that can change anything, if its tasks decide.
+    pub fn next_number(&self) -> Option<u64> {
+        self.next_tick().map(|time| (time * self.rate).round() as u64)
     }
 
     /// Time between ticks, s.
@@ -77,6 +92,9 @@ impl TaskServer {
     /// Time of the next tick that can change anything; none when all tasks have ended. Tick k is at `k / rate`, to the last bit
     /// where the log's instants and other clocks that divide whole numbers by their rates have it.
     pub fn next_tick(&self) -> Option<f64> {
+        if let Some(next) = self.told {
+            return next.map(|next| next as f64 / self.rate);
+        }
         if self.always {
             return Some(self.tick as f64 / self.rate);
         }

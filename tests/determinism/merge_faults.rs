@@ -127,3 +127,22 @@ fn an_array_of_one_task_is_warned_of() {
     assert_eq!(warned("env", "2", "SLURM_ARRAY_TASK_ID"), 0);
     assert_eq!(warned("1/1", "1", "SLURM_ARRAY_TASK_ID"), 0, "it was typed");
 }
+
+/// Logs that were moved away and linked to are what the runs left.
+#[cfg(unix)]
+#[test]
+fn a_file_behind_a_link_is_brought_along() {
+    let place = shards(&[]);
+    run(&place, &FILES, &["-o", "whole"]);
+    for name in ["log.mcap", "run.json"] {
+        let file = first(&place, "b", name);
+        let away = place.path(&format!("away-{name}"));
+        fs::rename(&file, &away).unwrap();
+        std::os::unix::fs::symlink(&away, &file).unwrap();
+    }
+    let done = merge(&place, &[]);
+    assert!(matches!(done.code, Some(0 | 1 | 3)), "{}", done.stderr);
+    assert_same(&place.path("whole"), &place.path("merged"));
+    let linked = first(&place, "merged", "log.mcap");
+    assert!(!linked.is_symlink());
+}

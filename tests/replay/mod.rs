@@ -257,3 +257,11 @@ fn a_run_must_be_known() {
     says(&place.runner(&["replay", "empty"]).exits(4), "nothing selected");
     place.runner(&["replay"]).exits(2);
 }
+
+#[test]
+fn a_log_that_is_gone_is_told() {
+    let (place, folder) = slid();
+    fs::remove_file(place.path(&folder).join("log.mcap")).unwrap();
+    let done = place.runner(&["replay", &folder]).exits(1);
+    assert!(done.stdout.contains("log.mcap: it is missing, and the record knows of one"), "{}", done.stdout);
+}

@@ -60,3 +60,25 @@ fn results_of_something_else_are_left_alone() {
     other(&site, "3", &["thrown.toml"], "it has a folder `results` that no earlier submission left");
     assert!(!exists(site.place.path("sweep/submit")));
 }
+
+/// Neither scripts nor parts go where a link leads, and a pipe is not waited for.
+#[cfg(unix)]
+#[test]
+fn links_and_pipes_in_the_folder_are_refused() {
+    for (name, words) in [("submit", "a symbolic link"), ("part-0", "a symbolic link"), ("results", "a symbolic link")]
+    {
+        let site = Site::new();
+        std::fs::create_dir_all(site.place.path("sweep")).unwrap();
+        std::fs::create_dir_all(site.place.path("away")).unwrap();
+        std::os::unix::fs::symlink(site.place.path("away"), site.place.path("sweep").join(name)).unwrap();
+        let done = site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(2);
+        assert!(done.stderr.contains(words), "{name}: {}", done.stderr);
+        assert_eq!(std::fs::read_dir(site.place.path("away")).unwrap().count(), 0);
+    }
+    let site = Site::new();
+    std::fs::create_dir_all(site.place.path("sweep/submit")).unwrap();
+    let pipe = site.place.path("sweep/submit/jobs.json");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let done = site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(2);
+    assert!(done.stderr.contains("jobs.json"), "{}", done.stderr);
+}

@@ -46,9 +46,18 @@ fn options_that_make_no_sense_here_are_no_options() {
     {
         site.runner(none).exits(2);
     }
-    for taken in
-        ["--array=3", "-a3", "--dependency=afterok:1", "-d singleton", "--qos=low --wait", "--output=x", "-Mother"]
-    {
+    for taken in [
+        "--array=3",
+        "-a3",
+        "--dependency=afterok:1",
+        "-d singleton",
+        "--qos=low --wait",
+        "--output=x",
+        "-Mother",
+        "--arr=3",
+        "--out=x",
+        "--dep=x",
+    ] {
         refused(&site, &["thrown.toml", &format!("--sbatch={taken}")], 2, "cannot be chosen");
     }
     refused(&site, &["thrown.toml", "--sbatch=qos"], 2, "no hyphen before it");

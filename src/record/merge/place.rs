@@ -21,6 +21,9 @@ pub(super) fn place(from: &Path, to: &Path) -> Result<(), RecordError> {
     Ok(())
 }
 
+/// Files of a run that may be links.
+const LINKED: [&str; 2] = ["run.json", "log.mcap"];
+
 fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), RecordError> {
     for entry in std::fs::read_dir(folder).map_err(RecordError::io(folder))? {
         let entry = entry.map_err(RecordError::io(folder))?;
@@ -29,7 +32,9 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), RecordError> {
             () if entry.file_name().to_string_lossy().starts_with('.') => {}
             () if kind.is_dir() => list(&entry.path(), files)?,
             () if kind.is_file() => files.push(entry.path()),
-            // A link leads to what is no part of these results, and a pipe has no end.
+            // A log that was moved and linked to is still the one that the run left: that was looked at.
+            () if kind.is_symlink() && LINKED.iter().any(|name| entry.file_name() == *name) => files.push(entry.path()),
+            // Nothing that a run leaves; a pipe has no end.
             () => {}
         }
     }
@@ -39,11 +44,13 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), RecordError> {
 fn bring(from: &Path, to: &Path) -> Result<(), RecordError> {
     let folder = to.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(RecordError::io(folder))?;
+    // Where a link leads to: what is linked and copied is the file itself.
+    let from = &from.canonicalize().map_err(RecordError::io(from))?;
     if std::fs::hard_link(from, to).is_ok() {
         return Ok(());
     }
     atomic::write(to, |out| {
-        let mut file = std::fs::File::open(from).map_err(RecordError::io(from))?;
+        let (mut file, _) = crate::input_file::open(from).map_err(RecordError::io(from))?;
         std::io::copy(&mut file, out).map(|_| ()).map_err(RecordError::io(to))
     })
 }

@@ -35,7 +35,8 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{Environment, State, UndefinedBehavior, Value, context};
 use serde::Serialize;
-use std::io::Write;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// A run as the report shows it.
@@ -105,7 +106,9 @@ pub fn write_report_of(
 ) -> Result<(), RecordError> {
     let page = page(results, (runs, tally), references, pictured)?;
     let html = render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
-    atomic::write(path, |out| out.write_all(html.as_bytes()).map_err(RecordError::io(path)))
+    let fill = |out: &mut BufWriter<File>| out.write_all(html.as_bytes()).map_err(RecordError::io(path));
+    // What stands in the folder of results is replaced, not followed.
+    if path.parent() == Some(results) { atomic::write(path, fill) } else { atomic::write_named(path, fill) }
 }
 
 /// What the template is filled with.

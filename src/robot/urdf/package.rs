@@ -37,7 +37,8 @@ fn as_written(folder: &Path, filename: &str) -> Result<PathBuf, String> {
             return Err("the name lacks a path inside the package".into());
         };
         // A relative folder has no further ancestors by name alone.
-        let absolute = std::path::absolute(folder).map_err(|e| e.to_string())?;
+        let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let absolute = std::path::absolute(here).map_err(|e| e.to_string())?;
         let found = absolute.ancestors().find_map(|above| {
             let beside = above.join(package).join(inside);
             let itself = is_package(above, package).then(|| above.join(inside));

@@ -31,6 +31,14 @@ struct Check<'a> {
     findings: &'a mut Findings,
 }
 
+/// Host and port of an address such as `udp://127.0.0.1:4747` or `udp://[::1]:4747`.
+pub fn host_and_port(backend: &str) -> Option<(&str, u16)> {
+    let (host, port) = backend.strip_prefix("udp://")?.rsplit_once(':')?;
+    let host = host.strip_prefix('[').map_or(Some(host), |inner| inner.strip_suffix(']'))?;
+    let port = port.parse().ok().filter(|port| *port > 0)?;
+    (!host.is_empty()).then_some((host, port))
+}
+
 /// Report what does not fit together.
 pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     let mut check = Check { root, findings };
@@ -40,6 +48,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     if scenario.robot.model.is_empty() {
         check.error("robot.model", "must name a file");
     }
+    check.backend(scenario);
     check.friction("floor.friction", scenario.floor.friction);
     for (i, patch) in scenario.floor.patches.iter().enumerate() {
         check.friction(&format!("floor.patches.{i}.friction"), patch.friction);
@@ -77,6 +86,19 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
 }
 
 impl Check<'_> {
+    /// A robot somewhere else has an address, and a key belongs to one.
+    fn backend(&mut self, scenario: &Scenario) {
+        let robot = &scenario.robot;
+        if let Some(backend) = &robot.backend
+            && host_and_port(backend).is_none()
+        {
+            self.error("robot.backend", format!("must be like \"udp://127.0.0.1:4747\", not {backend:?}"));
+        }
+        if robot.backend.is_none() && robot.backend_key.is_some() {
+            self.error("robot.backend_key", "belongs to `robot.backend`, which is not there");
+        }
+    }
+
     /// Is no list longer than can be judged?
     fn counts(&mut self, scenario: &Scenario) -> bool {
         let lists = [

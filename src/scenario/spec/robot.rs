@@ -16,6 +16,13 @@ use crate::scenario::quantity::{
 pub struct RobotSpec {
     /// Path of a robot file (`.toml`) or a `.urdf`, relative to the scenario file.
     pub model: String,
+    /// Where the robot is, if it is not simulated by this run: `udp://ADDRESS:PORT`, where a `runner motor-server` or a robot
+    /// listens.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub backend: Option<String>,
+    /// File with the secret that both sides have, at least 16 bytes; needed unless the address of `backend` is on loopback.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub backend_key: Option<String>,
     /// Pose and velocity of the root link's frame at the start.
     #[serde(default)]
     pub base: BaseSpec,

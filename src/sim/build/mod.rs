@@ -82,6 +82,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         start,
         joint_stops: s.robot.joint_limits == JointLimits::Stop,
         tasks,
+        commander: None,
         forces,
         loads,
         sensors: sensors::errors(&s.sensors),

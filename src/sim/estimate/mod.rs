@@ -85,15 +85,16 @@ impl Estimator {
         self.started = false;
     }
 
-    /// Takes the readings of a tick. `truth` gives the time, and the base at the first tick.
-    pub fn update(&mut self, model: &Model, truth: &State, sensed: &Sensed) {
+    /// Takes the readings of a tick. The base is taken from them, where they know it, at the first tick, and at all of them by
+    /// the estimator that gives the truth.
+    pub fn update(&mut self, model: &Model, sensed: &Sensed) {
         let nb = model.nb();
-        let dt = truth.time - self.state.time;
+        let dt = sensed.time - self.state.time;
         let first = !std::mem::replace(&mut self.started, true);
-        if first || !self.estimates() {
-            self.state.copy_from(truth);
+        if let Some(base) = sensed.base.filter(|_| first || !self.estimates()) {
+            base.put(model, &mut self.state);
         }
-        self.state.time = truth.time;
+        self.state.time = sensed.time;
         self.state.joints.copy_from_slice(&sensed.position);
         self.state.v[nb..].copy_from_slice(&sensed.velocity);
         match &mut self.kind {

@@ -52,7 +52,10 @@ impl Options {
     }
 }
 
-/// Is it this option? A short one may have its value behind it.
+/// Is it this option, or would Slurm take it for that? It takes the beginning of a long one for the whole, and a short one may have its
+/// value behind it.
 fn is(word: &str, option: &str) -> bool {
-    word == option || !option.starts_with("--") && !word.starts_with("--") && word.starts_with(option)
+    word == option
+        || word.len() > 2 && option.starts_with("--") && option.starts_with(word)
+        || !option.starts_with("--") && !word.starts_with("--") && word.starts_with(option)
 }

@@ -1,0 +1,4 @@
+//! Tasks here, robot there: packets, sessions, the same bits over a link.
+
+mod session;
+mod wire;

@@ -1,0 +1,292 @@
+//! Packets: what is written is read to the last bit, and what is no packet of this robot and session is refused.
+
+use std::path::Path;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use stiction::link::wire::{
+    self, HEADER, Header, Hello, Key, Kind, Refused, VERSION, Welcome, fingerprint, flags, read_control, read_sensing,
+    write_control, write_sensing,
+};
+use stiction::random::Stream;
+use stiction::robot::{DriveMode, Model, load};
+use stiction::task::sensed::BaseMotion;
+use stiction::task::{Command, Sensed};
+
+fn model() -> Model {
+    load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml")).expect("a robot of the tree").model
+}
+
+fn key() -> Key {
+    Key::of(b"sixteen bytes or more").expect("long enough")
+}
+
+const CONTROL: Header = Header { kind: Kind::Control, flags: 0, session: 7, sequence: 3, tick: 12, time: 0.012 };
+
+/// Numbers without a pattern, as a robot has them.
+fn command(model: &Model, stream: &mut Stream) -> Command {
+    let mut command = Command::hold(model, &model.home);
+    let modes = [DriveMode::Position, DriveMode::Velocity, DriveMode::Force, DriveMode::Kinematic, DriveMode::Passive];
+    for (j, mode) in command.mode.iter_mut().enumerate() {
+        *mode = modes[j % 5];
+    }
+    for column in [&mut command.position, &mut command.velocity, &mut command.effort] {
+        column.iter_mut().for_each(|x| *x = stream.normal());
+    }
+    for column in [&mut command.kp, &mut command.kd] {
+        column.iter_mut().for_each(|x| *x = 100.0 * stream.unit());
+    }
+    command
+}
+
+fn vector(stream: &mut Stream) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| stream.normal())
+}
+
+fn sensed(model: &Model, stream: &mut Stream, base: bool, vertices: bool) -> Sensed {
+    let mut sensed = Sensed::blank(model);
+    sensed.time = 0.012;
+    for column in [&mut sensed.position, &mut sensed.velocity, &mut sensed.load] {
+        column.iter_mut().for_each(|x| *x = stream.normal());
+    }
+    sensed.orientation = UnitQuaternion::from_scaled_axis(vector(stream));
+    (sensed.angular_velocity, sensed.specific_force) = (vector(stream), vector(stream));
+    if base {
+        sensed.base = Some(BaseMotion {
+            position: vector(stream),
+            rotation: UnitQuaternion::from_scaled_axis(vector(stream)),
+            velocity: vector(stream),
+            angular_velocity: vector(stream),
+        });
+    }
+    for sole in &mut sensed.soles {
+        (sole.force, sole.mean_force, sole.moment) = (vector(stream), vector(stream), vector(stream));
+        sole.resolved = vertices;
+        if vertices {
+            sole.vertices.iter_mut().for_each(|force| *force = vector(stream));
+            sole.clamped.iter_mut().enumerate().for_each(|(i, clamped)| *clamped = i % 2 == 0);
+        }
+    }
+    sensed
+}
+
+fn control_packet(command: &Command, next: Option<u64>, key: Option<&Key>) -> Vec<u8> {
+    let mut out = Vec::new();
+    wire::begin(&CONTROL, &mut out);
+    write_control(command, next, &mut out);
+    wire::end(key, &mut out);
+    out
+}
+
+fn sensing_packet(sensed: &Sensed) -> Vec<u8> {
+    let mut out = Vec::new();
+    wire::begin(&Header { kind: Kind::Sensing, ..CONTROL }, &mut out);
+    let set = write_sensing(sensed, &mut out);
+    out[7] |= set;
+    wire::end(None, &mut out);
+    out
+}
+
+#[test]
+fn control_comes_back_to_the_last_bit() {
+    let model = model();
+    let mut stream = Stream::new(1, &["wire"]);
+    for key in [None, Some(key())] {
+        for next in [None, Some(0), Some(13), Some(u64::MAX - 1)] {
+            let command = command(&model, &mut stream);
+            let packet = control_packet(&command, next, key.as_ref());
+            let (header, body) = wire::open(&packet, key.as_ref()).unwrap();
+            let set = if key.is_some() { flags::SEALED } else { 0 };
+            assert_eq!(header, Header { flags: set, ..CONTROL });
+            let mut read = Command::hold(&model, &model.home);
+            assert_eq!(read_control(body, &mut read), Ok(next));
+            assert_eq!(read, command);
+        }
+    }
+}
+
+#[test]
+fn sensing_comes_back_to_the_last_bit() {
+    let model = model();
+    let mut stream = Stream::new(2, &["wire"]);
+    for (base, vertices) in [(false, false), (true, false), (false, true), (true, true)] {
+        let wanted = sensed(&model, &mut stream, base, vertices);
+        let packet = sensing_packet(&wanted);
+        let (header, body) = wire::open(&packet, None).unwrap();
+        let mut read = Sensed::blank(&model);
+        read_sensing(&header, body, &mut read).unwrap();
+        assert_eq!(read, wanted);
+    }
+}
+
+#[test]
+fn greetings_come_back() {
+    let robot = fingerprint(&model());
+    let (hello, welcome) = (Hello { robot, rate: 500.0 }, Welcome { answers: 9, robot, rate: 500.0, pace: 0.5 });
+    let (mut a, mut b) = (Vec::new(), Vec::new());
+    hello.write(&mut a);
+    welcome.write(&mut b);
+    assert_eq!((Hello::read(&a), Welcome::read(&b)), (Ok(hello), Ok(welcome)));
+    let longer = [&a[..], &[0]].concat();
+    assert_eq!(Hello::read(&longer), Err(Refused::Length));
+    for cut in 0..a.len() {
+        assert_eq!(Hello::read(&a[..cut]), Err(Refused::Length));
+    }
+    for cut in 0..b.len() {
+        assert_eq!(Welcome::read(&b[..cut]), Err(Refused::Length));
+    }
+}
+
+/// Every length but the right one is refused, whether the packet says so of itself or not.
+#[test]
+fn what_is_cut_or_padded_is_refused() {
+    let model = model();
+    let mut stream = Stream::new(3, &["wire"]);
+    let control = control_packet(&command(&model, &mut stream), Some(1), None);
+    let sensing = sensing_packet(&sensed(&model, &mut stream, true, true));
+    let mut command = Command::hold(&model, &model.home);
+    let mut blank = Sensed::blank(&model);
+    for packet in [&control, &sensing] {
+        for length in (0..packet.len()).chain([packet.len() + 1, packet.len() + 8]) {
+            let mut changed = packet.clone();
+            changed.resize(length, 0);
+            assert_eq!(wire::open(&changed, None), Err(Refused::Length), "{length}");
+            if length < HEADER {
+                continue;
+            }
+            // It lies about its length as well.
+            changed[8..12].copy_from_slice(&(length as u32).to_le_bytes());
+            let (header, body) = wire::open(&changed, None).unwrap();
+            let refused = match header.kind {
+                Kind::Control => read_control(body, &mut command).map(|_| ()),
+                _ => read_sensing(&header, body, &mut blank),
+            };
+            // Zeros in the place of what was cut may be refused for what they are.
+            assert!(matches!(refused, Err(Refused::Length | Refused::Value)), "{length}: {refused:?}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_packet_says_why() {
+    let model = model();
+    let packet = control_packet(&command(&model, &mut Stream::new(4, &["wire"])), None, None);
+    let with = |at: usize, bytes: &[u8]| {
+        let mut changed = packet.clone();
+        changed[at..at + bytes.len()].copy_from_slice(bytes);
+        wire::open(&changed, None).map(|_| ())
+    };
+    assert_eq!(with(0, b"STIC"), Err(Refused::Foreign));
+    assert_eq!(with(4, &(VERSION + 1).to_le_bytes()), Err(Refused::Version));
+    assert_eq!(with(6, &[0]), Err(Refused::Foreign));
+    assert_eq!(with(6, &[6]), Err(Refused::Foreign));
+    assert_eq!(with(7, &[64]), Err(Refused::Value), "a flag that there is not");
+    assert_eq!(with(12, &[1]), Err(Refused::Value), "zero that is none");
+    assert_eq!(with(40, &f64::NAN.to_le_bytes()), Err(Refused::Value));
+    assert_eq!(with(40, &f64::INFINITY.to_le_bytes()), Err(Refused::Value));
+    assert_eq!(wire::open(b"", None), Err(Refused::Length));
+    assert_eq!(wire::open(b"GET / HTTP/1.1\r\n", None), Err(Refused::Foreign));
+}
+
+/// A number in the place of each other one; what must not be negative is refused when it is.
+#[test]
+fn numbers_that_cannot_stand_there_are_refused() {
+    let model = model();
+    let n = model.nj();
+    let packet = control_packet(&command(&model, &mut Stream::new(5, &["wire"])), None, None);
+    let first = HEADER + 8 + 4 + n;
+    let mut read = Command::hold(&model, &model.home);
+    for number in 0..5 * n {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0] {
+            let mut changed = packet.clone();
+            changed[first + 8 * number..first + 8 * number + 8].copy_from_slice(&bad.to_le_bytes());
+            let (_, body) = wire::open(&changed, None).unwrap();
+            let gain = number >= 3 * n;
+            let wanted = if bad.is_finite() && !gain { Ok(None) } else { Err(Refused::Value) };
+            assert_eq!(read_control(body, &mut read), wanted, "{number} {bad}");
+        }
+    }
+    let mut changed = packet.clone();
+    changed[HEADER + 12] = 5;
+    assert_eq!(read_control(wire::open(&changed, None).unwrap().1, &mut read), Err(Refused::Value), "a mode");
+    let other = model.nj() as u32 + 1;
+    let mut changed = packet;
+    changed[HEADER + 8..HEADER + 12].copy_from_slice(&other.to_le_bytes());
+    assert_eq!(read_control(wire::open(&changed, None).unwrap().1, &mut read), Err(Refused::Length), "joints");
+}
+
+#[test]
+fn a_quaternion_that_is_no_turn_is_refused() {
+    let model = model();
+    let mut stream = Stream::new(6, &["wire"]);
+    let packet = sensing_packet(&sensed(&model, &mut stream, true, true));
+    let orientation = HEADER + 8 + 8 * 3 * model.nj();
+    let base = orientation + 8 * (4 + 3 + 3 + 3);
+    for at in [orientation, base] {
+        let mut changed = packet.clone();
+        changed[at..at + 8].copy_from_slice(&1.5f64.to_le_bytes());
+        let (header, body) = wire::open(&changed, None).unwrap();
+        assert_eq!(read_sensing(&header, body, &mut Sensed::blank(&model)), Err(Refused::Value));
+    }
+}
+
+/// With a key, one changed bit anywhere is one too many, as is no seal, or that of another key.
+#[test]
+fn seals_hold() {
+    let model = model();
+    let command = command(&model, &mut Stream::new(7, &["wire"]));
+    let (key, other) = (key(), Key::of(b"another secret of some length").unwrap());
+    let sealed = control_packet(&command, None, Some(&key));
+    assert!(wire::open(&sealed, Some(&key)).is_ok());
+    for bit in 0..8 * sealed.len() {
+        let mut changed = sealed.clone();
+        changed[bit / 8] ^= 1 << (bit % 8);
+        assert!(wire::open(&changed, Some(&key)).is_err(), "bit {bit}");
+    }
+    assert_eq!(wire::open(&sealed, Some(&other)), Err(Refused::Seal));
+    assert_eq!(wire::open(&sealed, None), Err(Refused::Seal), "who has no key does not read what is sealed");
+    assert_eq!(wire::open(&control_packet(&command, None, None), Some(&key)), Err(Refused::Seal));
+    assert!(Key::of(b"fifteen bytes..").is_none() && Key::of(b"sixteen bytes...").is_some());
+}
+
+/// Bytes that a stream of random numbers made, with and without the beginning of a packet: nothing is believed, nothing breaks.
+#[test]
+fn noise_is_refused() {
+    let model = model();
+    let mut stream = Stream::new(8, &["wire"]);
+    let valid = sensing_packet(&sensed(&model, &mut stream, true, true));
+    let mut blank = Sensed::blank(&model);
+    let mut command = Command::hold(&model, &model.home);
+    for round in 0..20_000 {
+        let mut bytes: Vec<u8> = if round % 2 == 0 {
+            (0..stream.below(200)).map(|_| stream.below(256) as u8).collect()
+        } else {
+            let mut bytes = valid.clone();
+            for _ in 0..1 + stream.below(4) {
+                let at = stream.below(bytes.len() as u64) as usize;
+                bytes[at] = stream.below(256) as u8;
+            }
+            bytes
+        };
+        if round % 4 == 2 && bytes.len() >= HEADER {
+            bytes[..6].copy_from_slice(&valid[..6]);
+            let length = bytes.len() as u32;
+            bytes[8..12].copy_from_slice(&length.to_le_bytes());
+            bytes[12..16].fill(0);
+        }
+        let Ok((header, body)) = wire::open(&bytes, None) else { continue };
+        let _ = read_sensing(&header, body, &mut blank);
+        let _ = read_control(body, &mut command);
+        let _ = (Hello::read(body), Welcome::read(body));
+    }
+}
+
+#[test]
+fn robots_are_told_apart() {
+    let hoap2 = model();
+    let mut other = hoap2.clone();
+    other.joints[3].name.push('x');
+    assert!(fingerprint(&hoap2) == fingerprint(&model()) && fingerprint(&other) != fingerprint(&hoap2));
+    let mut other = hoap2.clone();
+    other.soles[1].vertices.pop();
+    assert!(fingerprint(&other) != fingerprint(&hoap2));
+}
