@@ -74,6 +74,15 @@ impl FrameMotion {
         let part = |k: usize| if moves { Vector3::from_column_slice(&state.v[k..k + 3]) } else { Vector3::zeros() };
         FrameMotion { rotation: state.rotation, position: state.position, velocity: part(0), omega: part(3) }
     }
+
+    /// Makes it the motion of a state's base; of a fixed one its place alone.
+    pub fn put_base(&self, state: &mut State) {
+        (state.position, state.rotation) = (self.position, self.rotation);
+        if state.v.len() > state.joints.len() {
+            state.v[..3].copy_from_slice(self.velocity.as_slice());
+            state.v[3..6].copy_from_slice(self.omega.as_slice());
+        }
+    }
 }
 
 impl Seen {

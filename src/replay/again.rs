@@ -36,6 +36,9 @@ pub fn prepare(
     problems: Problems,
 ) -> Result<Prepared, ReplayError> {
     let record = &left.record;
+    if record.metrics.elsewhere {
+        return Err(ReplayError::Elsewhere { record: left.path.clone() });
+    }
     let folder = match (base, &record.timing.file) {
         (Some(base), _) => base.to_owned(),
         (None, Some(file)) => Path::new(file).parent().unwrap_or(Path::new("")).to_owned(),

@@ -32,6 +32,14 @@ pub enum ReplayError {
         /// The record.
         record: PathBuf,
     },
+    /// Its robot was somewhere else.
+    #[error(
+        "the robot of {record} was not simulated by that run (`robot.backend`): what it did there cannot be made again"
+    )]
+    Elsewhere {
+        /// The record.
+        record: PathBuf,
+    },
     /// The scenario, its robot or a file it names is not as it should be.
     #[error("the run cannot be made again from {record}")]
     Invalid {

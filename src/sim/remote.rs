@@ -12,8 +12,8 @@ use super::self_contact::SelfContact;
 use super::setup::{Floor, Setup};
 use crate::contact::state::SoleState;
 use crate::dynamics::State;
+use crate::dynamics::chain::FrameMotion;
 use crate::robot::Model;
-use crate::task::sensed::BaseMotion;
 use crate::task::server::Situation;
 use crate::task::{Augmented, Command, Needs, Sensed, TaskServer};
 use nalgebra::{Isometry3, Translation3, Vector3};
@@ -113,11 +113,7 @@ impl RemoteRun {
         let mut sensed = Sensed::blank(&self.model);
         let end = self.advance(robot, observer, &mut sensed, cancel);
         self.sum_up();
-        match end {
-            Ok(()) => (Outcome::Passed, String::new()),
-            Err(_) if cancel.load(Ordering::Relaxed) => (Outcome::Cancelled, "interrupted".to_owned()),
-            Err(stop) => (stop.outcome, stop.message),
-        }
+        Stop::outcome_of(end, cancel)
     }
 
     /// What was measured.
@@ -145,7 +141,7 @@ impl RemoteRun {
             let tick = robot.sense(sensed)?;
             if std::mem::take(&mut first) && sensed.base.is_none() {
                 // Nobody there sees the robot from outside: it begins where the scenario puts it.
-                sensed.base = Some(BaseMotion::of(&self.start, &self.model));
+                sensed.base = Some(FrameMotion::of_base(&self.start));
             }
             let Some(tick) = tick else {
                 self.look(sensed);

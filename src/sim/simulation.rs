@@ -25,8 +25,7 @@ use crate::contact::problem::{Problem, Tolerances};
 use crate::contact::state::MAX_SOLES;
 use crate::geometry::stable_point::Edge;
 use crate::integrate::StepControl;
-use crate::task::server::Situation;
-use crate::task::{Needs, TaskServer};
+use crate::task::TaskServer;
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -55,7 +54,7 @@ pub struct Simulation {
     pub(super) tolerances: Tolerances,
     pub(super) contact: ContactSetup,
     pub(super) tasks: TaskServer,
-    commander: Option<Box<dyn Commander>>,
+    pub(super) commander: Option<Box<dyn Commander>>,
     /// What the run has to tell a person at its end.
     notes: Vec<String>,
     pub(super) loads: Loads,
@@ -236,12 +235,7 @@ impl Simulation {
         let end = end.and_then(|()| self.finish(observer));
         self.notes.extend(self.commander.iter_mut().flat_map(|commander| commander.leave()));
         self.sum_up();
-        match end {
-            Ok(()) => (Outcome::Passed, String::new()),
-            // A script that was ended from outside fails, but not by its own fault.
-            Err(_) if cancel.load(Ordering::Relaxed) => (Outcome::Cancelled, "interrupted".to_owned()),
-            Err(stop) => (stop.outcome, stop.message),
-        }
+        Stop::outcome_of(end, cancel)
     }
 
     /// What was measured so far.
@@ -354,67 +348,6 @@ impl Simulation {
     /// The last instant of a run of velocity-level steps, with the forces of the last of them.
     pub(super) fn snapshot_last(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         if self.steps_velocities() { self.snapshot_now(self.plant.state.time, observer) } else { Ok(()) }
-    }
-
-    fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        let time = self.plant.state.time;
-        let elsewhere = self.commander.is_some();
-        let loads = elsewhere || self.snapshot.estimate.is_some() || self.tasks.needs(time).contains(Needs::LOADS);
-        self.sensors.read(&mut self.plant, loads);
-        self.estimator.update(&self.plant.model, &self.sensors.readings);
-        self.take_estimate();
-        let decided = if elsewhere { self.obey() } else { self.call_tasks(observer) };
-        self.pass_command();
-        self.plant.plan(self.tasks.period(), self.tasks.next_tick());
-        decided
-    }
-
-    /// Has the joints asked what somebody else wants.
-    fn obey(&mut self) -> Result<(), Stop> {
-        let Some(commander) = &mut self.commander else { return Ok(()) };
-        let next = commander.exchange(&self.sensors.readings, &mut self.tasks.command)?;
-        self.tasks.decided(self.sensors.readings.time, next);
-        Ok(())
-    }
-
-    /// Tells who decides somewhere else how it ended.
-    fn dismiss(&mut self) -> Result<(), Stop> {
-        if self.commander.is_some() {
-            self.sensors.read(&mut self.plant, true);
-        }
-        self.commander.as_mut().map_or(Ok(()), |commander| commander.finish(&self.sensors.readings))
-    }
-
-    fn call_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
-        let time = self.plant.state.time;
-        let plant = &self.plant;
-        let situation = Situation {
-            model: &plant.model,
-            gravity: plant.gravity,
-            floor: plant.floor.plane(),
-            state: &self.estimator.state,
-            sensed: &self.sensors.readings,
-        };
-        let mut failure = None;
-        let ran = self.tasks.run(&situation, |what, name| {
-            let message = format!("task {name} {what}");
-            let event = SimEvent { time, kind: "task", subject: name.to_string(), message };
-            failure = observer.event(&event).err().or(failure.take());
-        });
-        failure.map_or(ran, Err).map_err(|m| Stop::new(Outcome::Error, m))
-    }
-
-    /// Keeps what was estimated for the log, and how far it is from the truth.
-    fn take_estimate(&mut self) {
-        let Some(out) = &mut self.snapshot.estimate else { return };
-        super::observe::fill_estimate(&self.estimator, &self.sensors.readings, out);
-        if self.estimator.estimates() {
-            let (position, angle) = self.estimator.error(&self.plant.state);
-            let m = &mut self.metrics;
-            m.max_estimate_error_m = Some(m.max_estimate_error_m.unwrap_or(0.0).max(position));
-            m.max_estimate_error_rad = Some(m.max_estimate_error_rad.unwrap_or(0.0).max(angle));
-            (m.final_estimate_error_m, m.final_estimate_error_rad) = (Some(position), Some(angle));
-        }
     }
 
     /// Prepares the force models.

@@ -1,7 +1,7 @@
 //! What the robot's sensors say at a control tick: with [`super::Command`] all that passes between tasks and a robot, be it simulated
 //! here, somewhere else, or none.
 
-use crate::dynamics::State;
+use crate::dynamics::chain::FrameMotion;
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -11,7 +11,7 @@ pub struct Sensed {
     /// When, by the clock of the robot, s.
     pub time: f64,
     /// Where the base is and how it moves, where something knows it from outside: the simulation, motion capture.
-    pub base: Option<BaseMotion>,
+    pub base: Option<FrameMotion>,
     /// Joint positions, rad or m.
     pub position: Vec<f64>,
     /// Joint velocities.
@@ -27,38 +27,6 @@ pub struct Sensed {
     /// What the floor does to each sole, in the model's order; brought up to date only in ticks at which a task needs
     /// [`super::Needs::LOADS`]. Zero at the first tick, when no forces are known yet.
     pub soles: Vec<SoleLoad>,
-}
-
-/// Motion of the root link's frame in the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BaseMotion {
-    /// Its origin, m.
-    pub position: Vector3<f64>,
-    /// Its orientation.
-    pub rotation: UnitQuaternion<f64>,
-    /// Velocity of the origin, m/s; of a floating base.
-    pub velocity: Vector3<f64>,
-    /// Angular velocity, rad/s; of a floating base.
-    pub angular_velocity: Vector3<f64>,
-}
-
-impl BaseMotion {
-    /// That of a state.
-    pub fn of(state: &State, model: &Model) -> Self {
-        let part = |from: usize| {
-            if model.nb() == 6 { Vector3::from_column_slice(&state.v[from..from + 3]) } else { Vector3::zeros() }
-        };
-        BaseMotion { position: state.position, rotation: state.rotation, velocity: part(0), angular_velocity: part(3) }
-    }
-
-    /// Puts it into a state.
-    pub fn put(&self, model: &Model, state: &mut State) {
-        (state.position, state.rotation) = (self.position, self.rotation);
-        if model.nb() == 6 {
-            state.v[..3].copy_from_slice(self.velocity.as_slice());
-            state.v[3..6].copy_from_slice(self.angular_velocity.as_slice());
-        }
-    }
 }
 
 /// Force and moment of the floor on one sole.

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use nalgebra::{UnitQuaternion, Vector3};
+use stiction::dynamics::chain::FrameMotion;
 use stiction::link::wire::{
     self, HEADER, Header, Hello, Key, Kind, Refused, VERSION, Welcome, fingerprint, flags, read_control, read_sensing,
     write_control, write_sensing,
 };
 use stiction::random::Stream;
 use stiction::robot::{DriveMode, Model, load};
-use stiction::task::sensed::BaseMotion;
 use stiction::task::{Command, Sensed};
 
 fn model() -> Model {
@@ -51,11 +51,11 @@ fn sensed(model: &Model, stream: &mut Stream, base: bool, vertices: bool) -> Sen
     sensed.orientation = UnitQuaternion::from_scaled_axis(vector(stream));
     (sensed.angular_velocity, sensed.specific_force) = (vector(stream), vector(stream));
     if base {
-        sensed.base = Some(BaseMotion {
+        sensed.base = Some(FrameMotion {
             position: vector(stream),
             rotation: UnitQuaternion::from_scaled_axis(vector(stream)),
             velocity: vector(stream),
-            angular_velocity: vector(stream),
+            omega: vector(stream),
         });
     }
     for sole in &mut sensed.soles {

@@ -14,8 +14,8 @@
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::{Header, Reader, Refused, Writer, flags};
+use crate::dynamics::chain::FrameMotion;
 use crate::task::Sensed;
-use crate::task::sensed::BaseMotion;
 
 /// How far the length of a quaternion may be from 1.
 const UNIT: f64 = 1e-6;
@@ -37,7 +37,7 @@ pub fn write_sensing(sensed: &Sensed, out: &mut Vec<u8>) -> u8 {
         w.numbers(base.position.as_slice());
         rotation(&base.rotation, &mut w);
         w.numbers(base.velocity.as_slice());
-        w.numbers(base.angular_velocity.as_slice());
+        w.numbers(base.omega.as_slice());
     }
     let resolved = !sensed.soles.is_empty() && sensed.soles.iter().all(|sole| sole.resolved);
     if resolved {
@@ -91,7 +91,7 @@ pub fn read_sensing(header: &Header, body: &[u8], sensed: &mut Sensed) -> Result
         None
     } else {
         let (position, rotation) = (r.vector()?, read_rotation(&mut r)?);
-        Some(BaseMotion { position, rotation, velocity: r.vector()?, angular_velocity: r.vector()? })
+        Some(FrameMotion { position, rotation, velocity: r.vector()?, omega: r.vector()? })
     };
     let resolved = header.flags & flags::VERTICES != 0;
     for sole in &mut sensed.soles {

@@ -19,7 +19,7 @@
 //! and the base follows from it and the joints; forces elsewhere are not seen. Nothing holds either to the floor: errors of
 //! the readings add up.
 
-use super::{Imu, put_base};
+use super::Imu;
 use crate::dynamics::chain::FrameMotion;
 use crate::dynamics::{State, Workspace, body, kinematics};
 use crate::robot::Model;
@@ -86,7 +86,7 @@ impl Inertial {
             frame.position += frame.velocity * dt + a * (0.5 * dt * dt);
             frame.velocity += a * dt;
         }
-        put_base(&self.imu.base(model, out, &self.frame), out);
+        self.imu.base(model, out, &self.frame).put_base(out);
         if !self.by_soles {
             return;
         }

@@ -8,7 +8,6 @@ mod kinematic;
 
 use super::imu::Imu;
 use crate::dynamics::State;
-use crate::dynamics::chain::FrameMotion;
 use crate::robot::Model;
 use crate::task::Sensed;
 use inertial::Inertial;
@@ -38,13 +37,6 @@ enum Kind {
     Truth,
     Kinematic(Box<Kinematic>),
     Inertial(Box<Inertial>),
-}
-
-/// Sets the base of a floating robot.
-fn put_base(base: &FrameMotion, out: &mut State) {
-    (out.position, out.rotation) = (base.position, base.rotation);
-    out.v[..3].copy_from_slice(base.velocity.as_slice());
-    out.v[3..6].copy_from_slice(base.omega.as_slice());
 }
 
 /// An estimator and what it holds true.
@@ -92,7 +84,7 @@ impl Estimator {
         let dt = sensed.time - self.state.time;
         let first = !std::mem::replace(&mut self.started, true);
         if let Some(base) = sensed.base.filter(|_| first || !self.estimates()) {
-            base.put(model, &mut self.state);
+            base.put_base(&mut self.state);
         }
         self.state.time = sensed.time;
         self.state.joints.copy_from_slice(&sensed.position);

@@ -30,7 +30,6 @@ use crate::dynamics::chain::FrameMotion;
 use crate::random::Stream;
 use crate::task::Sensed;
 use crate::task::augmented::LIGHT;
-use crate::task::sensed::BaseMotion;
 use delay::Delay;
 pub use error::{ChannelError, SensorErrors, TurnError};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -126,7 +125,7 @@ impl Sensors {
     pub fn read(&mut self, plant: &mut Plant, loads: bool) {
         truth::read(plant, loads, self.last.map(|last| last.0), &mut self.readings);
         self.readings.time = plant.state.time;
-        self.readings.base = Some(BaseMotion::of(&plant.state, &plant.model));
+        self.readings.base = Some(FrameMotion::of_base(&plant.state));
         let imu = self.imu.motion(&plant.model, &plant.state);
         self.readings.orientation = imu.rotation;
         self.readings.angular_velocity = imu.rotation.inverse() * imu.omega;
