@@ -10,3 +10,4 @@ pub mod scenario;
 pub mod script;
 pub mod tree;
 pub mod urdf;
+pub mod wire;

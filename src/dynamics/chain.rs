@@ -55,7 +55,7 @@ pub fn from_root(model: &Model, mount: &Mount, q: &[f64], qd: &[f64]) -> Seen {
 }
 
 /// How a frame moves, world axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameMotion {
     /// World from frame.
     pub rotation: UnitQuaternion<f64>,

@@ -13,13 +13,14 @@ use std::time::{Duration, Instant};
 type Take = fn(&[u8]);
 
 /// The targets by the names of their folders.
-const TARGETS: [(&str, Take); 6] = [
+const TARGETS: [(&str, Take); 7] = [
     ("scenario", targets::scenario::take),
     ("robot_file", targets::robot_file::take),
     ("urdf", targets::urdf::take),
     ("motion", targets::motion::take),
     ("script", targets::script::take),
     ("mesh", targets::mesh::take),
+    ("wire", targets::wire::take),
 ];
 
 /// What took longer was a finding of its own; a fuzz target is given as long.

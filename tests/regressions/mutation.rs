@@ -158,3 +158,22 @@ fn meshes_that_are_nearly_sound() {
     check(targets::mesh::take, &["fuzz/seeds/mesh"], "obj", "o");
     check(targets::mesh::take, &["fuzz/seeds/mesh"], "dae", "d");
 }
+
+#[test]
+fn packets_that_are_nearly_sound() {
+    let mut stream = Stream(1);
+    for kind in targets::wire::KINDS {
+        for seal in targets::wire::SEALS {
+            for copy in 0..200 {
+                let mut packet = vec![kind, seal, if copy % 4 == 0 { stream.next() as u8 } else { 0 }];
+                for _ in 0..stream.below(4) {
+                    // Most of them where the header and the sizes are.
+                    let end = if stream.below(2) == 0 { 64 } else { 1024 };
+                    packet.extend_from_slice(&(stream.below(end) as u16).to_le_bytes());
+                    packet.push(stream.next() as u8);
+                }
+                targets::wire::take(&packet);
+            }
+        }
+    }
+}
