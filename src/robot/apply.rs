@@ -11,6 +11,7 @@ use super::notice::Notices;
 use super::payload;
 use super::posture::link_poses;
 use super::source::Source;
+use crate::pattern::matches;
 
 /// Applies everything but `urdf` and `base`. Faults carry the place in the robot file.
 pub(super) fn apply(
@@ -136,21 +137,6 @@ fn kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<Vec<boo
         }
     }
     Ok(matched)
-}
-
-/// Does `name` match `pattern`, in which `*` stands for any characters and `?` for one?
-fn matches(pattern: &str, name: &str) -> bool {
-    let mut rest = pattern.chars();
-    match rest.next() {
-        None => name.is_empty(),
-        Some('*') => {
-            name.char_indices().map(|(i, _)| i).chain([name.len()]).any(|i| matches(rest.as_str(), &name[i..]))
-        }
-        Some(c) => {
-            let mut after = name.chars();
-            after.next().is_some_and(|n| c == '?' || c == n) && matches(rest.as_str(), after.as_str())
-        }
-    }
 }
 
 fn drives(file: &RobotFile, source: &Source, model: &mut Model, kinematic: &[bool]) -> Result<(), RobotError> {

@@ -63,6 +63,14 @@ impl<'a> LogFile<'a> {
         verify(bytes).map_err(|reason| LogError::Damaged { path: path.to_owned(), reason })?;
         let summary = Summary::read(bytes).map_err(damaged(path))?;
         let summary = summary.ok_or_else(|| LogError::Foreign { path: path.to_owned(), reason: "it has no index" })?;
+        // The library adds offset and length without a look.
+        let metadata = summary.metadata_indexes.iter().map(|index| (index.offset, index.length));
+        let attachments = summary.attachment_indexes.iter().map(|index| (index.offset, index.length));
+        let within = |(from, length): (u64, u64)| from.checked_add(length).is_some_and(|to| to <= bytes.len() as u64);
+        if !metadata.chain(attachments).all(within) {
+            let reason = "its index leads beyond its end".to_owned();
+            return Err(LogError::Damaged { path: path.to_owned(), reason });
+        }
         Ok(Self { path, bytes, summary })
     }
 
