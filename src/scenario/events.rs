@@ -30,6 +30,8 @@ pub struct Event {
     pub words: String,
     /// The run with the values of this event and those before it.
     pub after: Box<Run>,
+    /// Numbers of the tasks that it ends.
+    pub end_tasks: Vec<usize>,
     /// Name under which the state is saved.
     pub save: Option<String>,
     /// Name of the state to be restored.
@@ -74,6 +76,7 @@ pub(super) fn of(run: &Run, sources: &Sources, findings: &mut Findings) -> Optio
             set: paths.iter().map(dotted).collect(),
             words: entries.iter().map(words).collect::<Vec<_>>().join(", "),
             after: Box::new(after.clone()),
+            end_tasks: spec.end_tasks.clone(),
             save: spec.save.clone(),
             restore: spec.restore.clone(),
         });

@@ -87,6 +87,14 @@ impl Run {
         self.inputs.iter().find(|input| input.key == key)
     }
 
+    /// The values as they were written, those of overrides and sweep among them, defaults not.
+    pub fn written(&self) -> toml::Table {
+        match self.origin.tree().to_toml() {
+            toml::Value::Table(table) => table,
+            _ => toml::Table::new(),
+        }
+    }
+
     /// Where a path written in the scenario leads: relative ones start at the scenario file's folder.
     pub fn resolve(&self, written: impl AsRef<FsPath>) -> PathBuf {
         resolve(&self.file, written.as_ref())

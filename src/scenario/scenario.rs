@@ -86,6 +86,13 @@ pub struct Scenario {
     pub compare: Option<CompareSpec>,
 }
 
+impl Scenario {
+    /// When the run ends, s.
+    pub fn end(&self) -> f64 {
+        self.stop.at.map_or(self.duration, |at| at.min(self.duration))
+    }
+}
+
 /// The scenario of a file that names a robot `""` and nothing else.
 impl Default for Scenario {
     fn default() -> Self {

@@ -1,4 +1,4 @@
-//! Events of the scenario: parameters that change while running, and states saved and restored.
+//! Events of the scenario: parameters that change while running, tasks that end, and states saved and restored.
 //!
 //! A change takes hold at its instant, between two steps; the contact states are then chosen anew. Nothing moves by it: the
 //! energy that a new payload or another gravity adds is work from outside, and so is that of a restored state.
@@ -25,6 +25,8 @@ pub struct Change {
     pub at: f64,
     /// For the log.
     pub words: String,
+    /// Numbers of the tasks that it ends.
+    pub end_tasks: Vec<usize>,
     /// Number of the saved state that it overwrites.
     pub save: Option<usize>,
     /// Number of the saved state that it restores.
@@ -107,6 +109,7 @@ impl Simulation {
                 (command.kp[j], command.kd[j]) = (kp, kd);
             }
         }
+        change.end_tasks.iter().for_each(|number| self.tasks.end(*number));
         self.contact.restitution = change.restitution.unwrap_or(self.contact.restitution);
         self.plant.refresh();
         self.plant.look_up_friction();

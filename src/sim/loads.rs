@@ -54,9 +54,14 @@ impl Loads {
         Loads { loads: loads.into_iter().map(|load| (load, false)).collect(), bare }
     }
 
-    /// When something is taken or let go, s.
-    pub fn corners(&self) -> impl Iterator<Item = f64> {
-        self.loads.iter().flat_map(|(load, _)| [load.from, load.to])
+    /// Adds objects that are not held yet.
+    pub fn add(&mut self, loads: impl Iterator<Item = Load>) {
+        self.loads.extend(loads.map(|load| (load, false)));
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.loads.len()
     }
 
     /// The links themselves are others from now on.

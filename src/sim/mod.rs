@@ -11,6 +11,7 @@ mod drive;
 pub mod error;
 pub mod estimate;
 mod explicit;
+mod extend;
 mod fixed;
 mod freeze;
 mod guide;

@@ -310,6 +310,13 @@ impl Plant {
         (0..self.forces.len()).try_for_each(|i| self.init_force(i))
     }
 
+    /// Adds a force model, and makes room for what it shows.
+    pub(super) fn add_force(&mut self, force: Box<dyn Force>) -> Result<(), String> {
+        self.forces.push(force);
+        self.make_room();
+        self.init_force(self.forces.len() - 1)
+    }
+
     /// Calls `init` of one force model at the present state, whose kinematics it brings up to date.
     pub(super) fn init_force(&mut self, i: usize) -> Result<(), String> {
         self.move_links();

@@ -58,11 +58,14 @@ pub struct RemoteRun {
     log_rate: f64,
     logged: u64,
     fallen_below: Option<f64>,
+    /// Tasks that events end: when, s, and which.
+    ends: Vec<(f64, usize)>,
     start: State,
 }
 
 impl RemoteRun {
-    /// Prepares a run; what `setup` says about contact, integration, forces, loads, sensors and events is of the robot's side.
+    /// Prepares a run; what `setup` says about contact, integration, forces, loads, sensors and events is of the robot's side, but for the
+    /// tasks that events end.
     pub fn new(mut setup: Setup) -> Self {
         let model = setup.model.clone();
         let mut start = State::home(&model);
@@ -96,6 +99,7 @@ impl RemoteRun {
             log_rate: setup.log_rate,
             logged: 0,
             fallen_below: setup.fallen_below,
+            ends: setup.changes.iter().flat_map(|c| c.end_tasks.iter().map(|task| (c.at, *task))).collect(),
             floor: setup.floor,
             tasks: setup.tasks,
             model,
@@ -176,6 +180,8 @@ impl RemoteRun {
 
     fn decide(&mut self, sensed: &Sensed, observer: &mut dyn Observer) -> Result<(), Stop> {
         let time = sensed.time;
+        let due = time + 1e-9 * self.tasks.period();
+        self.ends.iter().filter(|(at, _)| *at <= due).for_each(|(_, task)| self.tasks.end(*task));
         let situation = Situation {
             model: &self.model,
             gravity: self.gravity,

@@ -169,3 +169,20 @@ pub struct Setup {
     /// What else there is to tell a person.
     pub notes: Vec<String>,
 }
+
+impl Setup {
+    /// Instants at which something jumps, s, ascending: steps end there.
+    pub fn corners(&self) -> Vec<f64> {
+        let mut corners: Vec<f64> = self.forces.iter().flat_map(|force| force.corners().to_vec()).collect();
+        corners.extend(self.loads.iter().flat_map(|load| [load.from, load.to]));
+        corners.extend(self.contact.forced.iter().flat_map(|f| [f.from, f.to]));
+        for change in &self.changes {
+            corners.push(change.at);
+            corners.extend(change.forces.iter().flat_map(|(_, force)| force.corners().to_vec()));
+        }
+        corners.retain(|c| *c > 0.0 && *c < self.duration);
+        corners.sort_by(f64::total_cmp);
+        corners.dedup();
+        corners
+    }
+}

@@ -78,19 +78,19 @@ pub struct Simulation {
     pub(super) displacement: Vec<f64>,
     pub(super) snapshot: Snapshot,
     /// Scratch of the snapshot's point of optimal stability.
-    edges: Vec<Edge>,
+    pub(super) edges: Vec<Edge>,
     /// None when nobody wants samples.
     pub(super) sampler: Option<Box<Sampler>>,
     /// Has the first choice of states been made?
     pub(super) started: bool,
-    corners: Vec<f64>,
+    pub(super) corners: Vec<f64>,
     /// Events of the scenario, and how many of them have happened.
     pub(super) changes: Vec<Change>,
     pub(super) happened: usize,
     /// States saved by events.
     pub(super) saved: Vec<Saved>,
     stepper: Option<Stepper>,
-    duration: f64,
+    pub(super) duration: f64,
     log_rate: f64,
     logged: u64,
     /// Time of the last snapshot told, s.
@@ -130,18 +130,9 @@ impl Simulation {
         let method = method::make(&setup.contact.method, &setup.contact.parameters, &problem)
             .ok_or_else(|| error(format!("unknown contact method `{}`", setup.contact.method)))?;
         let projection = Solution::new(&problem);
+        let corners = setup.corners();
         let mut plant = Plant::new(&mut setup, method, problem);
-        let mut corners: Vec<f64> = plant.forces.iter().flat_map(|f| f.corners().iter().copied()).collect();
         let loads = Loads::new(&model, std::mem::take(&mut setup.loads));
-        corners.extend(loads.corners());
-        corners.extend(setup.contact.forced.iter().flat_map(|f| [f.from, f.to]));
-        for change in &setup.changes {
-            corners.push(change.at);
-            corners.extend(change.forces.iter().flat_map(|(_, f)| f.corners().iter().copied()));
-        }
-        corners.retain(|c| *c > 0.0 && *c < setup.duration);
-        corners.sort_by(f64::total_cmp);
-        corners.dedup();
         let n = plant.layout.size();
         let stepper = match setup.integrator {
             IntegratorSetup::Controlled { pair, relative, absolute, max_step } => {

@@ -38,6 +38,7 @@ use crate::dynamics::State;
 use crate::geometry::Plane;
 use crate::robot::Model;
 use nalgebra::{Isometry3, Translation3, Vector3};
+use std::any::Any;
 
 /// What a task sees of the robot when it runs.
 pub struct Context<'a> {
@@ -95,7 +96,7 @@ pub enum Status {
 pub type TaskResult = Result<Status, String>;
 
 /// One task.
-pub trait Task: Send {
+pub trait Task: Any + Send {
     /// Called once when its time comes. `command` is what the joints are asked now.
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult;
 
@@ -112,6 +113,10 @@ pub trait Task: Send {
     fn changes(&self) -> &[f64] {
         &[]
     }
+
+    /// Takes over the changes of `newer`, which was made from the same entry with changes added at its end. Those that were
+    /// made already stay as they are.
+    fn succeed(&mut self, _newer: Box<dyn Task>) {}
 
     /// Do the modes and efforts it sets hold only as long as it lasts? It then sets them at every tick.
     fn lends(&self) -> bool {
@@ -130,4 +135,9 @@ pub trait Task: Send {
 
     /// For messages.
     fn name(&self) -> &str;
+}
+
+/// A task of a certain type, if it is one.
+fn of_type<T: Task>(task: Box<dyn Task>) -> Option<Box<T>> {
+    (task as Box<dyn Any>).downcast().ok()
 }

@@ -100,6 +100,13 @@ impl Task for Playback {
         Ok(Status::Running)
     }
 
+    fn succeed(&mut self, newer: Box<dyn Task>) {
+        if let Some(newer) = super::of_type::<Self>(newer) {
+            self.times = newer.times;
+            self.speeds = newer.speeds;
+        }
+    }
+
     fn changes(&self) -> &[f64] {
         &self.times
     }

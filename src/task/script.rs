@@ -64,6 +64,13 @@ impl Task for ScriptTask {
         status(self.script.change(&view(context, command), &self.changed[number]))
     }
 
+    fn succeed(&mut self, newer: Box<dyn Task>) {
+        if let Some(newer) = super::of_type::<Self>(newer) {
+            self.changes = newer.changes;
+            self.changed = newer.changed;
+        }
+    }
+
     fn changes(&self) -> &[f64] {
         &self.changes
     }

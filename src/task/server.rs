@@ -12,6 +12,8 @@ struct Slot {
     task: Box<dyn Task>,
     begun: bool,
     ended: bool,
+    /// Is it to end at the next tick, whatever it says itself?
+    dismissed: bool,
     /// Parameter changes made so far.
     changed: usize,
     loan: Loan,
@@ -30,6 +32,17 @@ pub struct TaskServer {
     always: bool,
     /// Ticks at the word of who decides somewhere else: the next one, or none any more.
     told: Option<Option<u64>>,
+}
+
+/// What a task is doing.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Stand {
+    /// Its time has not come.
+    Waiting,
+    /// It is called at every tick.
+    Running,
+    /// It is over.
+    Ended,
 }
 
 /// The robot at a tick.
@@ -86,7 +99,37 @@ impl TaskServer {
     /// Adds a task that begins at the first tick at or after `start` seconds, its own time 0. Later ones win where they overlap.
     pub fn add(&mut self, start: f64, task: Box<dyn Task>) {
         let loan = Loan::new(self.command.mode.len());
-        self.slots.push(Slot { start, task, begun: false, ended: false, changed: 0, loan });
+        self.slots.push(Slot { start, task, begun: false, ended: false, dismissed: false, changed: 0, loan });
+    }
+
+    /// Ends a task, by the order in which they were added, at the next tick. One that has not begun never does.
+    pub fn end(&mut self, number: usize) {
+        if let Some(slot) = self.slots.get_mut(number) {
+            slot.dismissed = true;
+            slot.ended |= !slot.begun;
+        }
+    }
+
+    /// Goes on as the server of a scenario that has more tasks at its end, and more changes at the end of those it had.
+    pub fn go_on_as(&mut self, newer: TaskServer) {
+        for (i, slot) in newer.slots.into_iter().enumerate() {
+            match self.slots.get_mut(i) {
+                Some(own) => own.task.succeed(slot.task),
+                None => self.slots.push(slot),
+            }
+        }
+    }
+
+    /// How the tasks stand: names, starts, and what each is doing.
+    pub fn stand(&self) -> impl Iterator<Item = (&str, f64, Stand)> {
+        self.slots.iter().map(|slot| {
+            let stand = match (slot.begun, slot.ended) {
+                (_, true) => Stand::Ended,
+                (true, false) => Stand::Running,
+                (false, false) => Stand::Waiting,
+            };
+            (slot.task.name(), slot.start, stand)
+        })
     }
 
     /// Time of the next tick that can change anything; none when all tasks have ended. Tick k is at `k / rate`, to the last bit
@@ -169,6 +212,9 @@ impl Slot {
         soon: f64,
         report: &mut impl FnMut(&str, &str),
     ) -> Result<bool, String> {
+        if self.dismissed {
+            return Ok(true);
+        }
         if !self.begun {
             self.begun = true;
             report("begins", self.task.name());

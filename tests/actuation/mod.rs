@@ -15,7 +15,7 @@ use stiction::task::{Command, Context, Status, Task, TaskResult};
 /// Commands as functions of time: `(joint, time) -> [position, velocity, effort]`.
 struct Told<F>(F);
 
-impl<F: Fn(usize, f64) -> [f64; 3] + Send> Task for Told<F> {
+impl<F: Fn(usize, f64) -> [f64; 3] + Send + 'static> Task for Told<F> {
     fn init(&mut self, _: &Context, _: &Command) -> TaskResult {
         Ok(Status::Running)
     }

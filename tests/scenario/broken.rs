@@ -242,7 +242,8 @@ const BELOW_ROBOT: &[Broken] = &[
         "",
     ),
     // Events.
-    Broken("[[event]]\nat = 1", (3, 1), "`event.0` needs `set`, `save` or `restore`", ""),
+    Broken("[[event]]\nat = 1", (3, 1), "`event.0` needs `set`, `end_tasks`, `save` or `restore`", ""),
+    Broken("[[event]]\nat = 1\nend_tasks = [0]", (5, 14), "names task 0, but there are none", ""),
     Broken("[[event]]\nat = -1\nsave = \"a\"", (4, 6), "`event.0.at` must be 0 or greater, not -1", ""),
     Broken(
         "[[event]]\nat = 1\nset = { \"contact.method\" = \"ncp\" }",

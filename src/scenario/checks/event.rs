@@ -8,14 +8,22 @@ const MOST_EVENTS: usize = 1000;
 
 impl Check<'_> {
     /// `end` is the run's, s.
-    pub(super) fn events(&mut self, events: &[EventSpec], end: f64) {
+    pub(super) fn events(&mut self, events: &[EventSpec], tasks: usize, end: f64) {
         if events.len() > MOST_EVENTS {
             return self.error("event", format!("has {} entries, at most {MOST_EVENTS} are allowed", events.len()));
         }
         for (i, event) in events.iter().enumerate() {
             let path = format!("event.{i}");
-            if event.set.is_empty() && event.save.is_none() && event.restore.is_none() {
-                self.error(&path, "needs `set`, `save` or `restore`");
+            if event.set.is_empty() && event.end_tasks.is_empty() && event.save.is_none() && event.restore.is_none() {
+                self.error(&path, "needs `set`, `end_tasks`, `save` or `restore`");
+            }
+            for (k, number) in event.end_tasks.iter().enumerate().filter(|(_, number)| **number >= tasks) {
+                let there = match tasks {
+                    0 => "there are none".to_owned(),
+                    1 => "there is only task 0".to_owned(),
+                    _ => format!("there are tasks 0 to {}", tasks - 1),
+                };
+                self.error(&format!("{path}.end_tasks.{k}"), format!("names task {number}, but {there}"));
             }
             if event.at >= end {
                 let span = self.place(&format!("{path}.at")).1;

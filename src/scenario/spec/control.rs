@@ -25,6 +25,10 @@ pub struct ControlSpec {
     #[serde(deserialize_with = "rate")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = FASTEST))]
     pub rate: f64,
+    /// Does the server tick, and with it every step end, while no task runs? Each tick is then an instant at which an event can
+    /// be put without changing the steps before it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub idle_ticks: bool,
     /// Where tasks have the base's state from.
     pub estimator: Estimator,
     /// Parameters of estimator `kinematic`.
@@ -39,6 +43,7 @@ impl Default for ControlSpec {
     fn default() -> Self {
         ControlSpec {
             rate: 1000.0,
+            idle_ticks: false,
             estimator: Estimator::Truth,
             kinematic: KinematicSpec::default(),
             inertial: InertialSpec::default(),

@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::quantity::{json, non_negative};
 
-/// `[[event]]`: change parameters while running, save the robot's state, or put it back into one that was saved. At least
-/// one of `set`, `save` and `restore` is given; if several are, the state is saved first and parameters are set last.
+/// `[[event]]`: change parameters while running, end tasks, save the robot's state, or put it back into one that was saved. At
+/// least one of `set`, `end_tasks`, `save` and `restore` is given; if several are, the state is saved first and parameters are set
+/// last.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EventSpec {
@@ -22,6 +23,9 @@ pub struct EventSpec {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub set: BTreeMap<String, toml::Value>,
+    /// Tasks that end then, by their place among the `[[task]]` of the file, from 0.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub end_tasks: Vec<usize>,
     /// Saves the robot's state under this name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub save: Option<String>,

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{json, non_negative};
+use crate::scenario::quantity::{json, non_negative, some_positive};
 
 /// The log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -42,6 +42,11 @@ pub struct StopSpec {
     /// End with outcome `fallen`; left out: never.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fallen: Option<FallenRule>,
+    /// End at this instant, s, as the run to `duration` would be there: what is planned or drawn for all of `duration` is the same;
+    /// left out: at `duration`.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub at: Option<f64>,
 }
 
 /// The robot has fallen.

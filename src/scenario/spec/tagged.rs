@@ -60,6 +60,9 @@ macro_rules! tagged {
         }
 
         impl $enum {
+            /// The words that can stand in `type`.
+            pub const TYPES: &'static [&'static str] = <Self as $crate::scenario::spec::tagged::Tagged>::TYPES;
+
             /// The word in `type`.
             pub fn type_name(&self) -> &'static str {
                 match self {

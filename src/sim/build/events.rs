@@ -9,9 +9,13 @@ use std::sync::Arc;
 /// The changes in the order in which they happen, and how many states are saved. `model` is the robot at the start. Stops
 /// at the first event that does not fit the robot.
 pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<Diagnostic>) -> (Vec<Change>, usize) {
-    let mut names: Vec<&str> = run.events.iter().filter_map(|e| e.save.as_deref()).collect();
-    names.sort_unstable();
-    names.dedup();
+    // In the order in which they are saved: what comes later changes no number.
+    let mut names: Vec<&str> = Vec::new();
+    for name in run.events.iter().filter_map(|e| e.save.as_deref()) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
     let slot = |name: &Option<String>| name.as_ref().and_then(|name| names.iter().position(|n| n == name));
     let mut model = Arc::new(model.clone());
     let mut changes = Vec::with_capacity(run.events.len());
@@ -21,6 +25,7 @@ pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<
         let mut change = Change {
             at: event.at,
             words: words(event),
+            end_tasks: event.end_tasks.clone(),
             save: slot(&event.save),
             restore: slot(&event.restore),
             gravity: touches("gravity").then(|| after.scenario.gravity.into()),
@@ -122,6 +127,7 @@ fn gains(before: &Model, after: &Model) -> Vec<(usize, f64, f64)> {
 fn words(event: &Event) -> String {
     let state = [("saves", &event.save), ("restores", &event.restore)];
     let state = state.into_iter().filter_map(|(does, name)| name.as_ref().map(|name| format!("{does} state {name}")));
+    let ends = event.end_tasks.iter().map(|number| format!("ends task {number}"));
     let set = (!event.words.is_empty()).then(|| event.words.clone());
-    state.chain(set).collect::<Vec<_>>().join(", ")
+    state.chain(ends).chain(set).collect::<Vec<_>>().join(", ")
 }

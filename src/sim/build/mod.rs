@@ -90,7 +90,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         estimator,
         self_contact,
         seed: s.seed,
-        duration: s.duration,
+        duration: s.end(),
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
         notes,

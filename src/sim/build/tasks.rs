@@ -17,6 +17,9 @@ pub(super) fn tasks(
     errors: &mut Vec<Diagnostic>,
 ) -> TaskServer {
     let mut server = TaskServer::new(run.scenario.control.rate, model, Command::hold(model, &start.joints));
+    if run.scenario.control.idle_ticks {
+        server.tick_always();
+    }
     for (i, spec) in run.scenario.task.iter().enumerate() {
         let path = format!("task.{i}");
         let (start, task): (f64, Option<Box<dyn Task>>) = match spec {

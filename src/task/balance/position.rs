@@ -264,6 +264,14 @@ impl Task for PositionBalance {
         Ok(Status::Running)
     }
 
+    fn succeed(&mut self, newer: Box<dyn Task>) {
+        if let Some(newer) = crate::task::of_type::<Self>(newer) {
+            self.times = newer.times;
+            self.changes = newer.changes;
+            self.leans |= newer.leans;
+        }
+    }
+
     fn changes(&self) -> &[f64] {
         &self.times
     }

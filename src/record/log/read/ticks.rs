@@ -1,7 +1,9 @@
 //! From messages to series: collects each topic, sees that they tell of the same ticks and bodies, and turns rows into
 //! columns.
 
-use super::super::messages::{Contact, Estimate, Event, Quaternion, Residual, SelfCollision, State, Vector3 as Triple};
+use super::super::messages::{
+    Contact, Estimate, Event, Point, Quaternion, Residual, SelfCollision, State, Vector3 as Triple,
+};
 use super::file::{LogError, LogFile};
 use super::series::{
     Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
@@ -126,12 +128,13 @@ impl Ticks {
             same("/self_collision", &mut all.iter().map(|e| e.time))?;
             self_contact::check(all, self.joints.len())?;
         }
-        let shown = |s: &State| s.points.iter().map(|p| p.name.clone()).collect::<Vec<_>>();
-        let first = self.state.iter().flatten().next().map(shown);
+        let mut shown: &[Point] = &[];
         for s in self.state.iter().flatten() {
-            if Some(shown(s)) != first {
-                return Err(format!("/state at {} s has other points than the first tick", s.time));
+            // Tasks that are begun by hand bring theirs along.
+            if s.points.len() < shown.len() || shown.iter().zip(&s.points).any(|(a, b)| a.name != b.name) {
+                return Err(format!("/state at {} s has other points than the ticks before it", s.time));
             }
+            shown = &s.points;
             let arrays = [&s.q, &s.qd, &s.q_desired, &s.qd_desired, &s.effort];
             if let Some(odd) = arrays.into_iter().find(|a| a.len() != self.joints.len()) {
                 let (found, wanted) = (odd.len(), self.joints.len());
@@ -204,13 +207,13 @@ fn motion(joints: &[(String, bool)], rows: &[State]) -> Motion {
 }
 
 fn points(rows: &[State]) -> Vec<PointSeries> {
-    let Some(first) = rows.first() else { return Vec::new() };
-    let at = |row: &State, k: usize| row.points[k].position.as_ref().map(vector);
-    let series = |(k, point): (usize, &super::super::messages::Point)| PointSeries {
+    let Some(last) = rows.last() else { return Vec::new() };
+    let at = |row: &State, k: usize| row.points.get(k).and_then(|point| point.position.as_ref()).map(vector);
+    let series = |(k, point): (usize, &Point)| PointSeries {
         name: point.name.clone(),
         position: rows.iter().map(|row| at(row, k)).collect(),
     };
-    first.points.iter().enumerate().map(series).collect()
+    last.points.iter().enumerate().map(series).collect()
 }
 
 fn soles(rows: &[Contact]) -> Vec<SoleSeries> {
