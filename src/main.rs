@@ -19,6 +19,7 @@ fn main() -> Exit {
         Command::Export(export) => export.execute(),
         Command::Replay(replay) => replay.execute(),
         Command::MotorServer(server) => server.execute(),
+        Command::Console(console) => console.execute(),
         Command::View(view) => view.execute(),
         Command::Schema(schema) => schema.execute(),
         Command::Completions(completions) => completions.execute(),

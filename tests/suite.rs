@@ -5,6 +5,7 @@ mod analytic;
 mod batch;
 mod cli;
 mod collision;
+mod console;
 mod contact;
 mod determinism;
 mod faults;

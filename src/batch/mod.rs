@@ -61,6 +61,7 @@ pub use progress::Progress;
 pub use resume::{Again, Resumed};
 pub use run::End;
 pub use shard::{Part, Shard};
+pub(crate) use simulate::{open_log_of, topics};
 pub use simulate::{simulate, simulate_for};
 
 use event::Event;

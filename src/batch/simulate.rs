@@ -12,7 +12,7 @@ use crate::contact::frozen::Frozen;
 use crate::link::{Address, Remote};
 use crate::record::{Comparator, Document, LogHeader, LogWriter, ProblemWriter, RecordError, ReferenceMotion, Topics};
 use crate::robot::{Model, Robot};
-use crate::scenario::{LogTopic, host_and_port};
+use crate::scenario::{LogTopic, Run, host_and_port};
 use crate::script::stop_flag;
 use crate::sim::build::setup;
 use crate::sim::commander::Commander;
@@ -187,25 +187,38 @@ fn elsewhere(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &
 }
 
 fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordError> {
-    let model: &Model = &setup.model;
-    let (robot, urdf) = documents(&job.robot);
-    let scenario_name = format!("{}.toml", job.run.name);
+    let topics = topics(&job.run.scenario.log.topics);
+    open_log_of(path, &job.run, &job.key, &job.robot, (&setup.model, &setup.floor), &setup.contact.method, topics)
+}
+
+/// Opens the log of a run whose robot and floor are these.
+pub(crate) fn open_log_of(
+    path: &Path,
+    run: &Run,
+    key: &str,
+    robot: &Robot,
+    (model, floor): (&Model, &Floor),
+    method: &str,
+    topics: Topics,
+) -> Result<LogWriter, RecordError> {
+    let (robot_file, urdf) = documents(robot);
+    let scenario_name = format!("{}.toml", run.name);
     // What is no text, such as a log that is played back, is only hashed.
-    let texts = job.run.inputs.iter().filter_map(|i| Some((i.name(), std::str::from_utf8(&i.bytes).ok()?)));
+    let texts = run.inputs.iter().filter_map(|i| Some((i.name(), std::str::from_utf8(&i.bytes).ok()?)));
     let texts: Vec<_> = texts.collect();
     let inputs: Vec<_> = texts.iter().map(|(name, text)| Document { name, text }).collect();
-    let patches: Vec<_> = setup.floor.patches.iter().map(|p| setup.floor.outline(p)).collect();
+    let patches: Vec<_> = floor.patches.iter().map(|p| floor.outline(p)).collect();
     let header = LogHeader {
-        scenario_name: &job.run.name,
-        key: &job.key,
-        method: &setup.contact.method,
-        scenario: Document { name: &scenario_name, text: &job.run.resolved_toml },
-        robot: robot.as_ref().map(|(name, text)| Document { name, text }),
-        urdf: Document { name: &urdf, text: &job.robot.urdf_text },
+        scenario_name: &run.name,
+        key,
+        method,
+        scenario: Document { name: &scenario_name, text: &run.resolved_toml },
+        robot: robot_file.as_ref().map(|(name, text)| Document { name, text }),
+        urdf: Document { name: &urdf, text: &robot.urdf_text },
         inputs: &inputs,
-        floor: pose(&setup.floor),
+        floor: pose(floor),
         patches: &patches,
-        topics: topics(&job.run.scenario.log.topics),
+        topics,
     };
     LogWriter::create(path, model, &header)
 }
@@ -228,7 +241,8 @@ fn pose(floor: &Floor) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(floor.point), rotation)
 }
 
-fn topics(wanted: &[LogTopic]) -> Topics {
+/// The topics that a scenario wants.
+pub(crate) fn topics(wanted: &[LogTopic]) -> Topics {
     Topics {
         state: wanted.contains(&LogTopic::State),
         contact: wanted.contains(&LogTopic::Contact),

@@ -147,6 +147,15 @@ pub fn codes(command: &str) -> &'static Codes {
             (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT)"),
             (Exit::Terminated, "interrupted by SIGTERM"),
         ],
+        "console" => &[
+            (Exit::Success, "the lines were done and every `expect` held"),
+            (Exit::Failed, "an `expect` did not hold"),
+            (Exit::Invalid, "wrong usage, an invalid scenario, not one run, or a line of a script that is wrong"),
+            (Exit::Unfinished, "the run broke down, or a file could not be written to its end"),
+            (Exit::Nothing, NOTHING),
+            (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT); for a person at a terminal Ctrl-C holds the run"),
+            (Exit::Terminated, "interrupted by SIGTERM"),
+        ],
         "view" => &[
             (Exit::Success, "shown until Ctrl-C or SIGTERM, or the file is written"),
             (

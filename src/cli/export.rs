@@ -51,7 +51,7 @@ pub struct Export {
 #[command(next_help_heading = "Text for gnuplot")]
 struct Text {
     /// Between two cells: `space`, `tab`, `comma`, `semicolon` or the characters themselves [default: space]
-    #[arg(long, value_name = "WORD", value_parser = separator)]
+    #[arg(long, value_name = "WORD", value_parser = export::separator)]
     separator: Option<String>,
     /// Numbers: `exact`, or as printf does, such as `%.9g` [default: exact]
     #[arg(long, value_name = "FORMAT", value_parser = number_format)]
@@ -60,10 +60,10 @@ struct Text {
     #[arg(long, value_enum)]
     header: Option<HeaderKind>,
     /// What a line that is no data begins with [default: #]
-    #[arg(long, value_name = "SIGN", value_parser = visible)]
+    #[arg(long, value_name = "SIGN", value_parser = export::visible)]
     comment: Option<String>,
     /// What stands where there is no number [default: NaN]
-    #[arg(long, value_name = "WORD", value_parser = visible)]
+    #[arg(long, value_name = "WORD", value_parser = export::visible)]
     missing: Option<String>,
     /// Unit of the time [default: s]
     #[arg(long, value_enum)]
@@ -237,27 +237,6 @@ fn refuse(why: impl Display) -> Exit {
     Exit::Invalid
 }
 
-fn separator(text: &str) -> Result<String, String> {
-    match text {
-        "space" => Ok(" ".into()),
-        "tab" => Ok("\t".into()),
-        "comma" => Ok(",".into()),
-        "semicolon" => Ok(";".into()),
-        "" => Err("empty".into()),
-        _ if text
-            .contains(|c: char| c == '\n' || c == '\r' || c == '"' || c.is_alphanumeric() || "+-.".contains(c)) =>
-        {
-            Err("it could be taken for a part of a cell or of a line".into())
-        }
-        _ => Ok(text.into()),
-    }
-}
-
 fn number_format(text: &str) -> Result<NumberFormat, String> {
     text.parse().map_err(|error: ExportError| error.to_string())
-}
-
-fn visible(text: &str) -> Result<String, String> {
-    let fine = !text.is_empty() && !text.contains(char::is_whitespace) && !text.contains('"');
-    if fine { Ok(text.into()) } else { Err("neither empty nor with blanks or quotes".into()) }
 }

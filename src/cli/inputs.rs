@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::{Exit, terminal};
 
 /// Commands, for those who misspell one.
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 16] = [
     "run",
     "check",
     "list",
@@ -13,6 +13,7 @@ const COMMANDS: [&str; 15] = [
     "report",
     "merge",
     "motor-server",
+    "console",
     "submit",
     "compare",
     "export",

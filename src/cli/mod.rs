@@ -4,6 +4,7 @@ mod check;
 mod colour;
 mod compare;
 mod completions;
+mod console;
 mod each;
 mod exit;
 mod export;
@@ -87,6 +88,9 @@ pub enum Command {
     /// Be the robot of tasks that run somewhere else, over UDP
     #[command(after_help = exit::help("motor-server"))]
     MotorServer(motor_server::Server),
+    /// Simulate a scenario step by step, change it and ask about it while it goes on
+    #[command(after_help = exit::help("console"))]
+    Console(console::Console),
     /// Play a run's log in three dimensions in the browser
     #[command(after_help = exit::help("view"))]
     View(view::View),

@@ -53,7 +53,8 @@ fn address(text: &str) -> Result<SocketAddr, String> {
     found.next().ok_or_else(|| "nobody has this name".into())
 }
 
-fn pace(text: &str) -> Result<Pace, String> {
+/// A pace as it is typed.
+pub fn pace(text: &str) -> Result<Pace, String> {
     match text {
         "free" => Ok(Pace::Free),
         "realtime" => Ok(Pace::Times(1.0)),

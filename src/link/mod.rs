@@ -4,6 +4,7 @@
 //! The robot's side ([`MotorServer`]) has the clock; the tasks' side ([`Remote`]) answers each of its ticks.
 
 mod channel;
+pub mod console;
 mod counts;
 mod error;
 mod impair;

@@ -42,7 +42,7 @@ mod table;
 mod tally;
 mod verdict;
 
-pub(crate) use atomic::remove_partial;
+pub(crate) use atomic::{remove_partial, write_named};
 pub use columns::{NUMERIC_COLUMNS, SummaryRow, measure, metric, truth_columns};
 pub use comparison::{Comparison, Repeats, TruthError};
 pub use error::RecordError;

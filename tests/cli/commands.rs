@@ -113,7 +113,7 @@ fn help_names_what_exists_and_nothing_else() {
         .take_while(|l| !l.is_empty())
         .filter_map(|l| l.split_whitespace().next())
         .collect();
-    let wanted = "run check list inspect report merge submit compare export replay motor-server view schema completions man help";
+    let wanted = "run check list inspect report merge submit compare export replay motor-server console view schema completions man help";
     assert_eq!(commands.join(" "), wanted);
 }
 

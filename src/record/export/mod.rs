@@ -8,12 +8,14 @@ mod columns;
 mod error;
 mod instants;
 mod number_format;
+mod options;
 mod select;
 mod table;
 mod text;
 
 pub use error::ExportError;
 pub use number_format::NumberFormat;
+pub use options::{separator, visible};
 pub use table::{DataTable, Values};
 pub use text::{Header, TextFormat, TimeUnit};
 

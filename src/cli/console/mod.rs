@@ -1,0 +1,131 @@
+//! `runner console`: a scenario simulated step by step, changed and asked while it goes on.
+
+mod interactive;
+mod script;
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::{Args, ValueHint};
+use stiction::batch::Severity;
+use stiction::link::Pace;
+use stiction::link::console::{ConsoleError, Session};
+
+use super::machine::MessageFormat;
+use super::prepare::Selection;
+use super::signals::{Asked, when_asked_to_end};
+use super::terminal::{complain, counted, print};
+use super::{Exit, colour, motor_server, numbers};
+
+/// How long a session may be if nothing else is said, s, unless its scenario is longer.
+const LONG: f64 = 600.0;
+
+/// Arguments of `console`.
+#[derive(Args, Debug)]
+pub struct Console {
+    #[command(flatten)]
+    scenarios: Selection,
+    /// Take the lines from a file instead of standard input; `-` is standard input
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    file: Option<PathBuf>,
+    /// Do this line first; may be repeated
+    #[arg(short = 'c', long = "command", value_name = "LINE")]
+    commands: Vec<String>,
+    /// Simulated time per time: `free`, `realtime` or a factor [default: realtime for a person, else free]
+    #[arg(long, value_name = "RATE", value_parser = motor_server::pace)]
+    rate: Option<Pace>,
+    /// Longest simulated time [default: the scenario's duration, at least 600]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::positive, allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// Write the session as a scenario when it ends
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    save: Option<PathBuf>,
+}
+
+impl Console {
+    /// Reads lines and does what they say.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let plan = self.scenarios.prepare(Severity::Note, MessageFormat::Human)?;
+        if plan.runs() != 1 {
+            let runs = counted(plan.runs(), plan.references());
+            complain(&format!("error: one run is wanted, and this is {runs}: choose one with --filter or --set"));
+            return Err(Exit::Invalid);
+        }
+        let person = self.file.is_none() && std::io::stdin().is_terminal();
+        let pace = match self.rate {
+            Some(Pace::Free) => None,
+            Some(Pace::Times(times)) => Some(times),
+            None => person.then_some(1.0),
+        };
+        let job = plan.job(0);
+        let end = self.duration.unwrap_or(job.run.scenario.duration.max(LONG));
+        let mut session = Session::new(job, end, pace).map_err(|error| refuse(&error))?;
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let flag = interrupted.clone();
+        let asked = when_asked_to_end(move |_| flag.store(true, Ordering::Relaxed));
+        let stop = Interruption { interrupted, asked };
+        let mut exit =
+            script::lines(&mut session, "--command", self.commands.iter().map(|line| Ok(line.clone())), &stop)?;
+        if !session.has_ended() && (person || self.file.is_some() || self.commands.is_empty()) {
+            let more = if person { interactive::talk(&mut session, &stop) } else { self.script(&mut session, &stop) };
+            exit = worse(exit, more?);
+        }
+        if let Some(path) = &self.save {
+            let saved = session.save_session(path).map_err(|error| refuse(&error))?;
+            print(&saved)?;
+        }
+        Ok(exit)
+    }
+
+    fn script(&self, session: &mut Session, stop: &Interruption) -> Result<Exit, Exit> {
+        match &self.file {
+            Some(path) if path.as_os_str() != "-" => {
+                let text = std::fs::read_to_string(path).map_err(|error| {
+                    complain(&format!("error: cannot read {}: {error}", path.display()));
+                    Exit::Invalid
+                })?;
+                let lines = text.lines().map(|line| Ok(line.to_owned()));
+                script::lines(session, &path.display().to_string(), lines, stop)
+            }
+            _ => script::lines(session, "standard input", std::io::stdin().lines(), stop),
+        }
+    }
+}
+
+/// Has somebody asked the program to end?
+struct Interruption {
+    interrupted: Arc<AtomicBool>,
+    asked: Asked,
+}
+
+impl Interruption {
+    fn exit(&self) -> Option<Exit> {
+        self.interrupted.load(Ordering::Relaxed).then(|| self.asked.exit())
+    }
+}
+
+/// The one that is told of two ends.
+fn worse(a: Exit, b: Exit) -> Exit {
+    if b == Exit::Success { a } else { b }
+}
+
+/// What an error means for the end of a script.
+fn exit_of(error: &ConsoleError) -> Exit {
+    match error {
+        ConsoleError::Expectation(_) => Exit::Failed,
+        ConsoleError::Over { .. } => Exit::Unfinished,
+        ConsoleError::Record(cause) => Exit::of_writing(cause),
+        ConsoleError::Export(stiction::record::export::ExportError::Record(cause)) => Exit::of_writing(cause),
+        ConsoleError::Io { source, .. } => Exit::of_writing(source),
+        ConsoleError::Usage(_) | ConsoleError::Scenario(_) | ConsoleError::Log(_) | ConsoleError::Export(_) => {
+            Exit::Invalid
+        }
+    }
+}
+
+fn refuse(error: &ConsoleError) -> Exit {
+    complain(&error.render(colour::on_stderr()));
+    exit_of(error)
+}

@@ -1,0 +1,255 @@
+//! The scenario, its simulation, and how they stay one.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use tempfile::TempDir;
+
+use super::commands::{COMMANDS, find};
+use super::cursor::Cursor;
+use super::document::Document;
+use super::error::ConsoleError;
+use super::motion::Goal;
+use super::player::Player;
+use super::recording::Recording;
+use super::tap::Tap;
+use super::words::Words;
+use crate::batch::Job;
+use crate::robot::{Model, Robot};
+use crate::scenario::{Run, Scenario};
+use crate::sim::build::setup;
+use crate::sim::{Outcome, SimEvent, Simulation, Stop};
+
+/// A session at the console.
+///
+/// [`execute`](Self::execute) takes a line. What takes time is then done piece by piece: while [`due`](Self::due) says when,
+/// [`work`](Self::work) is called.
+pub struct Session {
+    pub(super) document: Document,
+    /// What `reset` returns to.
+    first: Document,
+    pub(super) robot: Arc<Robot>,
+    pub(super) run: Run,
+    pub(super) simulation: Simulation,
+    pub(super) tap: Tap,
+    /// Why it goes on no more.
+    pub(super) over: Option<Stop>,
+    /// How far it is to run.
+    pub(super) goal: Option<Goal>,
+    /// Simulated seconds per second; none: as fast as it goes.
+    pub(super) pace: Option<f64>,
+    /// A moment and the simulated time it had, s, since the pace was set or the run went on.
+    pub(super) clock: Option<(Instant, f64)>,
+    pub(super) player: Option<Player>,
+    /// What was recorded or loaded, and where in it queries look.
+    pub(super) recording: Option<Recording>,
+    pub(super) cursor: Option<Cursor>,
+    /// Recordings that nobody has saved yet.
+    pub(super) folder: TempDir,
+    pub(super) recordings: usize,
+    /// Notes told so far.
+    told: BTreeSet<String>,
+    left: bool,
+}
+
+impl Session {
+    /// Begins with a run, which may be as long as `end` seconds and is paused at its start. Without `pace` it runs as fast as it
+    /// goes.
+    ///
+    /// # Errors
+    /// The run's robot is somewhere else; what the run needs is not there.
+    pub fn new(job: Job, end: f64, pace: Option<f64>) -> Result<Self, ConsoleError> {
+        if job.run.scenario.robot.backend.is_some() {
+            let why = "the scenario's robot is somewhere else (`robot.backend`): the console is where it is simulated";
+            return Err(ConsoleError::usage(why));
+        }
+        let document = Document::of(&job.run, end);
+        let run = document.run()?;
+        let simulation = simulation(&document, &run, &job.robot)?;
+        let io = |source| ConsoleError::Io { path: std::env::temp_dir(), source };
+        let folder = tempfile::Builder::new().prefix("stiction-console-").tempdir().map_err(io)?;
+        Ok(Session {
+            first: document.clone(),
+            document,
+            robot: job.robot,
+            run,
+            simulation,
+            tap: Tap::default(),
+            over: None,
+            goal: None,
+            pace,
+            clock: None,
+            player: None,
+            recording: None,
+            cursor: None,
+            folder,
+            recordings: 0,
+            told: BTreeSet::new(),
+            left: false,
+        })
+    }
+
+    /// Does what a line says, or begins to. Gives what there is to show, with its line end; an empty line does nothing.
+    ///
+    /// # Errors
+    /// The session is then as it was.
+    pub fn execute(&mut self, line: &str) -> Result<String, ConsoleError> {
+        let mut words = Words::of(line)?;
+        let Some(name) = words.next().map(str::to_owned) else { return Ok(String::new()) };
+        let command = find(&name)?;
+        (command.act)(self, &mut words).map_err(|error| match error {
+            ConsoleError::Usage(why) => {
+                ConsoleError::Usage(format!("{}: {why}; it is `{}`", command.name, command.usage))
+            }
+            other => other,
+        })
+    }
+
+    /// Has `quit` been said?
+    pub fn has_ended(&self) -> bool {
+        self.left
+    }
+
+    /// Did the run end by a fault of its motion?
+    pub fn fault(&self) -> Option<&Stop> {
+        self.over.as_ref()
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.simulation.plant().state.time
+    }
+
+    /// For the prompt: the time, and what queries look at.
+    pub fn prompt(&self) -> String {
+        match &self.cursor {
+            Some(cursor) => format!("recording {} s> ", cursor.time),
+            None => format!("{} s> ", self.time()),
+        }
+    }
+
+    /// The robot.
+    pub(super) fn model(&self) -> &Model {
+        &self.simulation.plant().model
+    }
+
+    /// The scenario with what its events have changed until now.
+    pub(super) fn present(&self) -> &Scenario {
+        let past = self.run.events.iter().take_while(|event| event.at <= self.time());
+        past.last().map_or(&self.run.scenario, |event| &event.after.scenario)
+    }
+
+    /// Changes the scenario; the simulation goes on as the new one's, or nothing is changed.
+    pub(super) fn edit(
+        &mut self,
+        change: impl FnOnce(&mut Document) -> Result<(), ConsoleError>,
+    ) -> Result<String, ConsoleError> {
+        self.alive()?;
+        let mut document = self.document.clone();
+        change(&mut document)?;
+        let run = document.run()?;
+        if self.simulation.has_begun() {
+            let mut setup = setup(&run, &self.robot).map_err(|found| document.wrong(found))?;
+            let notes = std::mem::take(&mut setup.notes);
+            if let Err(stop) = self.simulation.go_on_as(setup) {
+                return Err(self.end(stop));
+            }
+            (self.document, self.run) = (document, run);
+            Ok(self.news(notes))
+        } else {
+            let simulation = simulation(&document, &run, &self.robot)?;
+            (self.document, self.run, self.simulation) = (document, run, simulation);
+            Ok(String::new())
+        }
+    }
+
+    /// Begins anew.
+    pub(super) fn reset(&mut self) -> Result<String, ConsoleError> {
+        let run = self.first.run()?;
+        self.simulation = simulation(&self.first, &run, &self.robot)?;
+        (self.document, self.run) = (self.first.clone(), run);
+        self.stop_recording()?;
+        self.tap = Tap::default();
+        (self.over, self.goal, self.clock, self.player, self.cursor) = (None, None, None, None, None);
+        Ok(String::new())
+    }
+
+    pub(super) fn leave(&mut self) {
+        self.left = true;
+    }
+
+    /// Complains if the run goes on no more.
+    pub(super) fn alive(&self) -> Result<(), ConsoleError> {
+        match &self.over {
+            Some(stop) => Err(ConsoleError::Over { time: self.time(), stop: stop.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Remembers that the run goes on no more.
+    pub(super) fn end(&mut self, stop: Stop) -> ConsoleError {
+        self.goal = None;
+        self.over = Some(stop.clone());
+        ConsoleError::Over { time: self.time(), stop }
+    }
+
+    /// Notes that nobody has seen.
+    fn news(&mut self, notes: Vec<String>) -> String {
+        let fresh = notes.into_iter().filter(|note| self.told.insert(note.clone()));
+        fresh.map(|note| format!("note: {note}\n")).collect()
+    }
+
+    pub(super) fn status(&self) -> String {
+        let scenario = self.present();
+        let mut out = String::new();
+        let ticks = (self.time() * scenario.control.rate).round();
+        let what = match (&self.over, &self.goal) {
+            (Some(stop), _) => format!("ended: {}", stop.message),
+            (None, Some(goal)) => format!("running until {goal}"),
+            (None, None) => "held".to_owned(),
+        };
+        let rate = self.pace.map_or("as fast as it goes".to_owned(), |pace| format!("at {pace} times real time"));
+        let _ = writeln!(out, "{} s of {} s, tick {ticks}, {what}, {rate}", self.time(), self.simulation.end());
+        let method = (scenario.contact.method.name(), scenario.integrator.method.name());
+        let _ = writeln!(out, "robot {}, contact {}, integrator {}", self.model().name, method.0, method.1);
+        let entries =
+            [("tasks", scenario.task.len()), ("forces", scenario.force.len()), ("events", self.run.events.len())];
+        let counts: Vec<_> = entries.iter().map(|(what, count)| format!("{what} {count}")).collect();
+        let _ = writeln!(out, "{}", counts.join(", "));
+        out + &self.recording_status()
+    }
+
+    /// The words of events, one a line.
+    pub(super) fn told(events: &[&SimEvent]) -> String {
+        let line = |e: &&SimEvent| format!("{:.6} {} {} {}", e.time, e.kind, e.subject, e.message);
+        events.iter().map(|e| line(e).split_whitespace().collect::<Vec<_>>().join(" ") + "\n").collect()
+    }
+
+    /// Files begin where the program was started.
+    pub(super) fn path(word: &str) -> PathBuf {
+        PathBuf::from(word)
+    }
+
+    pub(super) fn help(word: Option<&str>) -> Result<String, ConsoleError> {
+        let Some(word) = word else {
+            let width = COMMANDS.iter().map(|c| c.name.len()).max().unwrap_or(0);
+            let line = |c: &super::Command| format!("  {:width$}  {}\n", c.name, c.short);
+            let list: String = COMMANDS.iter().map(line).collect();
+            return Ok(format!("{list}`help COMMAND` says more.\n"));
+        };
+        let command = find(word)?;
+        Ok(format!("{}\n  {}.\n{}", command.usage, command.short, command.more()))
+    }
+}
+
+/// The run, ready to begin.
+pub(super) fn simulation(document: &Document, run: &Run, robot: &Robot) -> Result<Simulation, ConsoleError> {
+    let setup = setup(run, robot).map_err(|found| document.wrong(found))?;
+    Simulation::new(setup).map_err(|stop| match stop.outcome {
+        Outcome::Error => ConsoleError::usage(stop.message),
+        _ => ConsoleError::Over { time: 0.0, stop },
+    })
+}

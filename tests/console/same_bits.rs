@@ -1,0 +1,185 @@
+//! A session and the run of the scenario that is saved of it.
+
+use std::path::Path;
+
+use super::{export, hoap2, log_of, session};
+use crate::cli::Place;
+
+/// All that changes a motion, at instants between which things happen.
+const LINES: &str = "start sine joints.left_shoulder_pitch.amplitude=0.2 ramp=0.2
+force constant link=torso force=[0.5,0,0]
+run 0.3
+push torso 5 2 0 for 0.1 at 0 0 0.05
+run 0.2
+floor 0.4 0.3
+store a
+run 0.137
+change sine joints.left_shoulder_pitch.amplitude=0.1
+friction left_knee coulomb=0.05 viscous=0.01
+payload torso 0.5 -0.05 0 0.1
+set force.0.force=[0,0.5,0] robot.joint.right_knee.kp=90
+run 0.3
+force spring link=torso stiffness=50 damping=2 duration=0.2
+force carried-object link=r_hand mass=0.2 duration=0.3
+step 250
+stop sine
+run 0.1
+restore a
+run 0.2
+store a
+start script file=\"wave.luau\" params={ amplitude = 0.3, frequency = 2.0, duration = 1.0 }
+step
+run 0.1
+change script params.amplitude=0.1
+set gravity=[0,0.2,-9.7] contact.restitution=0.1
+run 0.2
+restore a
+stop all
+drive left_elbow=-0.4 right_elbow=\"-30 deg\" in 0.3
+run 0.1
+run until 1.9
+";
+
+/// Everything that asks and changes nothing.
+const QUESTIONS: &str =
+    "status\ntasks\nbase\ncom\nzmp\ncontact\njoints\njacobian com\njacobian l_foot 0.1 0 0\nframe r_hand
+value base_z_m joint.*.effort_Nm\ncolumns\nevents\nforce\nstates\nget floor.friction\nfloor\nexpect base_z_m min=-1\n";
+
+fn script() -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/tasks/wave.luau")).unwrap()
+}
+
+/// Runs the session, saves it and what was recorded, runs what was saved, and compares every cell of both logs.
+#[track_caller]
+fn assert_replays(place: &Place, name: &str, saved: &str, lines: &str) {
+    let file = format!("{name}.toml");
+    let lines = format!("record\n{lines}save session {saved}.toml\nsave recording {name}.mcap\n");
+    session(place, &file, &lines).exits(0);
+    let results = format!("{name}-results");
+    place.runner(&[&format!("{saved}.toml"), "-o", &results]).exits(0);
+    let again = log_of(place, &results, saved.rsplit('/').next().unwrap());
+    let log = format!("{name}.mcap");
+    for more in [&[][..], &["--events"]] {
+        let (here, there) = (export(place, &log, more), export(place, &again, more));
+        assert_eq!(here.header, there.header, "{name}");
+        for (row, other) in here.rows.iter().zip(&there.rows) {
+            let differs = |i: &usize| row[*i] != other[*i];
+            if let Some(i) = (0..row.len()).find(differs) {
+                panic!("{name} at {} s: {} is {}, then {}", row[0], here.header[i], row[i], other[i]);
+            }
+        }
+        assert_eq!(here.rows.len(), there.rows.len(), "{name}");
+        let least = if more.is_empty() { 200 } else { 1 };
+        assert!(here.rows.len() >= least, "{name}: {} rows", here.rows.len());
+    }
+}
+
+#[test]
+fn what_is_saved_of_a_session_gives_its_bits() {
+    let place = Place::new();
+    place.write("wave.luau", script());
+    for (name, more) in [
+        ("exact", ""),
+        (
+            "squats",
+            "task = [{ type = \"squat\", start = 0.1, depth = 0.02, period = 0.6, repetitions = 2 }]\nforce = [{ type = \"random-pushes\", links = [\"torso\"], number = 5, magnitude = [1, 5] }]\nevent = [{ at = 0.45, set = { \"floor.friction\" = 0.6 } }, { at = 1.5, save = \"b\" }]",
+        ),
+        (
+            "sensed",
+            "control = { estimator = \"inertial\" }\nsensors = { joint_position = { noise = 1e-4 }, gyroscope = { noise = 1e-3 }, sole_force = { delay = 0.002 } }",
+        ),
+        ("steps", "integrator = { method = \"rk4\", step = 7e-4 }\ncontact = { events = \"step\" }"),
+        ("slow-ticks", "control = { rate = 130.0 }"),
+        ("one-step", "contact = { method = \"one-step\" }\nintegrator = { method = \"semi-implicit\" }"),
+        ("coarse", "contact = { method = \"ncp\" }\nintegrator = { method = \"semi-implicit\", step = 3e-3 }"),
+        ("springs", "contact = { method = \"penalty\" }"),
+        ("avoiding", "self_collision = { method = 2, rate = 100, margin = 0.002 }"),
+    ] {
+        // Some methods have no restitution.
+        let lines = match name {
+            "one-step" | "coarse" | "springs" => LINES.replace(" contact.restitution=0.1", ""),
+            // There is a force before that of the session.
+            "squats" => LINES.replace("force.0", "force.1"),
+            "slow-ticks" => LINES.replace("step 250", "step 32"),
+            _ => LINES.to_owned(),
+        };
+        hoap2(&place, &format!("{name}.toml"), &format!("duration = 2.0\n{more}"));
+        assert_replays(&place, name, &format!("{name}-again"), &lines);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_walk_goes_on_as_it_was_planned() {
+    let place = Place::new();
+    let walk =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/hoap2-walk.toml")).unwrap();
+    // Paths of what is saved lead to the robot from where it is saved.
+    std::os::unix::fs::symlink(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots"), place.path("robots")).unwrap();
+    place.write("walk.toml", walk.replace("../robots", "robots"));
+    assert_replays(&place, "walk", "elsewhere/walk", "run 0.9\npush torso 1 1 0\nrun 0.5\n");
+}
+
+#[test]
+fn questions_change_no_bit() {
+    let place = Place::new();
+    place.write("wave.luau", script());
+    for (name, more) in [
+        ("exact", ""),
+        ("one-step", "contact = { method = \"one-step\" }\nintegrator = { method = \"semi-implicit\" }"),
+        ("springs", "contact = { method = \"penalty\" }"),
+        ("avoiding", "self_collision = { method = 3, rate = 100, margin = 0.002 }"),
+    ] {
+        hoap2(&place, &format!("{name}.toml"), &format!("duration = 2.0\n{more}"));
+        let plain = LINES.replace(" contact.restitution=0.1", "");
+        let asked: String = plain.lines().map(|line| format!("{line}\n{QUESTIONS}")).collect();
+        for (lines, log) in [(&plain, "plain"), (&asked, "asked")] {
+            let lines = format!("record\n{lines}save recording {name}-{log}.mcap\n");
+            session(&place, &format!("{name}.toml"), &lines).exits(0);
+        }
+        let rows = |log: &str| export(&place, &format!("{name}-{log}.mcap"), &[]).rows;
+        assert_eq!(rows("plain"), rows("asked"), "{name}");
+    }
+}
+
+/// Sessions are the same however they are cut into pieces, and while they are recorded or not.
+#[test]
+fn pauses_change_no_bit() {
+    let place = Place::new();
+    hoap2(
+        &place,
+        "s.toml",
+        "task = [{ type = \"sine\", ramp = 0.1, joints = { head_pan = { amplitude = 0.3 } }, duration = 0.2 }]",
+    );
+    let value = |lines: &str| {
+        let done =
+            session(&place, "s.toml", &format!("{lines}\nvalue base_* joint.*.position_rad joint.*.effort_Nm\n"));
+        let done = done.exits(0);
+        let from = done.stdout.find("base_x_m").unwrap();
+        done.stdout[from..].to_owned()
+    };
+    let whole = value("push torso 3 1 0 for 0.1\nrun 0.5");
+    assert_eq!(value("push torso 3 1 0 for 0.1\nrun 0.1\nstep 33\nrecord\nstep\nrecord stop\nrun until 0.5"), whole);
+    assert_ne!(value("push torso 3 1 0 for 0.1\nrun 0.4"), whole);
+    // After a reset everything is as at first.
+    assert_eq!(value("floor 0.1\nrun 0.2\nreset\npush torso 3 1 0 for 0.1\nrun 0.5"), whole);
+}
+
+/// The log of a run that ends early is the beginning of the whole run's, and what is planned for all of it is the same.
+#[test]
+fn a_run_that_stops_at_an_instant_is_the_beginning_of_the_whole() {
+    let place = Place::new();
+    hoap2(
+        &place,
+        "s.toml",
+        "duration = 1.0\nforce = [{ type = \"random-pushes\", links = [\"torso\"], number = 8, magnitude = [1, 5] }]",
+    );
+    place.runner(&["s.toml", "-o", "whole"]).exits(0);
+    place.runner(&["s.toml", "--set", "stop.at=0.6", "-o", "part"]).exits(0);
+    assert_eq!(place.summary("part").numbers("duration_s"), [0.6]);
+    let (whole, part) = (log_of(&place, "whole", "s"), log_of(&place, "part", "s"));
+    let (whole, part) = (export(&place, &whole, &[]), export(&place, &part, &[]));
+    assert_eq!(part.rows.len(), 121);
+    // The last instant is the end of the one and within the other.
+    assert_eq!(whole.rows[..120], part.rows[..120]);
+}
