@@ -158,6 +158,17 @@ fn tasks_begin_change_and_end_when_they_are_told() {
         answer(&place, "h.toml", &format!("{start}step\nstop 0\nstep"), "tasks"),
         "0 sine: has ended, start 0.1 s\n"
     );
+    // One that was to come in any case stays behind it.
+    hoap2(
+        &place,
+        "later.toml",
+        "task = [{ type = \"sine\", ramp = 0.0, joints = { head_pan = { amplitude = 0.3, offset = 0.0 } }, change = [{ at = 0.4, joints = { head_pan = { amplitude = 0.2 } } }] }]",
+    );
+    let lines = "run 0.2\nchange sine joints.head_pan.amplitude=0.1\nrun 0.1";
+    let asked =
+        |lines: &str| numbers(&answer(&place, "later.toml", lines, "value joint.head_pan.desired_position_rad"))[0];
+    assert!((asked(lines) - sine(0.299) / 3.0).abs() < 1e-12);
+    assert!((asked(&format!("{lines}\nrun 0.2")) - sine(0.499) / 1.5).abs() < 1e-12);
     // Ended before it began, it never begins.
     let never = "start sine joints.head_pan.amplitude=0.3\nstop all\nrun 0.2";
     assert_eq!(answer(&place, "h.toml", never, "tasks"), "0 sine: has ended, start 0 s\n");

@@ -120,6 +120,47 @@ fn a_walk_goes_on_as_it_was_planned() {
     assert_replays(&place, "walk", "elsewhere/walk", "run 0.9\npush torso 1 1 0\nrun 0.5\n");
 }
 
+/// Each type of task that takes new parameters, started and changed by hand.
+#[test]
+fn tasks_are_changed_as_their_entries_say() {
+    let place = Place::new();
+    place.write("wave.luau", script());
+    let bow =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/motions/bow.toml")).unwrap();
+    place.write("bow.toml", bow);
+    for (name, lines) in [
+        (
+            "playback",
+            "start playback file=\"bow.toml\"\nrun 0.4\nchange playback speed=0.3\nrun 0.6\nchange playback speed=1.5\n",
+        ),
+        (
+            "position",
+            "start balance control=position\nrun 0.1\nchange balance position.offset=[0.004,0.002]\nrun 0.9\n",
+        ),
+        ("force", "start balance control=force\nrun 0.1\nchange balance force.offset=[0.004,0.002,-0.002]\nrun 0.9\n"),
+        ("compensation", "start gravity-compensation\nrun 0.1\nchange gravity-compensation damping=0.5\nrun 0.9\n"),
+        (
+            "sine",
+            "start sine joints.head_pan.amplitude=0.2\nrun 0.2\nchange sine joints.head_pan.frequency=3.0\nrun 0.8\n",
+        ),
+        (
+            "script",
+            "start script file=\"wave.luau\" params={ amplitude = 0.3, frequency = 2.0, duration = 1.0 }\nrun 0.2\nchange script params.amplitude=0.1\nrun 0.8\n",
+        ),
+    ] {
+        hoap2(&place, &format!("{name}.toml"), "duration = 2.0");
+        assert_replays(&place, name, &format!("{name}-again"), lines);
+        // The change is seen in what is asked.
+        let asked = |lines: &str, log: &str| {
+            session(&place, &format!("{name}.toml"), &format!("record\n{lines}save recording {log}\n")).exits(0);
+            export(&place, log, &["--columns", "joint.*.desired_*,joint.*.desired_effort_Nm"]).rows
+        };
+        let without: String =
+            lines.lines().filter(|line| !line.starts_with("change")).map(|l| format!("{l}\n")).collect();
+        assert_ne!(asked(lines, "with.mcap"), asked(&without, "without.mcap"), "{name}");
+    }
+}
+
 #[test]
 fn questions_change_no_bit() {
     let place = Place::new();
