@@ -110,7 +110,7 @@ pub struct PayloadEntry {
     #[schemars(with = "String")]
     pub link: Spanned<String>,
     /// Mass, kg, above 0.
-    #[schemars(with = "f64")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
     pub mass: Spanned<f64>,
     /// Centre of mass in the link's URDF frame, m.
     #[schemars(with = "Option<[f64; 3]>")]
@@ -148,24 +148,24 @@ pub struct JointEntry {
     #[schemars(with = "Option<ModeWord>")]
     pub mode: Option<Spanned<ModeWord>>,
     /// Position gain, N m/rad or N/m.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub kp: Option<Spanned<f64>>,
     /// Velocity gain, N m s/rad or N s/m.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub kd: Option<Spanned<f64>>,
     /// Greatest effort, N m or N.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub effort: Option<Spanned<f64>>,
     /// Greatest speed, rad/s or m/s.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub velocity: Option<Spanned<f64>>,
     /// Joint friction.
     pub friction: Option<Friction>,
     /// Reflected rotor inertia, kg m^2 or kg.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub armature: Option<Spanned<f64>>,
     /// Time constant of the actuator, s: its effort follows what is asked as a first-order lag.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub lag: Option<Spanned<f64>>,
     /// End stops; left out: as stiff as lets the joint's own inertia swing at 300 rad/s, critically damped.
     pub stop: Option<StopEntry>,
@@ -176,20 +176,20 @@ pub struct JointEntry {
 #[serde(deny_unknown_fields)]
 pub struct Friction {
     /// Independent of speed, N m or N.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub coulomb: Option<Spanned<f64>>,
     /// Proportional to speed, N m s/rad or N s/m.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub viscous: Option<Spanned<f64>>,
     /// At rest, N m or N, not smaller than `coulomb`; left out: as `coulomb`.
     #[serde(rename = "static")]
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub static_: Option<Spanned<f64>>,
     /// Speed over which friction falls from `static` to `coulomb`, rad/s or m/s; 0.2.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub stribeck_velocity: Option<Spanned<f64>>,
     /// Speed below which friction has not its full size, rad/s or m/s; 0.05.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub slip_velocity: Option<Spanned<f64>>,
 }
 
@@ -198,10 +198,10 @@ pub struct Friction {
 #[serde(deny_unknown_fields)]
 pub struct StopEntry {
     /// N m/rad or N/m.
-    #[schemars(with = "f64")]
+    #[schemars(with = "f64", range(min = 0.0))]
     pub stiffness: Spanned<f64>,
     /// N m s/rad or N s/m; 0.
-    #[schemars(with = "Option<f64>")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub damping: Option<Spanned<f64>>,
 }
 
@@ -251,7 +251,7 @@ pub struct SelfCollision {
     #[schemars(with = "Vec<[String; 2]>")]
     pub watch: Vec<[Spanned<String>; 2]>,
     /// Corners of the polygon around a circle of a cylinder, capsule or sphere, 8 to 128; 16.
-    #[schemars(with = "Option<u32>")]
+    #[schemars(with = "Option<u32>", range(min = 8, max = 128))]
     pub resolution: Option<Spanned<u32>>,
 }
 

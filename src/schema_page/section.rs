@@ -87,7 +87,9 @@ impl<'a> Page<'a> {
                 Notation::Toml => format!("{key} = \"{word}\""),
                 Notation::Json => format!("\"{key}\": \"{word}\""),
             };
-            text.push_str(&format!("\n{level} `{title}`\n\n{}\n\n", description(variant)));
+            // Tasks and forces have types of the same names.
+            let of = if path.is_empty() { String::new() } else { format!("`{}` with ", self.header(path)) };
+            text.push_str(&format!("\n{level} {of}`{title}`\n\n{}\n\n", description(variant)));
             self.variant = Some(title);
             // What the table of one variant holds may stand in a definition of its own.
             match self.target(variant) {

@@ -21,6 +21,7 @@ fn what_is_wrong_is_told_with_its_line() {
         ("start sien", "unknown task type `sien`"),
         ("start posture joints.knee=1", "the robot `block` has no joint `knee`"),
         ("start posture start=1 joints={}", "`start` is given by the command itself"),
+        ("undo", "nothing has been changed"),
         ("stop 0", "there is no task 0 (`tasks`)"),
         ("stop all", "no task runs or waits"),
         ("stop sine", "no task `sine` that has not ended"),
@@ -104,7 +105,7 @@ fn a_run_that_breaks_down_ends_a_script_with_exit_code_3() {
     // Gravity such that a number leaves the sensible range.
     let done = session(&place, "b.toml", "run 0.1\nset gravity=[0,0,1e200]\nrun 5\nstatus\n").exits(3);
     assert!(done.stderr.contains("lines.txt:3: error: the run has ended at "), "{}", done.stderr);
-    assert!(done.stderr.contains("`reset` begins anew"), "{}", done.stderr);
+    assert!(done.stderr.contains("`undo` takes the last change back, `reset` begins anew"), "{}", done.stderr);
 }
 
 #[test]

@@ -202,8 +202,27 @@ fn pauses_change_no_bit() {
     let whole = value("push torso 3 1 0 for 0.1\nrun 0.5");
     assert_eq!(value("push torso 3 1 0 for 0.1\nrun 0.1\nstep 33\nrecord\nstep\nrecord stop\nrun until 0.5"), whole);
     assert_ne!(value("push torso 3 1 0 for 0.1\nrun 0.4"), whole);
+    // What is taken back has never been.
+    let undone = "push torso 3 1 0 for 0.1\nrun 0.2\nfloor 0.1\nrun 0.1\nfriction left_knee coulomb=1\nrun 0.1\nundo\nundo\nrun 0.3";
+    assert_eq!(value(undone), whole);
     // After a reset everything is as at first.
     assert_eq!(value("floor 0.1\nrun 0.2\nreset\npush torso 3 1 0 for 0.1\nrun 0.5"), whole);
+}
+
+/// A session that may last longer has the pushes that were drawn for the scenario.
+#[test]
+fn random_pushes_are_those_of_the_scenario() {
+    let place = Place::new();
+    hoap2(
+        &place,
+        "s.toml",
+        "duration = 1.0\ncontrol = { idle_ticks = true }\nforce = [{ type = \"random-pushes\", links = [\"torso\"], number = 8, magnitude = [1, 5] }]",
+    );
+    place.runner(&["s.toml"]).exits(0);
+    session(&place, "s.toml", "record\nrun 1\nsave recording s.mcap\n").exits(0);
+    let whole = export(&place, &log_of(&place, "results", "s"), &["--events"]);
+    assert_eq!(export(&place, "s.mcap", &["--events"]).rows, whole.rows);
+    assert!(whole.rows.iter().filter(|row| row[1] == "push").count() >= 8);
 }
 
 /// The log of a run that ends early is the beginning of the whole run's, and what is planned for all of it is the same.

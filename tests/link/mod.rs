@@ -1,4 +1,5 @@
 //! Tasks here, robot there: packets, sessions, the same bits over a link.
 
 mod session;
+mod stranger;
 mod wire;

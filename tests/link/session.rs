@@ -7,16 +7,16 @@ use std::process::{Child, ChildStderr, Stdio};
 use crate::cli::{Done, Place, Table};
 
 /// `runner motor-server` in the background, listening.
-struct Server {
+pub struct Server {
     child: Child,
     said: BufReader<ChildStderr>,
     before: String,
     /// Where it listens.
-    port: u16,
+    pub port: u16,
 }
 
 impl Server {
-    fn start(place: &Place, arguments: &[&str]) -> Self {
+    pub fn start(place: &Place, arguments: &[&str]) -> Self {
         let fixed = ["motor-server", "--bind", "127.0.0.1:0"];
         let mut child = place
             .command(&[&fixed[..], arguments].concat())
@@ -45,7 +45,7 @@ impl Server {
     }
 
     /// Waits for its end.
-    fn end(mut self) -> Done {
+    pub fn end(mut self) -> Done {
         let mut stderr = self.before;
         self.said.read_to_string(&mut stderr).unwrap();
         let output = self.child.wait_with_output().unwrap();
@@ -54,7 +54,7 @@ impl Server {
 }
 
 /// HOAP-2 on the floor, pushed, with what `more` says.
-fn hoap2(place: &Place, name: &str, more: &str) {
+pub fn hoap2(place: &Place, name: &str, more: &str) {
     let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml");
     place.write(name, format!("duration = 1.0\n{more}\n[robot]\nmodel = {model:?}\n"));
 }
@@ -65,7 +65,7 @@ force = [{ type = \"push\", link = \"torso\", force = [10, 4, 0], start = 0.5, d
 /// Columns of both logs that must agree: the base and all joints, positions and velocities, and what the joints are asked.
 const MOTION: &str = "base_*,joint.*.position_rad,joint.*.velocity_rad_s,joint.*.desired_position_rad";
 
-fn motion(place: &Place, results: &str, scenario: &str) -> Table {
+pub fn motion(place: &Place, results: &str, scenario: &str) -> Table {
     let folder = std::fs::read_dir(place.path(results).join(scenario)).unwrap().next().unwrap().unwrap().path();
     let log = folder.join("log.mcap");
     Table::parse(&place.runner(&["export", log.to_str().unwrap(), "--columns", MOTION]).exits(0).stdout)

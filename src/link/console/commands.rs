@@ -126,6 +126,15 @@ pub const COMMANDS: &[Command] = &[
         act: Session::set_rate,
     },
     Command {
+        name: "undo",
+        usage: "undo",
+        short: "Take the last change back, and return to when it was made",
+        more: "What was before it is simulated again, so the state is that of then to the last bit. It brings back a run that a
+               change has broken.",
+        words: &[],
+        act: |session, words| alone(words, || session.undo()),
+    },
+    Command {
         name: "reset",
         usage: "reset",
         short: "Begin the session anew; recordings stay",

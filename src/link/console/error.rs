@@ -17,7 +17,7 @@ pub enum ConsoleError {
     #[error("{0}")]
     Scenario(Diagnostics),
     /// The run has ended and goes on no more.
-    #[error("the run has ended at {time} s: {stop}; `reset` begins anew")]
+    #[error("the run has ended at {time} s: {stop}; `undo` takes the last change back, `reset` begins anew")]
     Over {
         /// When, s.
         time: f64,

@@ -197,7 +197,7 @@ impl Session {
     }
 
     /// Simulates to the next control tick.
-    fn tick(&mut self) -> Result<(), Stop> {
+    pub(super) fn tick(&mut self) -> Result<(), Stop> {
         if !self.simulation.has_begun() {
             self.simulation.begin(&mut self.tap)?;
         }

@@ -73,11 +73,11 @@ impl Session {
             return Ok(false);
         }
         // The present is the last instant, as of every run.
-        if self.tap.last != Some(self.time()) {
+        if self.over.is_none() && self.tap.last != Some(self.time()) {
             let last = self.begun_look()?;
             self.tap.snapshot(&last).map_err(ConsoleError::usage)?;
         }
-        let Some(log) = self.tap.log.take() else { return Ok(false) };
+        let Some(log) = self.tap.log.take().filter(|_| self.tap.instants > 0) else { return Ok(false) };
         log.finish()?;
         let path = self.folder.path().join(format!("{}.mcap", self.recordings));
         let recording = Recording::read(&path)?;

@@ -31,6 +31,8 @@ pub struct Session {
     pub(super) document: Document,
     /// What `reset` returns to.
     first: Document,
+    /// What `undo` returns to: the scenarios before each change, and when it was made, s.
+    earlier: Vec<(Document, f64)>,
     pub(super) robot: Arc<Robot>,
     pub(super) run: Run,
     pub(super) simulation: Simulation,
@@ -73,6 +75,7 @@ impl Session {
         let folder = tempfile::Builder::new().prefix("stiction-console-").tempdir().map_err(io)?;
         Ok(Session {
             first: document.clone(),
+            earlier: Vec::new(),
             document,
             robot: job.robot,
             run,
@@ -157,23 +160,49 @@ impl Session {
             if let Err(stop) = self.simulation.go_on_as(setup) {
                 return Err(self.end(stop));
             }
-            (self.document, self.run) = (document, run);
+            self.remember(document, run);
             Ok(self.news(notes))
         } else {
             let simulation = simulation(&document, &run, &self.robot)?;
-            (self.document, self.run, self.simulation) = (document, run, simulation);
+            self.remember(document, run);
+            self.simulation = simulation;
             Ok(String::new())
         }
     }
 
+    fn remember(&mut self, document: Document, run: Run) {
+        let time = self.time();
+        self.earlier.push((std::mem::replace(&mut self.document, document), time));
+        self.run = run;
+    }
+
+    /// Takes the last change back: what was before it is simulated again, up to where it was made.
+    pub(super) fn undo(&mut self) -> Result<String, ConsoleError> {
+        let Some((document, time)) = self.earlier.last().cloned() else {
+            return Err(ConsoleError::usage("nothing has been changed"));
+        };
+        self.hold();
+        self.stop_recording()?;
+        let run = document.run()?;
+        self.simulation = simulation(&document, &run, &self.robot)?;
+        (self.document, self.run) = (document, run);
+        (self.tap, self.over, self.cursor) = (Tap::default(), None, None);
+        self.earlier.pop();
+        while self.time() < time {
+            self.tick().map_err(|stop| self.end(stop))?;
+        }
+        Ok(format!("{} s\n", self.time()))
+    }
+
     /// Begins anew.
     pub(super) fn reset(&mut self) -> Result<String, ConsoleError> {
+        self.hold();
+        self.stop_recording()?;
         let run = self.first.run()?;
         self.simulation = simulation(&self.first, &run, &self.robot)?;
         (self.document, self.run) = (self.first.clone(), run);
-        self.stop_recording()?;
-        self.tap = Tap::default();
-        (self.over, self.goal, self.clock, self.player, self.cursor) = (None, None, None, None, None);
+        self.earlier.clear();
+        (self.tap, self.over, self.clock, self.cursor) = (Tap::default(), None, None, None);
         Ok(String::new())
     }
 

@@ -55,9 +55,9 @@ impl SweepSpec {
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// `[first, last, n]`: n values at equal distances, both ends included.
-    Linspace(f64, f64, u32),
+    Linspace(f64, f64, #[schemars(range(min = 2))] u32),
     /// `[first, last, n]`: n values in equal ratios, both ends included; ends of one sign, not zero.
-    Logspace(f64, f64, u32),
+    Logspace(f64, f64, #[schemars(range(min = 2))] u32),
     /// `[first, last, step]`: from first in steps up to last, which is hit when it lies on the grid.
     Step(f64, f64, f64),
     /// The values themselves.
