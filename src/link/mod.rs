@@ -7,6 +7,8 @@ mod channel;
 mod counts;
 mod error;
 mod impair;
+#[cfg(feature = "live")]
+pub mod live;
 mod motor_server;
 mod remote;
 pub mod wire;
