@@ -8,6 +8,7 @@ mod collision;
 mod dynamics;
 mod scripts;
 mod stepping;
+mod watched;
 
 fn main() {
     divan::main();

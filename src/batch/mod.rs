@@ -10,6 +10,7 @@
 //! `runs.jsonl` and collects the rows, which stand in the order of the plan whatever the order of finishing. Runs that others
 //! are compared with are references: work like the others, each done once, before the runs that need it.
 
+mod audience;
 mod cancel;
 mod clock;
 mod dispatch;
@@ -48,6 +49,7 @@ use crate::record::{
 };
 use crate::sim::{Outcome, Problems};
 
+pub use audience::Audience;
 pub use cancel::{Cancellation, Reason};
 pub use filter::{Filter, Selection};
 pub use finding::{Finding, Findings, Severity};
@@ -62,7 +64,7 @@ pub use resume::{Again, Resumed};
 pub use run::End;
 pub use shard::{Part, Shard};
 pub(crate) use simulate::{open_log_of, topics};
-pub use simulate::{simulate, simulate_for};
+pub use simulate::{simulate, simulate_before, simulate_for};
 
 use event::Event;
 

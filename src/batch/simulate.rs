@@ -7,10 +7,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 
-use super::{End, Job, Track, Wanted};
+use super::audience::{Audience, Pacer, RATE};
+use super::{End, Job, Role, Track, Wanted};
 use crate::contact::frozen::Frozen;
 use crate::link::{Address, Remote};
-use crate::record::{Comparator, Document, LogHeader, LogWriter, ProblemWriter, RecordError, ReferenceMotion, Topics};
+use crate::record::{
+    Comparator, Document, LogHeader, LogWriter, Outlet, ProblemWriter, RecordError, ReferenceMotion, Topics,
+};
 use crate::robot::{Model, Robot};
 use crate::scenario::{LogTopic, Run, host_and_port};
 use crate::script::stop_flag;
@@ -26,9 +29,17 @@ use crate::sim::{Observer, Outcome, Problems, Sample, Setup, SimEvent, Simulatio
 ///
 /// Where the scenario names a robot somewhere else, that one is driven instead of a simulated one.
 pub fn simulate(job: &Job, wanted: &Wanted, cancel: &AtomicBool) -> End {
+    simulate_before(job, wanted, cancel, None)
+}
+
+/// The same with somebody who looks on, unless it is a reference, which is no more than a means.
+pub fn simulate_before(job: &Job, wanted: &Wanted, cancel: &AtomicBool, audience: Option<&dyn Audience>) -> End {
+    let audience = audience.filter(|_| job.role != Role::Reference);
     match job.run.scenario.robot.backend {
-        Some(_) => drive(job, wanted, cancel, |setup, observer, cancel| elsewhere(job, setup, observer, cancel)),
-        None => drive(job, wanted, cancel, here),
+        Some(_) => {
+            drive(job, wanted, cancel, audience, |setup, observer, cancel| elsewhere(job, setup, observer, cancel))
+        }
+        None => drive(job, wanted, cancel, audience, here),
     }
 }
 
@@ -38,9 +49,10 @@ pub fn simulate_for(
     job: &Job,
     wanted: &Wanted,
     cancel: &AtomicBool,
+    audience: Option<&dyn Audience>,
     make: impl FnOnce(&Setup, Option<Arc<AtomicBool>>) -> Result<Box<dyn Commander>, Stop>,
 ) -> End {
-    drive(job, wanted, cancel, |mut setup, observer, cancel| {
+    drive(job, wanted, cancel, audience, |mut setup, observer, cancel| {
         let commander = match make(&setup, stop_flag()) {
             Ok(commander) => commander,
             Err(stop) => return End { outcome: stop.outcome, ..End::error(stop.message) },
@@ -58,6 +70,7 @@ fn drive(
     job: &Job,
     wanted: &Wanted,
     cancel: &AtomicBool,
+    audience: Option<&dyn Audience>,
     driver: impl FnOnce(Setup, &mut dyn Observer, &AtomicBool) -> End,
 ) -> End {
     let setup = match setup(&job.run, &job.robot) {
@@ -68,22 +81,37 @@ fn drive(
         }
         Err(errors) => return End::error(errors.to_string()),
     };
-    match Recorder::open(job, wanted, &setup) {
-        Ok(recorder) => recorded(setup, recorder, cancel, driver),
-        Err(error) => End::error(error.to_string()),
+    let recorder = match Recorder::open(job, wanted, &setup, (audience, cancel)) {
+        Ok(recorder) => recorder,
+        Err(error) => return End::error(error.to_string()),
+    };
+    if let Some(audience) = audience {
+        audience.wait(cancel);
     }
+    let end = recorded(setup, recorder, cancel, driver);
+    if let Some(audience) = audience {
+        audience.farewell();
+    }
+    end
 }
 
 /// Hears what a run tells, and writes what is wanted of it.
-struct Recorder {
+struct Recorder<'a> {
     log: Option<LogWriter>,
+    pacer: Option<Pacer>,
+    cancel: &'a AtomicBool,
     problems: Option<ProblemWriter>,
     kept: Option<ReferenceMotion>,
     compared: Option<Comparator>,
 }
 
-impl Recorder {
-    fn open(job: &Job, wanted: &Wanted, setup: &Setup) -> Result<Self, RecordError> {
+impl<'a> Recorder<'a> {
+    fn open(
+        job: &Job,
+        wanted: &Wanted,
+        setup: &Setup,
+        (audience, cancel): (Option<&dyn Audience>, &'a AtomicBool),
+    ) -> Result<Self, RecordError> {
         let problems = |(folder, which): &(PathBuf, Problems)| {
             ProblemWriter::create(folder.clone(), &job.run.name, &job.key, *which)
         };
@@ -95,14 +123,19 @@ impl Recorder {
         Ok(Recorder {
             kept,
             compared,
-            log: wanted.log.as_deref().map(|path| open_log(path, job, setup)).transpose()?,
+            log: (wanted.log.is_some() || audience.is_some())
+                .then(|| open_log(wanted.log.as_deref(), audience.map(Audience::outlet), job, setup))
+                .transpose()?,
+            pacer: audience.and_then(Audience::pace).map(Pacer::new),
+            cancel,
             problems: wanted.problems.as_ref().map(problems).transpose()?,
         })
     }
 }
 
-impl Observer for Recorder {
+impl Observer for Recorder<'_> {
     fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
+        self.pacer.iter_mut().for_each(|pacer| pacer.wait(snapshot.time, self.cancel));
         self.log.as_mut().map_or(Ok(()), |log| log.snapshot(snapshot))
     }
 
@@ -132,11 +165,16 @@ impl Observer for Recorder {
 
 fn recorded(
     setup: Setup,
-    mut recorder: Recorder,
+    mut recorder: Recorder<'_>,
     cancel: &AtomicBool,
     driver: impl FnOnce(Setup, &mut dyn Observer, &AtomicBool) -> End,
 ) -> End {
-    let log_rate = if recorder.log.is_some() { setup.log_rate } else { 0.0 };
+    let log_rate = match recorder.log {
+        None => 0.0,
+        // Somebody looks on at a run without a log.
+        Some(_) if setup.log_rate <= 0.0 => RATE,
+        Some(_) => setup.log_rate,
+    };
     let mut end = driver(Setup { log_rate, ..setup }, &mut recorder, cancel);
     end.notes.extend(recorder.problems.and_then(|p| p.summary()));
     end.comparison = recorder.compared.map(|c| c.comparison()).unwrap_or_default();
@@ -186,14 +224,27 @@ fn elsewhere(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &
     End { message, metrics: Some(run.metrics().clone()), notes, avoidance, ..End::of(outcome) }
 }
 
-fn open_log(path: &Path, job: &Job, setup: &Setup) -> Result<LogWriter, RecordError> {
+fn open_log(
+    path: Option<&Path>,
+    outlet: Option<Box<dyn Outlet>>,
+    job: &Job,
+    setup: &Setup,
+) -> Result<LogWriter, RecordError> {
     let topics = topics(&job.run.scenario.log.topics);
-    open_log_of(path, &job.run, &job.key, &job.robot, (&setup.model, &setup.floor), &setup.contact.method, topics)
+    open_log_of(
+        (path, outlet),
+        &job.run,
+        &job.key,
+        &job.robot,
+        (&setup.model, &setup.floor),
+        &setup.contact.method,
+        topics,
+    )
 }
 
 /// Opens the log of a run whose robot and floor are these.
 pub(crate) fn open_log_of(
-    path: &Path,
+    (path, outlet): (Option<&Path>, Option<Box<dyn Outlet>>),
     run: &Run,
     key: &str,
     robot: &Robot,
@@ -220,7 +271,7 @@ pub(crate) fn open_log_of(
         patches: &patches,
         topics,
     };
-    LogWriter::create(path, model, &header)
+    LogWriter::open(path, outlet, model, &header)
 }
 
 /// The robot file's name and text, if there is one, and the URDF's name. The URDF comes after the robot file.

@@ -138,7 +138,11 @@ pub fn codes(command: &str) -> &'static Codes {
         "motor-server" => &[
             (Exit::Success, "the run reached its end and every expectation held"),
             (Exit::Failed, "an expectation did not hold"),
-            (Exit::Invalid, "wrong usage, an invalid scenario, not one run, no key for an address beyond loopback"),
+            (
+                Exit::Invalid,
+                "wrong usage, an invalid scenario, not one run, no key for an address beyond loopback, an address of --live that \
+                 cannot be used",
+            ),
             (
                 Exit::Unfinished,
                 "the run did not finish, the address could not be bound, or the tasks left or went silent",
@@ -179,8 +183,8 @@ pub fn codes(command: &str) -> &'static Codes {
             (Exit::Failed, "an expectation did not hold"),
             (
                 Exit::Invalid,
-                "wrong usage, or a scenario, robot or filter is invalid, or the folder of results cannot be used; nothing \
-                 was run",
+                "wrong usage, or a scenario, robot or filter is invalid, or the folder of results or the address of --live \
+                 cannot be used; nothing was run",
             ),
             (
                 Exit::Unfinished,

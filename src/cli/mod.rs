@@ -11,6 +11,7 @@ mod export;
 mod inputs;
 mod inspect;
 mod list;
+mod live;
 mod machine;
 mod man;
 mod merge;

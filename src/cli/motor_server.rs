@@ -12,6 +12,7 @@ use stiction::sim::commander::Commander;
 use stiction::sim::{Problems, Stop};
 
 use super::Exit;
+use super::live::{Live, tell};
 use super::machine::MessageFormat;
 use super::numbers::seconds;
 use super::prepare::Scenarios;
@@ -46,14 +47,17 @@ pub struct Server {
     /// Write no log
     #[arg(long)]
     no_log: bool,
+    #[command(flatten)]
+    live: Live,
 }
 
-fn address(text: &str) -> Result<SocketAddr, String> {
+/// An address with a port.
+pub fn address(text: &str) -> Result<SocketAddr, String> {
     let mut found = text.to_socket_addrs().map_err(|_| "an address with a port is wanted, such as 127.0.0.1:4747")?;
     found.next().ok_or_else(|| "nobody has this name".into())
 }
 
-/// A pace as it is typed.
+/// How fast a clock goes.
 pub fn pace(text: &str) -> Result<Pace, String> {
     match text {
         "free" => Ok(Pace::Free),
@@ -81,6 +85,7 @@ impl Server {
         let key = self.key.as_deref().map(read_key).transpose().map_err(|error| refuse(&error))?;
         let address = Address { at: self.bind, key };
         address.check().map_err(|error| refuse(&error))?;
+        let audience = self.live.start(&plan, None).map_err(|error| refuse(&error))?;
         let options = Options {
             output: self.output.clone(),
             jobs: 1,
@@ -97,7 +102,7 @@ impl Server {
         // A run that somebody else drives has no end of its own: asked once, it ends.
         let asked = when_asked_to_end(move |_| (0..2).for_each(|_| interrupter.interrupt()));
         let report = batch.run_told(Progress::on_stderr(0), &mut Nobody, &|job, wanted, cancel| {
-            simulate_for(job, wanted, cancel, |setup, cancelled| {
+            simulate_for(job, wanted, cancel, audience.as_deref(), |setup, cancelled| {
                 let rate = job.run.scenario.control.rate;
                 let mut server = MotorServer::bind(
                     &address,
@@ -114,6 +119,7 @@ impl Server {
                 Ok(Box::new(server) as Box<dyn Commander>)
             })
         });
+        tell(audience.as_deref());
         let report = report.map_err(|error| {
             refuse(&error);
             Exit::Unfinished

@@ -8,13 +8,16 @@ use std::time::Duration;
 use clap::{Args, ValueEnum, ValueHint};
 use stiction::batch::{
     Batch, BatchFinished, BatchStarted, Listener, Message, Options, Progress, Report, Resumed, Severity, Teller,
-    is_slow, simulate,
+    is_slow, simulate_before,
 };
+use stiction::link::Pace;
 use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{Shown, SummaryRow, table, verdicts};
 
 use super::each::Each;
+use super::live::{Live, tell};
 use super::machine::{Format, MessageFormat, TestResults};
+use super::motor_server::pace;
 use super::prepare::Scenarios;
 use super::signals::{Asked, when_asked_to_end};
 use super::terminal::{complain, counted, plural, print};
@@ -66,6 +69,11 @@ pub struct Run {
     junit: TestResults,
     #[command(flatten)]
     format: Format,
+    #[command(flatten)]
+    live: Live,
+    /// With --live: `free`, `realtime`, or a factor of it such as 0.5
+    #[arg(long, value_name = "PACE", default_value = "free", value_parser = pace, requires = "live")]
+    pace: Pace,
 }
 
 impl Run {
@@ -84,6 +92,8 @@ impl Run {
         let format = self.format.message_format;
         let plan = self.scenarios.prepare(Severity::Note, format)?;
         let (runs, references) = (plan.runs(), plan.references());
+        let pace = if let Pace::Times(times) = self.pace { Some(times) } else { None };
+        let audience = self.live.start(&plan, pace).map_err(|error| refuse(&error, last, Exit::Invalid))?;
         let repetitions = if self.each.no_timing { 0 } else { plan.repetitions() };
         let options = Options {
             output: self.output.clone(),
@@ -120,7 +130,10 @@ impl Run {
             listeners.push(&mut teller);
         }
         listeners.extend(junit.as_mut().map(|junit| junit as &mut dyn Listener));
-        let report = batch.run_told(Progress::on_stderr(runs + references), &mut listeners, &simulate);
+        let report = batch.run_told(Progress::on_stderr(runs + references), &mut listeners, &|job, wanted, cancel| {
+            simulate_before(job, wanted, cancel, audience.as_deref())
+        });
+        tell(audience.as_deref());
         // Also when the batch came to a bad end: what finished is known.
         let junit = junit.map(|junit| junit.write().map_err(|error| refuse(&error, last, Exit::Unfinished)));
         let report = report.map_err(|error| {

@@ -75,6 +75,9 @@ pub enum LinkError {
     /// The other side ended the session.
     #[error("{0} has ended the session")]
     Ended(SocketAddr),
+    /// What is shown is shown to this machine only.
+    #[error("{0} is not on this machine's loopback: a run is shown there only, such as at 127.0.0.1:8765")]
+    NotLoopback(SocketAddr),
     /// Ended from outside.
     #[error("interrupted")]
     Cancelled,

@@ -8,6 +8,8 @@ pub mod console;
 mod counts;
 mod error;
 mod impair;
+#[cfg(feature = "live")]
+pub mod live;
 mod motor_server;
 mod remote;
 pub mod wire;

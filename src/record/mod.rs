@@ -52,6 +52,7 @@ pub use left_log::{LeftLog, log_fault};
 pub use listing::{ListedRows, Listing, Seen, list_records};
 pub use log::messages;
 pub use log::{Attachment, JointSeries, LogError, LoggedEvent, Motion, PointSeries, RunInfo};
+pub use log::{ChannelInfo, Outlet};
 pub use log::{Document, LogHeader, LogWriter, ParseTopicError, Topics, ros};
 pub use log::{EstimateSeries, Frame, JointReadings, Scene, SelfCollisionSeries, SoleReadings};
 pub use log::{SoleSeries, Trajectory, VertexSeries};

@@ -103,7 +103,7 @@ pub fn talk(session: &mut Session, stop: &Interruption) -> Result<Exit, Exit> {
                 Ok(())
             }
             Some(Typed::End) => break,
-            None => session.work(&mut say),
+            None => session.show_again().and_then(|()| session.work(&mut say)),
         };
         if let Err(error) = done {
             say(&(error.render(colour::on_stderr()) + "\n"));

@@ -13,6 +13,7 @@ use stiction::batch::Severity;
 use stiction::link::Pace;
 use stiction::link::console::{ConsoleError, Session};
 
+use super::live::Live;
 use super::machine::MessageFormat;
 use super::prepare::Selection;
 use super::signals::{Asked, when_asked_to_end};
@@ -39,6 +40,8 @@ pub struct Console {
     /// Longest simulated time [default: the scenario's duration, at least 600]
     #[arg(long, value_name = "SECONDS", value_parser = numbers::positive, allow_negative_numbers = true)]
     duration: Option<f64>,
+    #[command(flatten)]
+    live: Live,
     /// Write the session as a scenario when it ends
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     save: Option<PathBuf>,
@@ -59,24 +62,38 @@ impl Console {
             Some(Pace::Times(times)) => Some(times),
             None => person.then_some(1.0),
         };
+        let audience = self.live.start(&plan, None).map_err(|error| {
+            complain(&format!("error: {error}"));
+            Exit::Invalid
+        })?;
         let job = plan.job(0);
         let end = self.duration.unwrap_or(job.run.scenario.duration.max(LONG));
         let mut session = Session::new(job, end, pace).map_err(|error| refuse(&error))?;
         let interrupted = Arc::new(AtomicBool::new(false));
         let flag = interrupted.clone();
         let asked = when_asked_to_end(move |_| flag.store(true, Ordering::Relaxed));
-        let stop = Interruption { interrupted, asked };
-        let mut exit =
-            script::lines(&mut session, "--command", self.commands.iter().map(|line| Ok(line.clone())), &stop)?;
-        if !session.has_ended() && (person || self.file.is_some() || self.commands.is_empty()) {
-            let more = if person { interactive::talk(&mut session, &stop) } else { self.script(&mut session, &stop) };
-            exit = worse(exit, more?);
+        if let Some(audience) = audience {
+            session.show_to(audience, &interrupted).map_err(|error| refuse(&error))?;
         }
+        let stop = Interruption { interrupted, asked };
+        let done = self.lines(&mut session, person, &stop);
+        session.end_show().iter().for_each(|line| complain(line));
+        let exit = done?;
         if let Some(path) = &self.save {
             let saved = session.save_session(path).map_err(|error| refuse(&error))?;
             print(&saved)?;
         }
         Ok(exit)
+    }
+
+    fn lines(&self, session: &mut Session, person: bool, stop: &Interruption) -> Result<Exit, Exit> {
+        let typed = self.commands.iter().map(|line| Ok(line.clone()));
+        let exit = script::lines(session, "--command", typed, stop)?;
+        if session.has_ended() || !self.commands.is_empty() && self.file.is_none() && !person {
+            return Ok(exit);
+        }
+        let more = if person { interactive::talk(session, stop) } else { self.script(session, stop) };
+        Ok(worse(exit, more?))
     }
 
     fn script(&self, session: &mut Session, stop: &Interruption) -> Result<Exit, Exit> {

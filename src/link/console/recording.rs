@@ -9,7 +9,7 @@ use super::words::Words;
 use crate::batch::open_log_of;
 use crate::input_file;
 use crate::record::export::{self, Format, Selection, TextFormat};
-use crate::record::{LogWriter, RecordError, Topics, Trajectory, write_named};
+use crate::record::{LogWriter, Outlet, RecordError, Topics, Trajectory, write_named};
 use crate::scenario;
 use crate::sim::Observer;
 
@@ -38,10 +38,19 @@ impl Recording {
 impl Session {
     /// A log of this session.
     pub(super) fn log_writer(&self, path: &Path, topics: Topics) -> Result<LogWriter, ConsoleError> {
+        self.log_to((Some(path), None), topics)
+    }
+
+    /// The same, to somebody who looks on.
+    pub(super) fn log_to(
+        &self,
+        to: (Option<&Path>, Option<Box<dyn Outlet>>),
+        topics: Topics,
+    ) -> Result<LogWriter, ConsoleError> {
         let key = scenario::key(&[("session", self.run.resolved_toml.as_bytes())]);
         let plant = self.simulation.plant();
         let method = self.run.scenario.contact.method.name();
-        Ok(open_log_of(path, &self.run, &key, &self.robot, (&plant.model, &plant.floor), method, topics)?)
+        Ok(open_log_of(to, &self.run, &key, &self.robot, (&plant.model, &plant.floor), method, topics)?)
     }
 
     pub(super) fn record(&mut self, words: &mut Words) -> Result<String, ConsoleError> {

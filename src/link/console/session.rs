@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use tempfile::TempDir;
@@ -17,11 +18,11 @@ use super::player::Player;
 use super::recording::Recording;
 use super::tap::Tap;
 use super::words::Words;
-use crate::batch::Job;
+use crate::batch::{Audience, Job};
 use crate::robot::{Model, Robot};
 use crate::scenario::{Run, Scenario};
 use crate::sim::build::setup;
-use crate::sim::{Outcome, SimEvent, Simulation, Stop};
+use crate::sim::{Observer, Outcome, SimEvent, Simulation, Stop};
 
 /// A session at the console.
 ///
@@ -52,6 +53,9 @@ pub struct Session {
     /// Recordings that nobody has saved yet.
     pub(super) folder: TempDir,
     pub(super) recordings: usize,
+    /// People who look on, and how many have come.
+    audience: Option<Box<dyn Audience>>,
+    arrivals: u64,
     /// Notes told so far.
     told: BTreeSet<String>,
     left: bool,
@@ -90,9 +94,52 @@ impl Session {
             cursor: None,
             folder,
             recordings: 0,
+            audience: None,
+            arrivals: 0,
             told: BTreeSet::new(),
             left: false,
         })
+    }
+
+    /// Shows the session to people who look on, at the rate and with the topics of `[log]`.
+    ///
+    /// # Errors
+    /// What is shown cannot be opened.
+    pub fn show_to(&mut self, audience: Box<dyn Audience>, cancel: &AtomicBool) -> Result<(), ConsoleError> {
+        self.audience = Some(audience);
+        self.open_stage()?;
+        self.audience.iter().for_each(|audience| audience.wait(cancel));
+        self.show_again()
+    }
+
+    /// Shows the present to those who have come while nothing moved.
+    ///
+    /// # Errors
+    /// The present cannot be computed.
+    pub fn show_again(&mut self) -> Result<(), ConsoleError> {
+        let arrivals = self.audience.as_ref().map_or(0, |audience| audience.arrivals());
+        if arrivals == self.arrivals || self.tap.shown.is_none() || self.over.is_some() {
+            return Ok(());
+        }
+        self.arrivals = arrivals;
+        let present = self.begun_look()?;
+        self.tap.shown.as_mut().map_or(Ok(()), |shown| shown.snapshot(&present)).map_err(ConsoleError::usage)
+    }
+
+    /// Ends what is shown; gives what there is to tell a person of it.
+    pub fn end_show(&mut self) -> Vec<String> {
+        self.tap.shown = None;
+        let audience = self.audience.take();
+        audience.iter().for_each(|audience| audience.farewell());
+        audience.iter().flat_map(|audience| audience.told()).collect()
+    }
+
+    fn open_stage(&mut self) -> Result<(), ConsoleError> {
+        if let Some(audience) = &self.audience {
+            let topics = crate::batch::topics(&self.run.scenario.log.topics);
+            self.tap.shown = Some(self.log_to((None, Some(audience.outlet())), topics)?);
+        }
+        Ok(())
     }
 
     /// Does what a line says, or begins to. Gives what there is to show, with its line end; an empty line does nothing.
@@ -188,6 +235,7 @@ impl Session {
         (self.document, self.run) = (document, run);
         (self.tap, self.over, self.cursor) = (Tap::default(), None, None);
         self.earlier.pop();
+        self.open_stage()?;
         while self.time() < time {
             self.tick().map_err(|stop| self.end(stop))?;
         }
@@ -203,6 +251,7 @@ impl Session {
         (self.document, self.run) = (self.first.clone(), run);
         self.earlier.clear();
         (self.tap, self.over, self.clock, self.cursor) = (Tap::default(), None, None, None);
+        self.open_stage()?;
         Ok(String::new())
     }
 

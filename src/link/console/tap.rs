@@ -13,6 +13,8 @@ const MOST: usize = 10_000;
 pub struct Tap {
     /// The recording that is being made.
     pub log: Option<LogWriter>,
+    /// What people who look on are told.
+    pub shown: Option<LogWriter>,
     /// Instants in it.
     pub instants: u64,
     /// Time of the last of them, s.
@@ -33,6 +35,7 @@ impl Tap {
 
 impl Observer for Tap {
     fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
+        self.shown.as_mut().map_or(Ok(()), |shown| shown.snapshot(snapshot))?;
         let Some(log) = &mut self.log else { return Ok(()) };
         self.instants += 1;
         self.last = Some(snapshot.time);
@@ -45,6 +48,7 @@ impl Observer for Tap {
         }
         self.events.push_back(event.clone());
         self.count += 1;
+        self.shown.as_mut().map_or(Ok(()), |shown| shown.event(event))?;
         self.log.as_mut().map_or(Ok(()), |log| log.event(event))
     }
 }

@@ -15,6 +15,7 @@ mod events;
 mod frames;
 mod marks;
 pub mod messages;
+mod outlet;
 mod read;
 mod residual;
 pub mod ros;
@@ -28,6 +29,7 @@ use super::RecordError;
 use crate::robot::Model;
 use crate::sim::{Observer, SimEvent, Snapshot};
 use nalgebra::{Isometry3, Vector3};
+pub use outlet::{ChannelInfo, Outlet};
 pub use read::{Attachment, JointSeries, LogError, LoggedEvent, Motion, PointSeries, RunInfo};
 pub use read::{EstimateSeries, Frame, JointReadings, Scene, SelfCollisionSeries, SoleReadings};
 pub use read::{SoleSeries, Trajectory, VertexSeries};
@@ -100,6 +102,9 @@ fn open_topics(sink: &mut Sink, model: &Model, header: &LogHeader) -> Result<Vec
 pub struct LogWriter {
     /// `None` once closed.
     sink: Option<Sink>,
+    /// Time of the last snapshot, ns.
+    last: u64,
+    begun: bool,
     topics: Vec<Box<dyn Topic>>,
     events: events::EventTopics,
     links: usize,
@@ -114,7 +119,20 @@ impl LogWriter {
     /// # Errors
     /// The folder or file cannot be written.
     pub fn create(path: &Path, model: &Model, header: &LogHeader) -> Result<Self, RecordError> {
-        let mut sink = Sink::create(path)?;
+        Self::open(Some(path), None, model, header)
+    }
+
+    /// The same with somebody else who takes all messages, without a file if there is no path.
+    ///
+    /// # Errors
+    /// The folder or file cannot be written.
+    pub fn open(
+        path: Option<&Path>,
+        outlet: Option<Box<dyn Outlet>>,
+        model: &Model,
+        header: &LogHeader,
+    ) -> Result<Self, RecordError> {
+        let mut sink = Sink::open(path, outlet)?;
         sink.attach(header.scenario.name, "application/toml", header.scenario.text)?;
         if let Some(robot) = &header.robot {
             sink.attach(robot.name, "application/toml", robot.text)?;
@@ -136,8 +154,11 @@ impl LogWriter {
         )?;
         let topics = open_topics(&mut sink, model, header)?;
         let events = events::EventTopics::open(&mut sink)?;
+        sink.described();
         Ok(Self {
             sink: Some(sink),
+            last: 0,
+            begun: false,
             topics,
             events,
             links: model.links.len(),
@@ -156,6 +177,8 @@ impl LogWriter {
 
     fn close(&mut self, complete: &str) -> Result<(), RecordError> {
         let Some(mut sink) = self.sink.take() else { return Ok(()) };
+        // Events after the last snapshot.
+        sink.instant(self.last);
         sink.metadata("end", &[("complete", complete)])?;
         sink.finish()
     }
@@ -178,12 +201,19 @@ impl Observer for LogWriter {
     fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
         self.check(snapshot).map_err(|e| e.to_string())?;
         let Some(sink) = &mut self.sink else { return Ok(()) };
+        // The first is always gone through: some topics are opened by it.
+        if self.begun && !sink.is_wanted() {
+            return Ok(());
+        }
         let time = convert::nanoseconds(snapshot.time);
-        self.topics.iter_mut().try_for_each(|t| t.record(time, snapshot, sink)).map_err(|e| e.to_string())
+        self.topics.iter_mut().try_for_each(|t| t.record(time, snapshot, sink)).map_err(|e| e.to_string())?;
+        sink.instant(time);
+        (self.last, self.begun) = (time, true);
+        Ok(())
     }
 
     fn event(&mut self, event: &SimEvent) -> Result<(), String> {
-        let Some(sink) = &mut self.sink else { return Ok(()) };
+        let Some(sink) = self.sink.as_mut().filter(|sink| sink.is_wanted()) else { return Ok(()) };
         self.events.record(event, sink).map_err(|e| e.to_string())
     }
 }

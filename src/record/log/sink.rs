@@ -1,6 +1,7 @@
-//! The MCAP file itself: channels, messages, attachments, and its atomic appearance.
+//! Where messages go: into the MCAP file (channels, messages, attachments, its atomic appearance), to an outlet, or both.
 
 use super::super::{RecordError, atomic};
+use super::outlet::{ChannelInfo, Outlet};
 use foxglove::Encode;
 use mcap::records::MessageHeader;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
@@ -13,21 +14,30 @@ use tempfile::TempPath;
 
 /// An open log. Encoding buffers are kept between messages.
 pub(super) struct Sink {
+    file: Option<LogFile>,
+    outlet: Option<Box<dyn Outlet>>,
+    /// Is the description over?
+    described: bool,
+    bytes: Vec<u8>,
+}
+
+struct LogFile {
     path: PathBuf,
     writer: Writer<BufWriter<File>>,
     temporary: TempPath,
-    bytes: Vec<u8>,
 }
 
 /// One topic of an open log.
 pub(super) struct Channel {
     topic: &'static str,
+    /// Its numbers in the file and at the outlet.
     id: u16,
+    outlet: u32,
     sequence: u32,
 }
 
-impl Sink {
-    pub fn create(path: &Path) -> Result<Self, RecordError> {
+impl LogFile {
+    fn create(path: &Path) -> Result<Self, RecordError> {
         let (file, temporary) = atomic::beside(path)?;
         let writer = WriteOptions::new()
             .library(concat!("stiction ", env!("CARGO_PKG_VERSION")))
@@ -38,7 +48,37 @@ impl Sink {
             .compression_threads(0)
             .create(BufWriter::new(file))
             .map_err(|source| RecordError::Log { path: path.to_owned(), source })?;
-        Ok(Self { path: path.to_owned(), writer, temporary, bytes: Vec::new() })
+        Ok(Self { path: path.to_owned(), writer, temporary })
+    }
+
+    fn channel(&mut self, c: &ChannelInfo) -> Result<u16, RecordError> {
+        let schema = self.writer.add_schema(&c.schema_name, &c.schema_encoding, &c.schema);
+        let schema = schema.map_err(failure(&self.path))?;
+        self.writer.add_channel(schema, &c.topic, &c.encoding, &c.metadata).map_err(failure(&self.path))
+    }
+}
+
+impl Sink {
+    /// A file, an outlet, both or none.
+    pub fn open(path: Option<&Path>, outlet: Option<Box<dyn Outlet>>) -> Result<Self, RecordError> {
+        let file = path.map(LogFile::create).transpose()?;
+        Ok(Self { file, outlet, described: false, bytes: Vec::new() })
+    }
+
+    /// What follows are the instants of the run.
+    pub fn described(&mut self) {
+        self.described = true;
+        self.outlet.iter_mut().for_each(|outlet| outlet.described());
+    }
+
+    /// Is there anybody to write for?
+    pub fn is_wanted(&self) -> bool {
+        self.file.is_some() || self.outlet.as_ref().is_some_and(|outlet| outlet.is_wanted())
+    }
+
+    /// Tells that all of an instant was sent.
+    pub fn instant(&mut self, time: u64) {
+        self.outlet.iter_mut().for_each(|outlet| outlet.instant(time));
     }
 
     /// A channel for a Foxglove message.
@@ -73,13 +113,24 @@ impl Sink {
         message_encoding: &str,
         metadata: BTreeMap<String, String>,
     ) -> Result<Channel, RecordError> {
-        let schema = self.writer.add_schema(schema, schema_encoding, schema_data).map_err(failure(&self.path))?;
-        let id = self.writer.add_channel(schema, topic, message_encoding, &metadata).map_err(failure(&self.path))?;
-        Ok(Channel { topic, id, sequence: 0 })
+        let info = ChannelInfo {
+            topic: topic.to_owned(),
+            encoding: message_encoding.to_owned(),
+            schema_name: schema.to_owned(),
+            schema_encoding: schema_encoding.to_owned(),
+            schema: schema_data.to_owned(),
+            metadata,
+        };
+        let id = self.file.as_mut().map_or(Ok(0), |file| file.channel(&info))?;
+        let outlet = self.outlet.as_mut().map_or(0, |outlet| outlet.channel(&info));
+        Ok(Channel { topic, id, outlet, sequence: 0 })
     }
 
     /// Writes a protobuf message at `time` nanoseconds.
     pub fn send(&mut self, to: &mut Channel, time: u64, message: &impl prost::Message) -> Result<(), RecordError> {
+        if !self.goes_anywhere(to) {
+            return Ok(());
+        }
         self.bytes.clear();
         message.encode(&mut self.bytes).map_err(|e| RecordError::Encode { topic: to.topic, reason: e.to_string() })?;
         self.write(to, time)
@@ -92,47 +143,67 @@ impl Sink {
         time: u64,
         message: &impl serde::Serialize,
     ) -> Result<(), RecordError> {
+        if !self.goes_anywhere(to) {
+            return Ok(());
+        }
         self.bytes.clear();
         cdr::serialize_into::<_, _, _, cdr::CdrLe>(&mut self.bytes, message, cdr::Infinite)
             .map_err(|e| RecordError::Encode { topic: to.topic, reason: e.to_string() })?;
         self.write(to, time)
     }
 
+    /// Is a message of this topic worth encoding?
+    fn goes_anywhere(&self, to: &Channel) -> bool {
+        self.file.is_some() || self.outlet_wants(to)
+    }
+
+    fn outlet_wants(&self, to: &Channel) -> bool {
+        self.outlet.as_ref().is_some_and(|outlet| !self.described || outlet.wants(to.outlet))
+    }
+
     fn write(&mut self, to: &mut Channel, time: u64) -> Result<(), RecordError> {
-        let header = MessageHeader { channel_id: to.id, sequence: to.sequence, log_time: time, publish_time: time };
-        self.writer.write_to_known_channel(&header, &self.bytes).map_err(failure(&self.path))?;
+        if self.outlet_wants(to)
+            && let Some(outlet) = &mut self.outlet
+        {
+            outlet.message(to.outlet, time, &self.bytes);
+        }
+        if let Some(file) = &mut self.file {
+            let header = MessageHeader { channel_id: to.id, sequence: to.sequence, log_time: time, publish_time: time };
+            file.writer.write_to_known_channel(&header, &self.bytes).map_err(failure(&file.path))?;
+        }
         to.sequence = to.sequence.wrapping_add(1);
         Ok(())
     }
 
-    /// Attaches a text. Its times are 0: the file depends on the run only.
+    /// Attaches a text to the file. Its times are 0: the file depends on the run only.
     pub fn attach(&mut self, name: &str, media_type: &str, text: &str) -> Result<(), RecordError> {
-        self.writer
-            .attach(&Attachment {
-                log_time: 0,
-                create_time: 0,
-                name: name.to_owned(),
-                media_type: media_type.to_owned(),
-                data: Cow::Borrowed(text.as_bytes()),
-            })
-            .map_err(failure(&self.path))
+        let Some(file) = &mut self.file else { return Ok(()) };
+        let attachment = Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: name.to_owned(),
+            media_type: media_type.to_owned(),
+            data: Cow::Borrowed(text.as_bytes()),
+        };
+        file.writer.attach(&attachment).map_err(failure(&file.path))
     }
 
-    /// Writes a named table of words.
+    /// Writes a named table of words into the file.
     pub fn metadata(&mut self, name: &str, entries: &[(&str, &str)]) -> Result<(), RecordError> {
+        let Some(file) = &mut self.file else { return Ok(()) };
         let metadata = entries.iter().map(|&(k, v)| (k.to_owned(), v.to_owned())).collect();
-        self.writer
-            .write_metadata(&mcap::records::Metadata { name: name.to_owned(), metadata })
-            .map_err(failure(&self.path))
+        let metadata = mcap::records::Metadata { name: name.to_owned(), metadata };
+        file.writer.write_metadata(&metadata).map_err(failure(&file.path))
     }
 
     /// Writes indices and summary, and renames the file to its final name.
-    pub fn finish(mut self) -> Result<(), RecordError> {
-        self.writer.finish().map_err(failure(&self.path))?;
-        let mut file = self.writer.into_inner();
-        file.flush().map_err(RecordError::io(&self.path))?;
-        drop(file);
-        atomic::publish(self.temporary, &self.path)
+    pub fn finish(self) -> Result<(), RecordError> {
+        let Some(mut file) = self.file else { return Ok(()) };
+        file.writer.finish().map_err(failure(&file.path))?;
+        let mut written = file.writer.into_inner();
+        written.flush().map_err(RecordError::io(&file.path))?;
+        drop(written);
+        atomic::publish(file.temporary, &file.path)
     }
 }
 

@@ -1,0 +1,96 @@
+//! People who look on while a run is made: what they are told, and how fast.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::record::Outlet;
+
+/// How often a second of a run is told when its scenario wants no log.
+pub(super) const RATE: f64 = 60.0;
+/// A run that is later than this is not made to catch up.
+const LATE: Duration = Duration::from_millis(100);
+/// How long it sleeps without looking whether it is cancelled.
+const SLICE: Duration = Duration::from_millis(50);
+
+/// Somebody who looks on.
+pub trait Audience: Sync {
+    /// Takes what the log holds.
+    fn outlet(&self) -> Box<dyn Outlet>;
+    /// Called once the run has described itself, before its first step: may wait for somebody, until it is cancelled.
+    fn wait(&self, cancel: &AtomicBool);
+    /// How often somebody began to look: whoever came while nothing moved has seen nothing yet.
+    fn arrivals(&self) -> u64;
+    /// Simulated seconds per second; none: as fast as it goes.
+    fn pace(&self) -> Option<f64>;
+    /// The run is over.
+    fn farewell(&self);
+    /// What there is to tell a person of all this, after the end. It is no part of the run, which is the same for nobody.
+    fn told(&self) -> Vec<String>;
+}
+
+/// Makes a run wait at the instants of its log, by the clock on the wall.
+pub(super) struct Pacer {
+    pace: f64,
+    /// When simulated time 0 was, or would have been.
+    start: Option<Instant>,
+}
+
+impl Pacer {
+    pub fn new(pace: f64) -> Self {
+        Pacer { pace, start: None }
+    }
+
+    /// Waits until a simulated time is due, or until it is cancelled.
+    pub fn wait(&mut self, time: f64, cancel: &AtomicBool) {
+        let now = Instant::now();
+        // A pace so small that the clock cannot hold it waits until it is cancelled.
+        let after = Duration::try_from_secs_f64(time / self.pace).unwrap_or(Duration::from_secs(u32::MAX.into()));
+        let start = *self.start.get_or_insert(now);
+        let due = start + after;
+        if now > due + LATE {
+            self.start = now.checked_sub(after).or(self.start);
+        }
+        while !cancel.load(Ordering::Relaxed)
+            && let left = due.saturating_duration_since(Instant::now())
+            && !left.is_zero()
+        {
+            sleep(left.min(SLICE));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    static GO_ON: AtomicBool = AtomicBool::new(false);
+
+    #[test]
+    fn it_is_never_early() {
+        let mut pacer = Pacer::new(10.0);
+        let start = Instant::now();
+        for k in 0..10 {
+            pacer.wait(0.05 * f64::from(k), &GO_ON);
+            assert!(start.elapsed() >= Duration::from_secs_f64(0.005 * f64::from(k)), "instant {k}");
+        }
+    }
+
+    #[test]
+    fn what_was_late_is_not_caught_up() {
+        let mut pacer = Pacer::new(1.0);
+        pacer.wait(0.0, &GO_ON);
+        sleep(Duration::from_millis(150));
+        pacer.wait(0.01, &GO_ON);
+        let then = Instant::now();
+        pacer.wait(0.04, &GO_ON);
+        assert!(then.elapsed() >= Duration::from_millis(25), "{:?}", then.elapsed());
+    }
+
+    #[test]
+    fn it_ends_when_it_is_cancelled() {
+        let mut pacer = Pacer::new(1e-300);
+        pacer.wait(0.0, &GO_ON);
+        pacer.wait(1.0, &AtomicBool::new(true));
+    }
+}
