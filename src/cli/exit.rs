@@ -153,8 +153,11 @@ pub fn codes(command: &str) -> &'static Codes {
         ],
         "console" => &[
             (Exit::Success, "the lines were done and every `expect` held"),
-            (Exit::Failed, "an `expect` did not hold"),
-            (Exit::Invalid, "wrong usage, an invalid scenario, not one run, or a line of a script that is wrong"),
+            (Exit::Failed, "an `expect` did not hold, or what `run until` waited for did not come"),
+            (
+                Exit::Invalid,
+                "wrong usage, an invalid scenario, not one run, or a line of a script that is wrong or names a file that cannot be read or written",
+            ),
             (Exit::Unfinished, "the run broke down, or a file could not be written to its end"),
             (Exit::Nothing, NOTHING),
             (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT); for a person at a terminal Ctrl-C holds the run"),

@@ -32,12 +32,26 @@ impl Simulation {
         Ok(())
     }
 
+    /// Is the present an instant of the log that was not told yet?
+    pub fn logs_now(&self) -> bool {
+        self.next_snapshot().is_some_and(|due| due <= self.plant.state.time + 1e-12)
+    }
+
     /// The present state as the log would have it, with the forces that act if nothing jumps now. Changes nothing of the run.
     pub fn look(&mut self) -> Snapshot {
+        // The forces of velocity-level steps are those of the last step.
+        self.look_at(!(self.started && self.steps_velocities()))
+    }
+
+    /// The present state as the log would have it if the run ended here.
+    pub fn look_last(&mut self) -> Snapshot {
+        self.look_at(!(self.steps_velocities() && self.logs_now()))
+    }
+
+    fn look_at(&mut self, evaluate: bool) -> Snapshot {
         let mut snapshot = self.snapshot.clone();
         let kept = (self.plant.solution.clone(), self.plant.within, self.plant.evaluations);
-        // The forces of velocity-level steps are those of the last step.
-        if !(self.started && self.steps_velocities()) {
+        if evaluate {
             self.plant.evaluate();
         }
         super::observe::fill(&mut self.plant, &mut self.edges, &mut snapshot);

@@ -119,6 +119,23 @@ fn recordings_are_kept_loaded_and_exported() {
     }
 }
 
+/// What begins the session anew, or takes something back, ends a recording; nothing of it is lost.
+#[test]
+fn a_recording_outlives_its_session() {
+    let place = Place::new();
+    falling(&place);
+    for end in ["reset", "floor 0.2\nrun 0.01\nundo"] {
+        let said = answer(&place, "b.toml", &format!("record\nrun 0.1\n{end}"), "status");
+        assert!(said.contains("recording of b: 0 s to 0.1"), "{end}: {said}");
+    }
+    // One that begins between two instants of the log has its beginning and its end, and what is loaded takes its place.
+    let off = "run 0.013\nrecord\nrun 0.01";
+    let said = answer(&place, "b.toml", off, "jump start");
+    assert_eq!(said, "recording at 0.013 s\n");
+    let kept = format!("{off}\nsave recording off.mcap\nrecord\nrun 0.1\nload off.mcap");
+    assert_eq!(answer(&place, "b.toml", &kept, "jump end"), "recording at 0.023 s\n");
+}
+
 /// A recording moves the robot: what was recorded is asked of the joints again.
 #[test]
 fn a_recording_is_a_motion() {

@@ -102,6 +102,7 @@ fn a_link_changes_no_bit() {
         ("balance", "task = [{ type = \"balance\", control = \"position\" }]\nforce = [{ type = \"push\", link = \"torso\", force = [8, 3, 0], start = 0.3, duration = 0.1 }]".to_owned()),
         ("sensed", format!("{SQUAT}\ncontrol = {{ estimator = \"inertial\" }}\nsensors = {{ joint_position = {{ noise = 1e-4 }}, gyroscope = {{ noise = 1e-3 }} }}")),
         ("ended", format!("{SQUAT}\nevent = [{{ at = 0.35, end_tasks = [0] }}]")),
+        ("felt", "task = [{ type = \"balance\", control = \"force\", force = { contacts = \"sensed\" } }]\nsensors = { sole_force = { noise = 0.2 }, sole_moment = { bias = 0.05 } }".to_owned()),
         ("one-step", format!("{SQUAT}\ncontact = {{ method = \"one-step\" }}\nintegrator = {{ method = \"semi-implicit\" }}")),
     ] {
         let file = format!("{name}.toml");

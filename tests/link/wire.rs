@@ -64,6 +64,9 @@ fn sensed(model: &Model, stream: &mut Stream, base: bool, vertices: bool) -> Sen
         if vertices {
             sole.vertices.iter_mut().for_each(|force| *force = vector(stream));
             sole.clamped.iter_mut().enumerate().for_each(|(i, clamped)| *clamped = i % 2 == 0);
+        } else {
+            // Such sensors say the same of a whole sole.
+            sole.clamped.fill(stream.unit() < 0.5);
         }
     }
     sensed
@@ -278,6 +281,20 @@ fn noise_is_refused() {
         let _ = read_control(body, &mut command);
         let _ = (Hello::read(body), Welcome::read(body));
     }
+}
+
+/// Flags of sensing mean nothing on other packets.
+#[test]
+fn flags_are_those_of_the_kind() {
+    let model = model();
+    let mut stream = Stream::new(9, &["wire"]);
+    let packet = control_packet(&command(&model, &mut stream), None, None);
+    for flag in [flags::BASE, flags::VERTICES, flags::LAST] {
+        let mut other = packet.clone();
+        other[7] |= flag;
+        assert_eq!(wire::open(&other, None), Err(Refused::Value), "{flag}");
+    }
+    assert!(wire::open(&packet, None).is_ok());
 }
 
 #[test]

@@ -71,6 +71,7 @@ impl Console {
         let mut session = Session::new(job, end, pace).map_err(|error| refuse(&error))?;
         let interrupted = Arc::new(AtomicBool::new(false));
         let flag = interrupted.clone();
+        session.end_by(interrupted.clone());
         let asked = when_asked_to_end(move |_| flag.store(true, Ordering::Relaxed));
         if let Some(audience) = audience {
             session.show_to(audience, &interrupted).map_err(|error| refuse(&error))?;
@@ -78,12 +79,12 @@ impl Console {
         let stop = Interruption { interrupted, asked };
         let done = self.lines(&mut session, person, &stop);
         session.end_show().iter().for_each(|line| complain(line));
-        let exit = done?;
         if let Some(path) = &self.save {
-            let saved = session.save_session(path).map_err(|error| refuse(&error))?;
-            print(&saved)?;
+            // However it ended: what was done until then is worth as much.
+            let saved = session.save_session(path).map_err(|error| refuse(&error));
+            saved.map(|saved| print(&saved))??;
         }
-        Ok(exit)
+        done
     }
 
     fn lines(&self, session: &mut Session, person: bool, stop: &Interruption) -> Result<Exit, Exit> {

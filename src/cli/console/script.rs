@@ -54,6 +54,10 @@ fn obey(session: &mut Session, line: &str, stop: &Interruption) -> Result<Result
         let worked = session.work(&mut |text| shown += text);
         print(&shown)?;
         if let Err(error) = worked {
+            if let Some(exit) = stop.exit() {
+                complain("interrupted");
+                return Err(exit);
+            }
             return Ok(Err(error));
         }
     }

@@ -437,9 +437,26 @@ pub const COMMANDS: &[Command] = &[
     },
 ];
 
-/// Kinds of events that happen often.
-const EVENTS: &[&str] =
-    &["touchdown", "liftoff", "slip", "stick", "impact", "jam", "state", "task", "event", "fallen", "self-collision"];
+/// Kinds of events.
+pub(super) const EVENTS: &[&str] = &[
+    "touchdown",
+    "liftoff",
+    "slip",
+    "stick",
+    "state",
+    "border",
+    "forced",
+    "impact",
+    "jam",
+    "inconsistent",
+    "self-collision",
+    "task",
+    "event",
+    "force",
+    "push",
+    "spring",
+    "object",
+];
 
 /// The command of a name.
 pub(super) fn find(name: &str) -> Result<&'static Command, ConsoleError> {

@@ -93,6 +93,7 @@ impl Document {
         let mut saved = self.clone();
         saved.table.insert("stop".into(), Value::Table(Table::from_iter([("at".into(), Value::Float(time))])));
         let (from, to) = (folder(&self.file), folder(path));
+        std::fs::create_dir_all(&to).map_err(|source| ConsoleError::Io { path: to.clone(), source })?;
         let lead = |value: Option<&mut Value>| {
             if let Some(Value::String(written)) = value {
                 *written = leading(&from, &to, written);
@@ -143,8 +144,9 @@ fn leading(from: &Path, to: &Path, written: &str) -> String {
     if Path::new(written).is_absolute() || from == to {
         return written.to_owned();
     }
-    let target = plain(&from.join(written));
-    let to = plain(to);
+    // Behind links `..` leads elsewhere than it seems.
+    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| plain(path));
+    let (target, to) = (real(&from.join(written)), real(to));
     let (mut a, mut b) = (target.components().peekable(), to.components().peekable());
     while a.peek().is_some() && a.peek() == b.peek() {
         a.next();

@@ -37,11 +37,6 @@ impl Session {
         if values.is_empty() {
             return Err(ConsoleError::usage("a value is missing, such as floor.friction=0.3"));
         }
-        for key in ["duration", "stop", "sweep", "compare", "expect"] {
-            if values.iter().any(|(set, _)| set.split('.').next() == Some(key)) {
-                return Err(ConsoleError::usage(format!("`{key}` is not of a session")));
-            }
-        }
         self.assign(values)
     }
 
@@ -82,7 +77,10 @@ impl Session {
         let values = words.assignments()?;
         if values.is_empty() {
             let law = self.model().joints[joint.0].friction_law();
-            return Ok(format!("{law:?}\n"));
+            return Ok(format!(
+                "coulomb {}, viscous {}, static {}, stribeck_velocity {}, slip_velocity {}\n",
+                law.coulomb, law.viscous, law.static_, law.stribeck_velocity, law.slip_velocity
+            ));
         }
         let mut friction = Table::new();
         for (key, value) in values {
@@ -165,6 +163,13 @@ impl Session {
 
     fn add_force(&mut self, kind: &str, values: Vec<(String, Value)>) -> Result<String, ConsoleError> {
         let mut entry = self.entry(kind);
+        if kind == "joint-friction" {
+            if self.simulation.has_begun() {
+                let why = "joint friction acts throughout: it can be added before the first step, and changed later";
+                return Err(ConsoleError::usage(why));
+            }
+            entry.remove("start");
+        }
         for (key, value) in values {
             if key == "start" || key == "type" {
                 return Err(ConsoleError::usage(format!("`{key}` is given by the command itself")));

@@ -56,7 +56,8 @@ impl ConsoleError {
     pub fn render(&self, colour: bool) -> String {
         match self {
             ConsoleError::Scenario(diagnostics) => diagnostics.render(colour),
-            _ => format!("error: {self}"),
+            // On a command line it is an option.
+            _ => format!("error: {self}").replace("`--list-columns` shows", "`columns` shows"),
         }
     }
 }

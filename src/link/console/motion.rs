@@ -1,12 +1,15 @@
 //! Letting time go on: for a while, for ticks, until something happens; at a rate, and held.
 
 use std::fmt::{Display, Formatter, Result as Written};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use super::commands::EVENTS;
 use super::error::ConsoleError;
 use super::session::Session;
 use super::words::Words;
-use crate::sim::{SimEvent, Stop};
+use crate::scenario::suggest;
+use crate::sim::{Outcome, SimEvent, Stop};
 
 /// How long a piece of work lasts before somebody else may have a word.
 const SLICE: Duration = Duration::from_millis(10);
@@ -83,6 +86,7 @@ impl Session {
                 let kind = words.need("a time or the kind of an event")?.to_owned();
                 let subject = words.next().map(str::to_owned);
                 words.done()?;
+                self.can_happen(&kind, subject.as_deref())?;
                 self.go(self.last_tick(), Some((kind, subject)))?;
             }
             return Ok(String::new());
@@ -100,6 +104,23 @@ impl Session {
             None => self.go(self.last_tick(), None)?,
         }
         Ok(String::new())
+    }
+
+    /// Nobody waits for what never comes.
+    fn can_happen(&self, kind: &str, subject: Option<&str>) -> Result<(), ConsoleError> {
+        if kind.parse::<f64>().is_ok() {
+            return Err(ConsoleError::usage(format!("`{kind}` is no time")));
+        }
+        if !EVENTS.contains(&kind) {
+            let help = suggest(kind, EVENTS.iter().copied());
+            return Err(ConsoleError::usage(format!("there is no kind of event `{kind}`; {help}")));
+        }
+        let of_soles = ["touchdown", "liftoff", "slip", "stick", "state", "border", "forced"];
+        let soles = self.model().soles.iter().map(|sole| sole.name.as_str());
+        match subject.filter(|name| of_soles.contains(&kind) && !soles.clone().any(|sole| sole == *name)) {
+            Some(name) => Err(ConsoleError::usage(format!("there is no sole `{name}`; {}", suggest(name, soles)))),
+            None => Ok(()),
+        }
     }
 
     pub(super) fn step_on(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
@@ -188,7 +209,7 @@ impl Session {
                 self.goal = None;
                 show(&self.arrived(goal.since));
                 if goal.event.is_some() && !happened {
-                    show(&format!("no {goal} until then\n"));
+                    return Err(ConsoleError::Expectation(format!("no {goal} until {} s", self.time())));
                 }
                 return Ok(());
             }
@@ -204,6 +225,10 @@ impl Session {
         let next = (self.tick_number() + 1) as f64 / self.rate();
         let next = next.min(self.simulation.end());
         while self.time() < next {
+            // A tick may be long.
+            if self.cancel.as_ref().is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
+                return Err(Stop::new(Outcome::Cancelled, "interrupted"));
+            }
             self.simulation.step(&mut self.tap)?;
         }
         Ok(())

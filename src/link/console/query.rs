@@ -29,6 +29,9 @@ impl Session {
         self.shown(|_, log, tick| {
             let all = &motion(log)?.joints;
             let joints: Vec<_> = all.iter().filter(|joint| matches(&pattern, &joint.name)).collect();
+            if all.is_empty() && pattern == "*" {
+                return Ok("no joints\n".to_owned());
+            }
             if joints.is_empty() {
                 let names = all.iter().map(|joint| joint.name.as_str());
                 return Err(ConsoleError::usage(format!("no joint is like `{pattern}`; {}", suggest(&pattern, names))));
@@ -199,7 +202,13 @@ impl Session {
         words.done()?;
         self.shown(|_, log, _| {
             let names = crate::record::export::column_names(log);
-            Ok(names.iter().filter(|name| matches(&pattern, name)).map(|name| format!("{name}\n")).collect())
+            let found: String =
+                names.iter().filter(|name| matches(&pattern, name)).map(|name| format!("{name}\n")).collect();
+            if found.is_empty() {
+                Err(ConsoleError::usage(format!("no column is like `{pattern}`")))
+            } else {
+                Ok(found)
+            }
         })
     }
 
@@ -264,6 +273,11 @@ impl Session {
         let limits = [min, max, value].iter().filter(|limit| limit.is_some()).count();
         if limits == 0 {
             return Err(ConsoleError::usage("`min`, `max` or `value` is missing"));
+        }
+        if let (Some(min), Some(max)) = (min, max)
+            && min > max
+        {
+            return Err(ConsoleError::usage(format!("nothing is above {min} and below {max}")));
         }
         let found = self.column_now(&column)?;
         let shown = found.map_or("none".to_owned(), |x| x.to_string());

@@ -73,6 +73,13 @@ impl Session {
         let path = self.folder.path().join(format!("{}.mcap", self.recordings));
         self.tap.log = Some(self.log_writer(&path, crate::batch::topics(&self.run.scenario.log.topics))?);
         (self.tap.instants, self.tap.last) = (0, None);
+        // An instant that the log has by its rate comes with the next step.
+        if self.simulation.has_begun() && !self.simulation.logs_now() {
+            let first = self.simulation.look();
+            let log = self.tap.log.as_mut().map_or(Ok(()), |log| log.snapshot(&first));
+            log.map_err(ConsoleError::usage)?;
+            (self.tap.instants, self.tap.last) = (1, Some(first.time));
+        }
         Ok(format!("recording from {} s at {} Hz\n", self.time(), self.run.scenario.log.rate))
     }
 
@@ -83,7 +90,7 @@ impl Session {
         }
         // The present is the last instant, as of every run.
         if self.over.is_none() && self.tap.last != Some(self.time()) {
-            let last = self.begun_look()?;
+            let last = if self.simulation.has_begun() { self.simulation.look_last() } else { self.begun_look()? };
             self.tap.snapshot(&last).map_err(ConsoleError::usage)?;
         }
         let Some(log) = self.tap.log.take().filter(|_| self.tap.instants > 0) else { return Ok(false) };
@@ -149,6 +156,7 @@ impl Session {
         words.done()?;
         let path = if path.is_dir() { path.join("log.mcap") } else { path };
         let recording = Recording::read(&path)?;
+        self.stop_recording()?;
         (self.recording, self.cursor, self.player) = (Some(recording), None, None);
         Ok(self.recording_status())
     }

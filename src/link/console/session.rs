@@ -53,6 +53,8 @@ pub struct Session {
     /// Recordings that nobody has saved yet.
     pub(super) folder: TempDir,
     pub(super) recordings: usize,
+    /// Raised to end the run between two steps.
+    pub(super) cancel: Option<Arc<AtomicBool>>,
     /// People who look on, and how many have come.
     audience: Option<Box<dyn Audience>>,
     arrivals: u64,
@@ -94,11 +96,17 @@ impl Session {
             cursor: None,
             folder,
             recordings: 0,
+            cancel: None,
             audience: None,
             arrivals: 0,
             told: BTreeSet::new(),
             left: false,
         })
+    }
+
+    /// Ends the run between two steps when the flag is raised, wherever in a tick that is: it goes on no more then.
+    pub fn end_by(&mut self, flag: Arc<AtomicBool>) {
+        self.cancel = Some(flag);
     }
 
     /// Shows the session to people who look on, at the rate and with the topics of `[log]`.
@@ -210,10 +218,31 @@ impl Session {
             self.remember(document, run);
             Ok(self.news(notes))
         } else {
+            self.is_of_a_session(&run)?;
             let simulation = simulation(&document, &run, &self.robot)?;
             self.remember(document, run);
             self.simulation = simulation;
             Ok(String::new())
+        }
+    }
+
+    /// What was loaded or decided when the session began stays.
+    fn is_of_a_session(&self, run: &Run) -> Result<(), ConsoleError> {
+        let (new, old) = (&run.scenario, &self.run.scenario);
+        let same = [
+            ("robot.model", new.robot.model == old.robot.model),
+            ("robot.inertia", new.robot.inertia == old.robot.inertia),
+            ("robot.backend", new.robot.backend.is_none() && new.robot.backend_key.is_none()),
+            ("control.idle_ticks", new.control.idle_ticks),
+            ("duration", new.duration == old.duration),
+            ("stop", new.stop == old.stop),
+            ("sweep", new.sweep == old.sweep),
+            ("compare", new.compare == old.compare),
+            ("expect", new.expect == old.expect),
+        ];
+        match same.iter().find(|(_, same)| !same) {
+            Some((key, _)) => Err(ConsoleError::usage(format!("`{key}` cannot be set in a session"))),
+            None => Ok(()),
         }
     }
 

@@ -68,7 +68,8 @@ impl Session {
         let found: Vec<usize> = (0..kinds.len()).filter(alive).collect();
         match found[..] {
             [only] => Ok(only),
-            [] => Err(ConsoleError::usage(format!("no task `{word}` that has not ended; {}", suggest(word, kinds)))),
+            [] if kinds.contains(&word) => Err(ConsoleError::usage(format!("each task `{word}` has ended (`tasks`)"))),
+            [] => Err(ConsoleError::usage(format!("no task is of type `{word}`; {}", suggest(word, kinds)))),
             _ => Err(ConsoleError::usage(format!("several tasks are of type `{word}`: say which by number (`tasks`)"))),
         }
     }

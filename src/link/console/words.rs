@@ -15,7 +15,8 @@ impl Words {
         let (mut words, mut word) = (Vec::new(), String::new());
         let (mut quote, mut open): (Option<char>, Vec<char>) = (None, Vec::new());
         let mut escaped = false;
-        for c in line.chars() {
+        // Editors put a mark before the first character.
+        for c in line.trim_start_matches('\u{feff}').chars() {
             match (quote, c) {
                 (Some('"'), '\\') if !escaped => {
                     escaped = true;

@@ -185,7 +185,8 @@ pub fn open<'a>(datagram: &'a [u8], key: Option<&Key>) -> Result<(Header, &'a [u
         return Err(Refused::Length);
     }
     let kind = Kind::of(kind).ok_or(Refused::Foreign)?;
-    if zero != 0 || set & !flags::ALL != 0 {
+    let own = if kind == Kind::Sensing { flags::ALL } else { flags::SEALED };
+    if zero != 0 || set & !own != 0 {
         return Err(Refused::Value);
     }
     let sealed = set & flags::SEALED != 0;

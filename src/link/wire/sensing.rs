@@ -9,6 +9,7 @@
 //! with flag BASE         position 3, quaternion 4, velocity 3, angular velocity 3, of the base, world
 //! for each sole          force 3, mean force since the last tick 3, N, moment 3, N m, world
 //!   with flag VERTICES   number k u32, then k times force 3, N, and clamped u8, 0 or 1
+//!   without it           loaded u8, 0 or 1: does the sole carry enough to be taken to stand
 //! ```
 
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -53,6 +54,9 @@ pub fn write_sensing(sensed: &Sensed, out: &mut Vec<u8>) -> u8 {
                 w.numbers(force.as_slice());
                 w.bytes(&[u8::from(*clamped)]);
             }
+        } else {
+            // Sensors that do not resolve a sole say the same of all of its vertices.
+            w.bytes(&[u8::from(sole.clamped.first().is_some_and(|clamped| *clamped))]);
         }
     }
     set
@@ -60,6 +64,14 @@ pub fn write_sensing(sensed: &Sensed, out: &mut Vec<u8>) -> u8 {
 
 fn rotation(rotation: &UnitQuaternion<f64>, w: &mut Writer) {
     w.numbers(&[rotation.w, rotation.i, rotation.j, rotation.k]);
+}
+
+fn flag(r: &mut Reader) -> Result<bool, Refused> {
+    match r.bytes::<1>().ok_or(Refused::Length)? {
+        [0] => Ok(false),
+        [1] => Ok(true),
+        _ => Err(Refused::Value),
+    }
 }
 
 fn read_rotation(r: &mut Reader) -> Result<UnitQuaternion<f64>, Refused> {
@@ -98,6 +110,8 @@ pub fn read_sensing(header: &Header, body: &[u8], sensed: &mut Sensed) -> Result
         (sole.force, sole.mean_force, sole.moment) = (r.vector()?, r.vector()?, r.vector()?);
         sole.resolved = resolved;
         if !resolved {
+            let loaded = flag(&mut r)?;
+            sole.clamped.fill(loaded);
             continue;
         }
         if r.u32().ok_or(Refused::Length)? as usize != sole.vertices.len() {
@@ -105,11 +119,7 @@ pub fn read_sensing(header: &Header, body: &[u8], sensed: &mut Sensed) -> Result
         }
         for (force, clamped) in sole.vertices.iter_mut().zip(&mut sole.clamped) {
             *force = r.vector()?;
-            *clamped = match r.bytes::<1>().ok_or(Refused::Length)? {
-                [0] => false,
-                [1] => true,
-                _ => return Err(Refused::Value),
-            };
+            *clamped = flag(&mut r)?;
         }
     }
     r.done()
