@@ -318,6 +318,11 @@ fn parameters_of_a_method_that_no_run_uses_are_warned_of() {
     };
     let idle = |key: &str, method: &str| format!("`contact.{key}` has no effect: `contact.method` is \"{method}\"");
     assert_eq!(
+        warnings("[stop]\nat = 99\n", &[]),
+        ["scenarios/test.toml:4:6 `stop.at` is at 99 s, but the run ends at 5 s, its `duration`"]
+    );
+    assert_eq!(warnings("[stop]\nat = 5\n", &[]), [""; 0]);
+    assert_eq!(
         warnings("[contact.lcp]\nfacets = 6\n", &[]),
         [format!("scenarios/test.toml:3:10 {}", idle("lcp", "exact"))]
     );

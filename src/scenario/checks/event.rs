@@ -8,6 +8,15 @@ const MOST_EVENTS: usize = 1000;
 
 impl Check<'_> {
     /// `end` is the run's, s.
+    /// An end beyond the end changes nothing.
+    pub(super) fn end(&mut self, at: Option<f64>, duration: f64) {
+        if let Some(at) = at.filter(|at| *at > duration) {
+            let span = self.place("stop.at").1;
+            let message = format!("`stop.at` is at {at} s, but the run ends at {duration} s, its `duration`");
+            self.findings.warning(span, message, None);
+        }
+    }
+
     pub(super) fn events(&mut self, events: &[EventSpec], tasks: usize, end: f64) {
         if events.len() > MOST_EVENTS {
             return self.error("event", format!("has {} entries, at most {MOST_EVENTS} are allowed", events.len()));

@@ -75,6 +75,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
         check.force(&format!("force.{i}"), force, scenario.duration);
     }
     check.delays(scenario);
+    check.end(scenario.stop.at, scenario.duration);
     check.events(&scenario.event, scenario.task.len(), scenario.end());
     for (i, expect) in scenario.expect.iter().enumerate() {
         check.expect(&format!("expect.{i}"), expect);
