@@ -25,6 +25,7 @@ mod keys;
 mod listen;
 mod message;
 mod plan;
+mod planner;
 mod progress;
 mod repeat;
 mod resume;
@@ -58,7 +59,8 @@ pub use listen::{Listener, Nobody};
 pub use message::{
     BatchFinished, BatchStarted, CheckFinished, DiagnosticMessage, MESSAGE_SCHEMA, Message, Teller, message_schema,
 };
-pub use plan::{Job, Plan, Role, prepare, prepare_file};
+pub use plan::{Job, Plan, Role};
+pub use planner::{prepare, prepare_file};
 pub use progress::Progress;
 pub use resume::{Again, Resumed};
 pub use run::End;
@@ -102,6 +104,12 @@ pub enum BatchError {
         /// The cause.
         source: std::io::Error,
     },
+    /// A robot cannot do two things at once, and stays where a run has left it.
+    #[error(
+        "a robot that is somewhere else (`robot.backend`) makes one run, and this asks for it {0} times: choose one with \
+         --filter or --set, without `compare`"
+    )]
+    Robots(usize),
     /// A record of the batch cannot be written.
     #[error(transparent)]
     Record(#[from] RecordError),
@@ -198,6 +206,9 @@ impl Batch {
     /// # Errors
     /// The folder cannot be created or written, or another program is writing there.
     pub fn new(plan: Plan, options: Options) -> Result<Self, BatchError> {
+        if plan.visits() > 1 {
+            return Err(BatchError::Robots(plan.visits()));
+        }
         let refused = |source| BatchError::Output { folder: options.output.clone(), source };
         std::fs::create_dir_all(&options.output).map_err(refused)?;
         // The summary is written at the end; that its folder takes files must be known now.

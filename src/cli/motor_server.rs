@@ -15,10 +15,10 @@ use super::Exit;
 use super::live::{Live, tell};
 use super::machine::MessageFormat;
 use super::numbers::seconds;
-use super::prepare::Scenarios;
+use super::prepare::{Scenarios, only};
 use super::run::{exit, summary};
 use super::signals::when_asked_to_end;
-use super::terminal::{complain, counted, print};
+use super::terminal::{complain, print};
 
 /// Arguments of `motor-server`.
 #[derive(Args, Debug)]
@@ -73,11 +73,7 @@ impl Server {
     /// Listens, simulates, records.
     pub fn execute(self) -> Result<Exit, Exit> {
         let plan = self.scenarios.prepare(Severity::Note, MessageFormat::Human)?;
-        if plan.runs() != 1 {
-            let runs = counted(plan.runs(), plan.references());
-            complain(&format!("error: one run is wanted, and this is {runs}: choose one with --filter or --set"));
-            return Err(Exit::Invalid);
-        }
+        only(&plan)?;
         let refuse = |error: &dyn std::error::Error| {
             complain(&format!("error: {error}"));
             Exit::Invalid

@@ -97,6 +97,16 @@ impl Scenarios {
     }
 }
 
+/// Refuses a plan of more than one run.
+pub fn only(plan: &Plan) -> Result<(), Exit> {
+    if plan.runs() == 1 {
+        return Ok(());
+    }
+    let runs = terminal::counted(plan.runs(), plan.references());
+    terminal::complain(&format!("error: one run is wanted, and this is {runs}: choose one with --filter or --set"));
+    Err(Exit::Invalid)
+}
+
 impl Selection {
     /// See [`Scenarios::prepare`]: of all parts.
     pub fn prepare(&self, least: Severity, format: MessageFormat) -> Result<Plan, Exit> {

@@ -256,6 +256,20 @@ fn another_robot_or_another_rate_is_refused() {
     server.end().exits(3);
 }
 
+/// A robot makes one run at a time.
+#[test]
+fn a_robot_is_asked_once() {
+    let place = Place::new();
+    let backend = "robot.backend=\"udp://127.0.0.1:9\"";
+    hoap2(&place, "sweep.toml", "sweep = { grid = { seed = [1, 2] } }");
+    hoap2(&place, "compare.toml", "compare = { reference = { \"contact.method\" = \"one-step\" } }");
+    for name in ["sweep.toml", "compare.toml"] {
+        let done = place.runner(&[name, "--set", backend]).exits(2);
+        assert!(done.stderr.contains("makes one run, and this asks for it 2 times"), "{}", done.stderr);
+        assert!(!place.path("results").exists());
+    }
+}
+
 /// What only a simulation knows is not measured, and nothing expected of it holds.
 #[test]
 fn nothing_is_measured_that_cannot_be() {
@@ -282,6 +296,8 @@ fn nothing_is_measured_that_cannot_be() {
 /// The client of docs/wire.md; left out where there is no Python.
 #[test]
 fn a_client_in_python_drives_it() {
+    let page = include_str!("../../docs/wire.md");
+    assert!(page.contains(include_str!("client.py").trim_end()), "docs/wire.md has another client");
     let Ok(version) = std::process::Command::new("python3").arg("--version").output() else { return };
     if !version.status.success() {
         return;

@@ -15,9 +15,9 @@ use stiction::link::console::{ConsoleError, Session};
 
 use super::live::Live;
 use super::machine::MessageFormat;
-use super::prepare::Selection;
+use super::prepare::{Selection, only};
 use super::signals::{Asked, when_asked_to_end};
-use super::terminal::{complain, counted, print};
+use super::terminal::{complain, print};
 use super::{Exit, colour, motor_server, numbers};
 
 /// How long a session may be if nothing else is said, s, unless its scenario is longer.
@@ -51,11 +51,7 @@ impl Console {
     /// Reads lines and does what they say.
     pub fn execute(self) -> Result<Exit, Exit> {
         let plan = self.scenarios.prepare(Severity::Note, MessageFormat::Human)?;
-        if plan.runs() != 1 {
-            let runs = counted(plan.runs(), plan.references());
-            complain(&format!("error: one run is wanted, and this is {runs}: choose one with --filter or --set"));
-            return Err(Exit::Invalid);
-        }
+        only(&plan)?;
         let person = self.file.is_none() && std::io::stdin().is_terminal();
         let pace = match self.rate {
             Some(Pace::Free) => None,

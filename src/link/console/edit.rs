@@ -162,19 +162,13 @@ impl Session {
     }
 
     fn add_force(&mut self, kind: &str, values: Vec<(String, Value)>) -> Result<String, ConsoleError> {
-        let mut entry = self.entry(kind);
+        let mut entry = self.entry(kind, values)?;
         if kind == "joint-friction" {
             if self.simulation.has_begun() {
                 let why = "joint friction acts throughout: it can be added before the first step, and changed later";
                 return Err(ConsoleError::usage(why));
             }
             entry.remove("start");
-        }
-        for (key, value) in values {
-            if key == "start" || key == "type" {
-                return Err(ConsoleError::usage(format!("`{key}` is given by the command itself")));
-            }
-            put(&mut entry, &key, value)?;
         }
         let number = self.present().force.len();
         let news = self.edit(|document| {

@@ -32,13 +32,7 @@ impl Session {
     }
 
     fn begin_task(&mut self, kind: &str, values: Vec<(String, Value)>) -> Result<String, ConsoleError> {
-        let mut entry = self.entry(kind);
-        for (key, value) in values {
-            if key == "start" || key == "type" {
-                return Err(ConsoleError::usage(format!("`{key}` is given by the command itself")));
-            }
-            put(&mut entry, &key, value)?;
-        }
+        let entry = self.entry(kind, values)?;
         let number = self.present().task.len();
         let news = self.edit(|document| {
             document.list("task").push(Value::Table(entry));
@@ -47,12 +41,17 @@ impl Session {
         Ok(format!("{news}task {number}, {kind}, from {} s\n", self.time()))
     }
 
-    /// An entry that starts now.
-    pub(super) fn entry(&self, kind: &str) -> Table {
-        Table::from_iter([
-            ("type".to_owned(), Value::String(kind.to_owned())),
-            ("start".to_owned(), Value::Float(self.time())),
-        ])
+    /// An entry of a type that starts now, with these values.
+    pub(super) fn entry(&self, kind: &str, values: Vec<(String, Value)>) -> Result<Table, ConsoleError> {
+        let mut entry = Table::from_iter([("type".to_owned(), Value::String(kind.to_owned()))]);
+        entry.insert("start".to_owned(), Value::Float(self.time()));
+        for (key, value) in values {
+            if key == "start" || key == "type" {
+                return Err(ConsoleError::usage(format!("`{key}` is given by the command itself")));
+            }
+            put(&mut entry, &key, value)?;
+        }
+        Ok(entry)
     }
 
     /// The task that a word means: its number, or a type of which one has not ended.
