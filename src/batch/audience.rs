@@ -43,14 +43,7 @@ impl Pacer {
 
     /// Waits until a simulated time is due, or until it is cancelled.
     pub fn wait(&mut self, time: f64, cancel: &AtomicBool) {
-        let now = Instant::now();
-        // A pace so small that the clock cannot hold it waits until it is cancelled.
-        let after = Duration::try_from_secs_f64(time / self.pace).unwrap_or(Duration::from_secs(u32::MAX.into()));
-        let start = *self.start.get_or_insert(now);
-        let due = start + after;
-        if now > due + LATE {
-            self.start = now.checked_sub(after).or(self.start);
-        }
+        let due = self.due(time, Instant::now());
         while !cancel.load(Ordering::Relaxed)
             && let left = due.saturating_duration_since(Instant::now())
             && !left.is_zero()
@@ -58,39 +51,52 @@ impl Pacer {
             sleep(left.min(SLICE));
         }
     }
+
+    /// When a simulated time is due, asked at `now`.
+    fn due(&mut self, time: f64, now: Instant) -> Instant {
+        // A pace so small that the clock cannot hold it waits until it is cancelled.
+        let after = Duration::try_from_secs_f64(time / self.pace).unwrap_or(Duration::from_secs(u32::MAX.into()));
+        let start = self.start.get_or_insert(now);
+        if now > *start + after + LATE {
+            *start = now.checked_sub(after).unwrap_or(*start);
+        }
+        *start + after
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    static GO_ON: AtomicBool = AtomicBool::new(false);
+    const fn ms(n: u64) -> Duration {
+        Duration::from_millis(n)
+    }
 
     #[test]
-    fn it_is_never_early() {
-        let mut pacer = Pacer::new(10.0);
-        let start = Instant::now();
+    fn instants_are_due_at_the_pace() {
+        let (mut pacer, start) = (Pacer::new(10.0), Instant::now());
         for k in 0..10 {
-            pacer.wait(0.05 * f64::from(k), &GO_ON);
-            assert!(start.elapsed() >= Duration::from_secs_f64(0.005 * f64::from(k)), "instant {k}");
+            let due = pacer.due(0.05 * k as f64, start + ms(5 * k) - ms(k.min(1)));
+            // Durations are whole nanoseconds.
+            assert!(due.duration_since(start).abs_diff(ms(5 * k)) < Duration::from_nanos(2), "instant {k}");
         }
     }
 
     #[test]
     fn what_was_late_is_not_caught_up() {
-        let mut pacer = Pacer::new(1.0);
-        pacer.wait(0.0, &GO_ON);
-        sleep(Duration::from_millis(150));
-        pacer.wait(0.01, &GO_ON);
-        let then = Instant::now();
-        pacer.wait(0.04, &GO_ON);
-        assert!(then.elapsed() >= Duration::from_millis(25), "{:?}", then.elapsed());
+        let (mut pacer, start) = (Pacer::new(1.0), Instant::now());
+        let near = |a: Instant, b: Instant| a.max(b).duration_since(a.min(b)) < Duration::from_nanos(2);
+        assert!(near(pacer.due(0.0, start), start));
+        // A little late is made up for, much is not.
+        assert!(near(pacer.due(0.01, start + ms(60)), start + ms(10)));
+        assert!(near(pacer.due(0.02, start + ms(150)), start + ms(150)));
+        assert!(near(pacer.due(0.05, start + ms(151)), start + ms(180)));
     }
 
     #[test]
     fn it_ends_when_it_is_cancelled() {
         let mut pacer = Pacer::new(1e-300);
-        pacer.wait(0.0, &GO_ON);
+        pacer.wait(0.0, &AtomicBool::new(false));
         pacer.wait(1.0, &AtomicBool::new(true));
     }
 }

@@ -171,11 +171,6 @@ impl Session {
         self.left
     }
 
-    /// Did the run end by a fault of its motion?
-    pub fn fault(&self) -> Option<&Stop> {
-        self.over.as_ref()
-    }
-
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
         self.simulation.plant().state.time
