@@ -2,12 +2,15 @@
 
 mod cli;
 
-use clap::Parser;
 use cli::{Arguments, Command, Exit};
 
 fn main() -> Exit {
     cli::decide_colours();
-    let done = match Arguments::parse().into_command() {
+    let typed = match Arguments::typed() {
+        Ok(arguments) => arguments.into_command(),
+        Err(told) => return told,
+    };
+    let done = match typed {
         Command::Run(run) => run.execute(),
         Command::Check(check) => check.execute(),
         Command::List(list) => list.execute(),

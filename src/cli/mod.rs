@@ -27,6 +27,8 @@ mod submit;
 mod terminal;
 mod view;
 
+use std::io::Write;
+
 use clap::{Parser, Subcommand};
 
 pub use exit::Exit;
@@ -107,6 +109,17 @@ pub enum Command {
 }
 
 impl Arguments {
+    /// What was typed. Help, version and mistakes are told here, and how the program ends after them is returned.
+    pub fn typed() -> Result<Self, Exit> {
+        Self::try_parse().map_err(|told| {
+            let outcome = told.print().and_then(|()| std::io::stdout().flush());
+            match told.use_stderr() {
+                true => Exit::Invalid,
+                false => terminal::written(outcome).err().unwrap_or(Exit::Success),
+            }
+        })
+    }
+
     /// The command that was typed; `run` when none was.
     pub fn into_command(self) -> Command {
         self.command.unwrap_or(Command::Run(self.run))

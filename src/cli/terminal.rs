@@ -17,7 +17,12 @@ pub fn print(text: &str) -> Result<(), Exit> {
         return Err(Exit::Unfinished);
     }
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// What became of something written to standard output, told if it is trouble.
+pub fn written(outcome: std::io::Result<()>) -> Result<(), Exit> {
+    match outcome {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             GAP.store(true, Ordering::Relaxed);
             complain(&format!("error: cannot write to standard output: {error}"));

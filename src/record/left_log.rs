@@ -39,17 +39,17 @@ impl LeftLog {
 /// of earlier versions do not say what they left: of these a log that is there must be whole.
 pub fn log_fault(record: &RunRecord, path: &Path) -> Option<&'static str> {
     let length = match path.metadata() {
+        Ok(data) if !data.is_file() => return Some("its log is no file"),
         Ok(data) => data.len(),
         Err(_) if record.log.is_some() => return Some("its log is missing"),
         Err(_) => return None,
     };
     match &record.log {
-        Some(left) if left.bytes > length => Some("its log is cut off"),
-        Some(left) if left.bytes != length => Some("its log is not the one that it left"),
-        _ if !is_whole_log(path) => Some("its log is not whole"),
-        Some(left) if !LeftLog::of(path).is_ok_and(|found| found == *left) => {
+        Some(left) if left.bytes > length => Some("its log is shorter than the one that it left"),
+        Some(left) if left.bytes != length || !LeftLog::of(path).is_ok_and(|found| found == *left) => {
             Some("its log is not the one that it left")
         }
+        None if !is_whole_log(path) => Some("its log is not whole"),
         _ => None,
     }
 }

@@ -158,26 +158,34 @@ fn drives(file: &RobotFile, source: &Source, model: &mut Model, kinematic: &[boo
         if *kinematic {
             own.mode = Some(DriveMode::Kinematic);
         }
-        set_drive(model, &name, &own.or(default)).map_err(|error| match error {
-            RobotError::BadValue { subject, seen, wanted } => {
-                source.fault(place, subject).element(format!("joint `{name}`")).seen(seen).wanted(wanted).invalid()
-            }
-            other => other,
-        })?;
+        let element = format!("joint `{name}`");
+        set_drive(model, &name, &own.or(default)).map_err(|error| at(place, &element, error, source))?;
     }
     Ok(())
 }
 
+/// A wrong value with the place where it stands.
+fn at(place: std::ops::Range<usize>, element: &str, error: RobotError, source: &Source) -> RobotError {
+    match error {
+        RobotError::BadValue { subject, seen, wanted } => {
+            source.fault(place, subject).element(element).seen(seen).wanted(wanted).invalid()
+        }
+        other => other,
+    }
+}
+
 /// The table's numbers, each checked where it stands.
 fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveSettings, RobotError> {
-    let number = |key: &str, value: &Option<Spanned<f64>>| match value {
-        Some(v) if !(v.get_ref().is_finite() && *v.get_ref() >= 0.0) => {
+    let checked = |key: &str, value: &Option<Spanned<f64>>, holds: &dyn Fn(f64) -> bool, wanted: &str| match value {
+        Some(v) if !(v.get_ref().is_finite() && holds(*v.get_ref())) => {
             let fault = source.fault(v.span(), format!("{key} of {element} cannot be used")).seen(v.get_ref());
-            Err(fault.element(element).wanted("a finite number, not negative").invalid())
+            Err(fault.element(element).wanted(wanted).invalid())
         }
         Some(v) => Ok(Some(*v.get_ref())),
         None => Ok(None),
     };
+    let number = |key: &str, value: &_| checked(key, value, &|v| v >= 0.0, "a finite number, not negative");
+    let above = |key: &str, value: &_| checked(key, value, &|v| v > 0.0, "a finite number above 0");
     let mode = entry.mode.as_ref().map(|word| match word.get_ref() {
         ModeWord::Position => DriveMode::Position,
         ModeWord::Force => DriveMode::Force,
@@ -195,12 +203,12 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
         coulomb: number("friction.coulomb", &friction.coulomb)?,
         viscous: number("friction.viscous", &friction.viscous)?,
         static_friction: number("friction.static", &friction.static_)?,
-        stribeck_velocity: number("friction.stribeck_velocity", &friction.stribeck_velocity)?,
-        slip_velocity: number("friction.slip_velocity", &friction.slip_velocity)?,
+        stribeck_velocity: above("friction.stribeck_velocity", &friction.stribeck_velocity)?,
+        slip_velocity: above("friction.slip_velocity", &friction.slip_velocity)?,
         stop: match &entry.stop {
             None => None,
             Some(stop) => {
-                let stiffness = number("stop.stiffness", &Some(stop.stiffness.clone()))?.unwrap_or_default();
+                let stiffness = above("stop.stiffness", &Some(stop.stiffness.clone()))?.unwrap_or_default();
                 Some((stiffness, number("stop.damping", &stop.damping)?.unwrap_or_default()))
             }
         },
@@ -229,12 +237,8 @@ fn given_soles(
             link: sole.link.get_ref().clone(),
             polygon: sole.polygon.get_ref().iter().map(|p| Vector3::from(*p)).collect(),
         };
-        let (made, turned) = make_sole(model, &poses, &spec).map_err(|error| match error {
-            RobotError::BadValue { subject, seen, wanted } => {
-                source.fault(sole.polygon.span(), subject).element(&element).seen(seen).wanted(wanted).invalid()
-            }
-            other => other,
-        })?;
+        let (made, turned) =
+            make_sole(model, &poses, &spec).map_err(|error| at(sole.polygon.span(), &element, error, source))?;
         if turned {
             let words = format!("{element} runs clockwise seen from above: its vertices are taken the other way round");
             notices.info(source, sole.polygon.span().start, words);

@@ -36,12 +36,27 @@ fn output_that_nobody_got_is_3_whatever_the_command() {
         "schema scenario",
         "completions bash",
         "man",
+        "--help",
+        "-h",
+        "--version",
+        "help",
+        "check --help",
         &format!("export {run}"),
         &format!("replay {run}"),
     ] {
         let done = full(&place, arguments).exits(3);
         let told = done.stderr.matches("error: cannot write to standard output: No space left on device").count();
         assert_eq!(told, 1, "{arguments}: {}", done.stderr);
+    }
+}
+
+/// Mistakes are told on standard error, which standard output does not touch.
+#[test]
+fn mistakes_of_the_command_line_are_2_all_the_same() {
+    let place = Place::new();
+    for arguments in ["", "chek --nothing", "run --format", "list"] {
+        let done = full(&place, arguments).exits(2);
+        assert!(done.stderr.contains("Usage: ") && !done.stderr.contains("cannot write"), "{}", done.stderr);
     }
 }
 
@@ -60,7 +75,9 @@ fn runs_are_made_although_nobody_can_be_told() {
 fn a_pipe_that_was_closed_is_no_trouble() {
     let place = with_results();
     place.block("many.toml", "[sweep]\nrepeat = 5000\n");
-    for arguments in ["list many.toml", "list many.toml --format json", "check many.toml --message-format json"] {
+    for arguments in
+        ["list many.toml", "list many.toml --format json", "check many.toml --message-format json", "run --help"]
+    {
         let done = place.shell(&format!("{{ \"$0\" {arguments}; echo $? > code; }} | head -1"));
         assert_eq!((done.stderr.as_str(), std::fs::read_to_string(place.path("code")).unwrap().trim()), ("", "0"));
     }

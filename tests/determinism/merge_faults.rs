@@ -39,7 +39,7 @@ fn a_log_that_is_not_the_one_that_was_left_is_told() {
     let rows = place.summary("whole").rows.len();
     for (now, why) in [
         (None, "its log is missing"),
-        (Some(&bytes[..bytes.len() - 100]), "its log is cut off"),
+        (Some(&bytes[..bytes.len() - 100]), "its log is shorter than the one that it left"),
         (Some(&hole[..]), "its log is not the one that it left"),
     ] {
         match now {
@@ -70,7 +70,14 @@ fn a_record_that_is_not_whole_is_told_and_left_out() {
     let record = first(&place, "a", "run.json");
     fs::write(&record, "{").unwrap();
     let done = merge(&place, &[]).exits(2);
-    assert!(done.stderr.contains("(its record is not whole); run it again with --resume"), "{}", done.stderr);
+    assert!(done.stderr.contains("(its record is no whole record); run it again with --resume"), "{}", done.stderr);
+    assert!(!place.path("merged").exists());
+    // That of another run, whole as it is.
+    let others = files(&place.path("a")).into_iter().filter(|f| f.contains("thrown") && f.ends_with("run.json"));
+    let other = others.map(|f| place.path("a").join(f)).find(|path| *path != record).expect("two runs");
+    fs::copy(&other, &record).unwrap();
+    let done = merge(&place, &[]).exits(2);
+    assert!(done.stderr.contains("(its record is that of another run); run it again"), "{}", done.stderr);
     assert!(!place.path("merged").exists());
     merge(&place, &["--partial"]).exits(0);
     let reference = files(&place.path("b")).into_iter().find(|f| f.contains("references/")).unwrap();
@@ -126,6 +133,55 @@ fn an_array_of_one_task_is_warned_of() {
     assert_eq!(warned("env", "1", "SLURM_ARRAY_TASK_ID"), 1);
     assert_eq!(warned("env", "2", "SLURM_ARRAY_TASK_ID"), 0);
     assert_eq!(warned("1/1", "1", "SLURM_ARRAY_TASK_ID"), 0, "it was typed");
+}
+
+/// What stands in a log's place and is no file is neither read nor waited for.
+#[cfg(unix)]
+#[test]
+fn a_log_that_is_no_file_is_told() {
+    let place = shards(&[]);
+    let log = first(&place, "b", "log.mcap");
+    fs::remove_file(&log).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&log).status().unwrap().success());
+    let done = merge(&place, &[]).exits(2);
+    assert!(done.stderr.contains("(its log is no file); run it again with --resume"), "{}", done.stderr);
+    fs::remove_file(&log).unwrap();
+    fs::create_dir(&log).unwrap();
+    let done = merge(&place, &[]).exits(2);
+    assert!(done.stderr.contains("(its log is no file)"), "{}", done.stderr);
+    assert!(!place.path("merged").exists());
+}
+
+/// What is read is not written over, whatever the way to it is called.
+#[test]
+fn the_folder_to_write_lies_in_none_to_read_nor_they_in_a_scenarios_place() {
+    let place = shards(&[]);
+    let before = [files(&place.path("a")), files(&place.path("b"))];
+    let to = |output: &str| place.runner(&["merge", "a", "b", "-o", output]).exits(2).stderr;
+    let nested = to("b/merged");
+    assert!(
+        nested.contains("b/merged: the folder to write is inside b, which is to be read; name one outside"),
+        "{nested}"
+    );
+    assert!(to("./nowhere/../b/deep/er").contains("is inside b, which"), "a name with dots");
+    assert!(to("b/../a").contains("which is to be read"));
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(place.path("b"), place.path("link")).unwrap();
+        assert!(to("link/merged").contains("link/merged: the folder to write is inside b"));
+    }
+    // `thrown` is a scenario: its results would lie in that part.
+    fs::rename(place.path("b"), place.path("thrown")).unwrap();
+    let over = place.runner(&["merge", "a", "thrown", "-o", "."]).exits(2).stderr;
+    let told = "results of the scenario `thrown` would be written into thrown, which is to be read";
+    assert!(over.contains(told), "{over}");
+    assert_eq!([files(&place.path("a")), files(&place.path("thrown"))], before);
+    assert!(!place.path("summary.csv").exists());
+    // Beside them there is room.
+    fs::rename(place.path("thrown"), place.path("b")).unwrap();
+    place.runner(&["merge", "a", "b", "-o", "."]).exits(0);
+    assert_eq!(place.summary(".").rows.len(), 8 + 6 + 6);
+    assert_eq!([files(&place.path("a")), files(&place.path("b"))], before);
 }
 
 /// Logs that were moved away and linked to are what the runs left.

@@ -196,7 +196,10 @@ fn what_is_asked_for_now_must_be_there() {
     // Half a log or half a record, as a power failure may leave them.
     let log = fs::read(run("log.mcap")).unwrap();
     fs::write(run("log.mcap"), &log[..log.len() / 2]).unwrap();
-    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its log is cut off, s");
+    assert_eq!(
+        again(&resume(&place, &arguments).exits(0)),
+        "1 run again: its log is shorter than the one that it left, s"
+    );
     assert_eq!(fs::read(run("log.mcap")).unwrap(), log);
     fs::remove_file(run("log.mcap")).unwrap();
     assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its log is missing, s");

@@ -66,8 +66,8 @@ const CASES: &[(&str, &str, usize, &str)] = &[
     ("kd = 1.0", "friction = { coulomb = 1.0, viscos = 1.0 }", 12, "did you mean `viscous`?"),
     ("kd = 1.0", "friction = { coulomb = -1.0 }", 12, "friction.coulomb of joint `knee`"),
     ("kd = 1.0", "friction = { coulomb = 1.0, static = 0.5 }", 9, "at least friction.coulomb, 1"),
-    ("kd = 1.0", "friction = { slip_velocity = 0.0 }", 9, "friction.slip_velocity of joint `knee`"),
-    ("kd = 1.0", "stop = { stiffness = 0.0 }", 9, "stop.stiffness of joint `knee`"),
+    ("kd = 1.0", "friction = { slip_velocity = 0.0 }", 12, "friction.slip_velocity of joint `knee`"),
+    ("kd = 1.0", "stop = { stiffness = 0.0 }", 12, "stop.stiffness of joint `knee`"),
     ("kd = 1.0", "stop = { damping = 1.0 }", 12, "missing field `stiffness`"),
     (
         "mode = \"passive\"",
@@ -149,6 +149,25 @@ fn joint_default_fills_what_a_joint_leaves_out() {
     let plain = load_toml("urdf = \"robot.urdf\"\n[joint.knee]\narmature = 0.1\n", &urdf()).unwrap();
     assert!(!plain.model.joints[0].drive_configured);
     assert_eq!(plain.model.joints[0].armature, 0.1);
+}
+
+/// Nothing else would look at them.
+#[test]
+fn joint_default_is_looked_at_though_there_are_no_joints() {
+    let alone = format!("<robot name=\"r\"><link name=\"base\">{BODY}</link></robot>");
+    for (key, needle) in [
+        ("stop = { stiffness = 0 }", "stop.stiffness of joint_default cannot be used: 0"),
+        ("stop = { stiffness = 1, damping = -1 }", "stop.damping of joint_default"),
+        ("friction = { slip_velocity = 0.0 }", "friction.slip_velocity of joint_default"),
+        ("friction = { stribeck_velocity = 0.0 }", "friction.stribeck_velocity of joint_default"),
+        ("armature = -1", "armature of joint_default"),
+    ] {
+        let text = format!("urdf = \"robot.urdf\"\n[joint_default]\n{key}\n");
+        for (of, urdf) in [("no joints", &alone), ("two joints", &urdf())] {
+            assert_fault(&format!("{key}, {of}"), load_toml(&text, urdf), "robot.toml", 3, needle);
+        }
+    }
+    load_toml("urdf = \"robot.urdf\"\n[joint_default]\nstop = { stiffness = 1 }\n", &alone).unwrap();
 }
 
 #[test]

@@ -224,6 +224,26 @@ fn packages_are_found_from_the_urdf_upward() {
     }
 }
 
+/// A bare name has no folder before it: its folder is the current one.
+#[test]
+fn packages_are_found_for_a_urdf_named_without_a_folder() {
+    let place = crate::cli::Place::new();
+    let mesh = "<mesh filename=\"package://thing/m/t.obj\"/>";
+    let urdf = format!(
+        "<robot name=\"r\"><link name=\"a\">{BODY}<collision><geometry>{mesh}</geometry></collision></link></robot>"
+    );
+    place.write("thing/m/t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").write("thing/r.urdf", urdf);
+    for (folder, name) in [("thing", "r.urdf"), ("thing", "./r.urdf"), ("thing/m", "../r.urdf"), (".", "thing/r.urdf")]
+    {
+        let done = place.shell(&format!("cd {folder} && exec \"$0\" inspect {name}")).exits(0);
+        assert!(
+            done.stdout.contains("1 collision shapes") && !done.stdout.contains("left out"),
+            "{name}: {}",
+            done.stdout
+        );
+    }
+}
+
 #[test]
 fn a_mesh_of_many_triangles_becomes_a_hull() {
     // A grid on a half cylinder of radius 1, 40 x 40 cells.

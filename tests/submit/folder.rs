@@ -59,6 +59,14 @@ fn results_of_something_else_are_left_alone() {
     site.place.runner(&["thrown.toml", "-o", "sweep/results"]).exits(1);
     other(&site, "3", &["thrown.toml"], "it has a folder `results` that no earlier submission left");
     assert!(!exists(site.place.path("sweep/submit")));
+    // A batch's own folder, and a part's.
+    for (more, name) in [(&["-o", "batch"][..], "runs.jsonl"), (&["-o", "part", "--shard", "1/2"], "shard.jsonl")] {
+        site.place.runner(&[&["thrown.toml"], more].concat()).exits(1);
+        let done = site.runner(&submit(more[1], "3", &["thrown.toml"])).exits(2);
+        let told = format!("it is a folder of results: it has a {name}; give this sweep another folder with -o");
+        assert!(done.stderr.contains(&told), "{}", done.stderr);
+        assert!(!exists(site.place.path(more[1]).join("submit")));
+    }
 }
 
 /// Neither scripts nor parts go where a link leads, and a pipe is not waited for.

@@ -11,9 +11,10 @@ mod place;
 mod references;
 mod walk;
 
-use super::{RecordError, ShardHead, ShardList};
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use super::{RecordError, SHARD_LIST, ShardHead, ShardList};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::{OsStr, OsString};
+use std::path::{Component, Path, PathBuf};
 
 pub use gather::Merged;
 use look::Look;
@@ -30,7 +31,7 @@ pub enum MergeError {
     #[error(transparent)]
     Record(#[from] RecordError),
     /// A folder that holds no shard.
-    #[error("{}: no results of a shard: it has no {}", folder.display(), super::SHARD_LIST)]
+    #[error("{}: no results of a shard: it has no {}", folder.display(), SHARD_LIST)]
     NoShard {
         /// The folder.
         folder: PathBuf,
@@ -46,11 +47,30 @@ pub enum MergeError {
         /// What it is.
         what: &'static str,
     },
-    /// The folder to write is one of those to read.
-    #[error("{}: the folder to write is one of those to read", folder.display())]
+    /// The folder to write is one of those to read, or inside one.
+    #[error(
+        "{}: the folder to write is {}; name one outside of the results of all shards",
+        output.display(),
+        if folder == output { "one of those to read".to_owned() } else { format!("inside {}, which is to be read", folder.display()) }
+    )]
     Onto {
-        /// The folder.
+        /// The folder to read.
         folder: PathBuf,
+        /// The folder to write.
+        output: PathBuf,
+    },
+    /// A folder to read stands where results would be written.
+    #[error(
+        "{}: results of the scenario `{scenario}` would be written into {}, which is to be read; name another folder with -o",
+        output.display(), folder.display()
+    )]
+    Over {
+        /// The folder to read.
+        folder: PathBuf,
+        /// The folder to write.
+        output: PathBuf,
+        /// The scenario of that name.
+        scenario: String,
     },
     /// Two shards of different plans.
     #[error("{} and {} are no shards of one plan: {what}", a.display(), b.display())]
@@ -144,7 +164,7 @@ impl Shards {
         let mut lines = self.missing_shards();
         if gaps > 0 && lines.is_empty() {
             return Err(MergeError::Runs(vec![format!(
-                "{gaps} runs of the plan are in no shard: a list is not whole"
+                "{gaps} runs of the plan are in no shard: lines of a {SHARD_LIST} are gone"
             )]));
         }
         let unlike = logs::unlike(self, &looked)?;
@@ -184,12 +204,43 @@ impl Shards {
     /// May this be the folder to write?
     ///
     /// # Errors
-    /// It is one of those to read.
+    /// It is one of those to read or inside one, or one of those to read would be written over as a scenario's results.
     pub fn check_output(&self, output: &Path) -> Result<(), MergeError> {
-        let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        match self.folders.iter().find(|folder| real(folder) == real(output)) {
-            Some(folder) => Err(MergeError::Onto { folder: folder.clone() }),
-            None => Ok(()),
+        let to = real(output);
+        let mut inside: BTreeMap<OsString, &PathBuf> = BTreeMap::new();
+        for folder in &self.folders {
+            let from = real(folder);
+            if to.starts_with(&from) {
+                return Err(MergeError::Onto { folder: folder.clone(), output: output.to_owned() });
+            }
+            let below = from.strip_prefix(&to).ok().and_then(|below| below.components().next());
+            inside.extend(below.map(|name| (name.as_os_str().to_owned(), folder)));
         }
+        if inside.is_empty() {
+            return Ok(());
+        }
+        self.walk(&mut |holders| {
+            let scenario = &holders[0].run.scenario;
+            match inside.get(OsStr::new(scenario)) {
+                Some(folder) => Err(MergeError::Over {
+                    folder: (*folder).clone(),
+                    output: output.to_owned(),
+                    scenario: scenario.clone(),
+                }),
+                None => Ok(()),
+            }
+        })
     }
+}
+
+/// The folder that is meant, without links and dots. What is not there yet will be a folder where its name says.
+fn real(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    absolute.components().fold(PathBuf::new(), |mut here, part| {
+        match part {
+            Component::ParentDir => _ = here.pop(),
+            other => here.push(other),
+        }
+        here.canonicalize().unwrap_or(here)
+    })
 }

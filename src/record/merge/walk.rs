@@ -26,17 +26,15 @@ pub(super) enum Found {
 }
 
 impl Holder<'_> {
-    /// The run's record, looked at alone; none if it is not there or not whole.
-    pub fn read(&self) -> Option<RunRecord> {
-        RunRecord::read(&self.record()).ok().filter(|r| r.key == self.run.key && r.scenario == self.run.scenario)
-    }
-
     /// What it has of the run.
     pub fn find(&self) -> Found {
         if !self.record().exists() {
             return Found::Absent;
         }
-        let Some(record) = self.read() else { return Found::Broken("its record is not whole") };
+        let Ok(record) = RunRecord::read(&self.record()) else { return Found::Broken("its record is no whole record") };
+        if (&record.scenario, &record.key) != (&self.run.scenario, &self.run.key) {
+            return Found::Broken("its record is that of another run");
+        }
         match log_fault(&record, &self.log()) {
             Some(fault) => Found::Broken(fault),
             None => Found::Whole(Box::new(record)),
