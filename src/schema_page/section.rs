@@ -129,3 +129,19 @@ fn long_lists(key: &str, value: &Value) -> String {
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::schema_page::{Notation, page};
+
+    /// Else a line has a cell too many, and all after the bar stands under the wrong heading.
+    #[test]
+    fn bars_in_texts_end_no_cell() {
+        let schema = serde_json::json!({
+            "properties": { "mode": { "enum": ["a|b", "c"], "default": "a|b", "description": "one | or the other" } }
+        });
+        let text = page(&schema, Notation::Toml, "Formats", "");
+        let line = text.lines().find(|line| line.contains("`mode`")).unwrap();
+        assert_eq!(line, r#"| `mode` | `"a\|b"`, `"c"` | `"a\|b"` | one \| or the other |"#);
+    }
+}

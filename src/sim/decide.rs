@@ -1,6 +1,7 @@
 //! Choosing contact states at an instant: impacts first, then the state that the accelerations call for.
 
 use super::error::Stop;
+use super::plant::DIRECTION_SPEED;
 use super::project::anchor;
 use super::report::{Observer, Outcome};
 use super::simulation::Simulation;
@@ -8,13 +9,17 @@ use crate::contact::judge::{Rules, TOUCHING};
 use crate::contact::method::Question;
 use crate::contact::problem::Level;
 use crate::contact::select::Selection;
-use crate::contact::state::{MAX_SOLES, SoleState, States};
+use crate::contact::state::{MAX_SOLES, Mode, SoleState, States};
 use nalgebra::{Vector2, Vector3};
 
 /// Rounds of choosing and settling at one instant.
 const SETTLE: usize = 4;
 /// Depth, in distance tolerances, down to which a vertex may still be said to arrive at the floor.
 const REACH: f64 = 100.0;
+/// How far from zero a slowing vertex may be led past it, relative to the speed up to which its direction is held.
+const MISS: f64 = 0.1;
+/// Acceleration, relative to gravity, from which on it may be friction's; less is that of motions, however slow.
+const QUICK: f64 = 0.05;
 /// Impacts that may follow each other at one instant.
 const CASCADE: usize = 32;
 
@@ -86,6 +91,30 @@ impl Simulation {
             let slow = |i: usize| sole.vertices[i].velocity.xy().norm() <= speed;
             state.is_dynamic() && (0..k).any(|i| state.clamps(i, k) && slow(i))
         })
+    }
+
+    /// Speed, m/s, up to which vertices are to rest because steps do not resolve how they come to it; 0 if they do.
+    ///
+    /// Where friction of one vertex answers that of others its sliding direction is stiff near zero: it turns at a rate of
+    /// many times acceleration over speed. Explicit steps follow it, each to some part of the speed at which it began, down
+    /// to the speed that is their own error ([`Plant::direction_speed`](super::plant::Plant::direction_speed)), and there it is held, and may be that of the error.
+    /// If the vertex slows down then as fast as friction makes it, and is led past zero, it is at rest as far as can be told.
+    pub(super) fn slow_to_rest(&self) -> f64 {
+        let plant = &self.plant;
+        let quick = QUICK * plant.gravity.norm();
+        let of_sole = |s: usize| {
+            let (state, vertices) = (plant.states[s], &plant.problem.soles[s].vertices);
+            let slow = plant.direction_speed(s);
+            let past = |i: usize| {
+                let v = vertices[i].velocity.xy();
+                let a = plant.problem.vertex_motion(&plant.solution.motion, s, i).xy();
+                v.norm() <= slow && a.norm() > quick && v.dot(&a) < 0.0 && v.perp(&a).abs() > MISS * slow * a.norm()
+            };
+            let slides = |i: usize| state.clamps(i, vertices.len()) && state.mode != Mode::Pivoting(i as u8);
+            let held = self.locates() && state.is_dynamic() && slow > DIRECTION_SPEED;
+            if held && (0..vertices.len()).any(|i| slides(i) && past(i)) { slow } else { 0.0 }
+        };
+        (0..plant.problem.soles.len()).map(of_sole).fold(0.0, f64::max)
     }
 
     /// Does an unclamped vertex touch the floor and approach it, or come faster than v_t within d of it?
@@ -234,8 +263,9 @@ impl Simulation {
     /// of a vertex's velocity, m/s.
     fn settle(&mut self) -> f64 {
         let tol = self.tolerances;
-        // A method that does not look for impacts meets them here.
-        let bounce = if self.plant.method.locates_events() { 0.0 } else { self.contact.restitution };
+        // A method that does not look for impacts meets them here; else it is the least change, as for drift.
+        let least = self.plant.method.locates_events();
+        let bounce = if least { 0.0 } else { self.contact.restitution };
         let plant = &mut self.plant;
         let p = &mut plant.problem;
         p.level = Level::Velocity;
@@ -256,7 +286,17 @@ impl Simulation {
                 states[s] = SoleState::fixed(states[s].pattern);
             }
         }
+        if least {
+            // Friction of feet that slide on would be that of impulses of either sign, and could give energy.
+            let vertices = p.soles.iter_mut().flat_map(|sole| &mut sole.vertices);
+            vertices.for_each(|v| v.direction = Vector2::zeros());
+        }
         plant.method.respond(p, &states, &mut self.projection);
+        if least {
+            for (sole, directions) in p.soles.iter_mut().zip(&plant.directions) {
+                sole.vertices.iter_mut().zip(directions).for_each(|(v, d)| v.direction = *d);
+            }
+        }
         let mut change: f64 = 0.0;
         for (s, sole) in p.soles.iter().enumerate() {
             for (i, v) in sole.vertices.iter().enumerate() {

@@ -216,11 +216,12 @@ impl Explicit {
             return Ok(());
         }
         sim.project();
-        event |= doubtful || !sim.locates() || self.watch.tolerated_too_much(sim);
+        let stops = sim.slow_to_rest();
+        event |= doubtful || !sim.locates() || self.watch.tolerated_too_much(sim) || stops > 0.0;
         if event {
             sim.metrics.events += u64::from(sim.locates());
             self.watch.suspects(&self.right, &mut sim.suspect);
-            sim.decide(observer)?;
+            sim.decide_with_rest(stops, observer)?;
         } else {
             // Nothing happened: the states held are the one candidate, and the events watched have confirmed it.
             sim.metrics.confirmed += 1;

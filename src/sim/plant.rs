@@ -12,7 +12,7 @@ use super::damp::Dampers;
 use super::guide::Guide;
 use super::impulse::Impulses;
 use super::layout::Layout;
-use super::setup::{Floor, Setup};
+use super::setup::{Floor, IntegratorSetup, Setup};
 use super::zones::Place;
 use crate::contact::candidate::{Solution, share_static};
 use crate::contact::method::{Manner, Method, Stored};
@@ -28,7 +28,7 @@ use std::sync::Arc;
 
 /// Speed below which a sliding vertex keeps its reference direction, m/s. Rounding (1e-16 m/s) turns the direction of a
 /// slower vertex by more than 1e-9 rad, while friction passes through such speeds within 1e-7 / (mu g), some 1e-8 s.
-const DIRECTION_SPEED: f64 = 1e-7;
+pub(super) const DIRECTION_SPEED: f64 = 1e-7;
 
 /// See the module.
 pub struct Plant {
@@ -68,6 +68,8 @@ pub struct Plant {
     pub(super) places: Vec<Vec<Place>>,
     /// Speed below which a sliding vertex is at rest, m/s.
     pub rest: f64,
+    /// Error that a step may make in a speed, and relative to it.
+    pub(super) step_error: (f64, f64),
     /// A time inside the smooth piece being integrated.
     pub within: f64,
     /// Generalised force without contact and bias, nv.
@@ -149,6 +151,10 @@ impl Plant {
             directions,
             places: model.soles.iter().map(|s| vec![Place::default(); s.vertices.len()]).collect(),
             rest: setup.contact.tolerances.rest,
+            step_error: match setup.integrator {
+                IntegratorSetup::Controlled { relative, absolute, .. } => (absolute, relative),
+                _ => (0.0, 0.0),
+            },
             within: 0.0,
             tau: vec![0.0; nv],
             efforts: vec![0.0; nj],
@@ -401,11 +407,12 @@ impl Plant {
     /// a vertex comes to rest.
     pub fn point_directions(&mut self) {
         let held = !self.method.locates_events();
-        for (sole, references) in self.problem.soles.iter_mut().zip(&self.directions) {
-            for (v, reference) in sole.vertices.iter_mut().zip(references) {
+        for (s, references) in self.directions.iter().enumerate() {
+            let slow = self.direction_speed(s);
+            for (v, reference) in self.problem.soles[s].vertices.iter_mut().zip(references) {
                 let t = v.velocity.xy();
                 let speed = t.norm();
-                v.direction = if held || speed <= DIRECTION_SPEED {
+                v.direction = if held || speed <= slow {
                     *reference
                 } else if t.dot(reference) < 0.0 {
                     -t / speed
@@ -416,16 +423,25 @@ impl Plant {
         }
     }
 
+    /// Speed of a sole's sliding vertex, m/s, up to which its direction is not followed: no less than the errors that a step
+    /// may make in the speeds that move the sole (levers of a metre), or the direction would be that of the error.
+    pub(super) fn direction_speed(&self, sole: usize) -> f64 {
+        let (absolute, relative) = self.step_error;
+        let moving = self.ws.support(self.model.soles[sole].link);
+        DIRECTION_SPEED.max(moving.iter().map(|&i| absolute + relative * self.state.v[i].abs()).sum())
+    }
+
     /// Makes the present sliding directions the references of the step that begins. One that has turned against its
     /// reference is left to the event that this is.
     pub fn follow_directions(&mut self) {
         if !self.method.locates_events() {
             return;
         }
-        for (sole, references) in self.problem.soles.iter().zip(&mut self.directions) {
-            for (v, reference) in sole.vertices.iter().zip(references) {
+        for s in 0..self.directions.len() {
+            let slow = self.direction_speed(s);
+            for (v, reference) in self.problem.soles[s].vertices.iter().zip(&mut self.directions[s]) {
                 let t = v.velocity.xy();
-                if t.norm() > DIRECTION_SPEED && t.dot(reference) > 0.0 {
+                if t.norm() > slow && t.dot(reference) > 0.0 {
                     *reference = t.normalize();
                 }
             }
