@@ -66,8 +66,11 @@ fn to_be_terminated_is_to_be_interrupted() {
     assert_eq!(outcomes.rows.len(), lines(&rows));
 
     // A second one cancels, whichever it is; the code is of the first.
-    let mut child = start(&place, &["s.toml", "--set", "duration=1e6", "--no-log", "-j", "2", "-o", "long"]);
-    until("a start", || said(&place).contains("side by side").then_some(()));
+    let long = ["s.toml", "--set", "duration=1e6", "--set", "log.rate=1", "-j", "2", "-o", "long"];
+    let mut child = start(&place, &long);
+    // A run that has begun has its folder. Before that there would be nothing to wait for, and the end at once.
+    let begun = || std::fs::read_dir(place.path("long/s")).map_or(0, Iterator::count) > 0;
+    until("a start", || begun().then_some(()));
     // That it is told of the first before the second comes: two signals at once are one.
     signal(&child, "TERM");
     until("the first", || said(&place).contains("interrupted: ").then_some(()));
