@@ -263,9 +263,10 @@ impl Simulation {
     /// of a vertex's velocity, m/s.
     fn settle(&mut self) -> f64 {
         let tol = self.tolerances;
-        // A method that does not look for impacts meets them here; else it is the least change, as for drift.
-        let least = self.plant.method.locates_events();
-        let bounce = if least { 0.0 } else { self.contact.restitution };
+        // A method that does not look for impacts meets them here.
+        let bounce = if self.plant.method.locates_events() { 0.0 } else { self.contact.restitution };
+        // Where more is taken for rest than rounding leaves it is the least change, as for drift.
+        let least = tol.rest > self.contact.tolerances.rest;
         let plant = &mut self.plant;
         let p = &mut plant.problem;
         p.level = Level::Velocity;

@@ -216,7 +216,8 @@ impl Explicit {
             return Ok(());
         }
         sim.project();
-        let stops = sim.slow_to_rest();
+        // Not where no state was found: asking would give the same again.
+        let stops = if doubtful { 0.0 } else { sim.slow_to_rest() };
         event |= doubtful || !sim.locates() || self.watch.tolerated_too_much(sim) || stops > 0.0;
         if event {
             sim.metrics.events += u64::from(sim.locates());

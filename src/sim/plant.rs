@@ -152,7 +152,8 @@ impl Plant {
             places: model.soles.iter().map(|s| vec![Place::default(); s.vertices.len()]).collect(),
             rest: setup.contact.tolerances.rest,
             step_error: match setup.integrator {
-                IntegratorSetup::Controlled { relative, absolute, .. } => (absolute, relative),
+                IntegratorSetup::Controlled { relative, absolute, .. } if setup.contact.locate => (absolute, relative),
+                // Without located events every step asks what rests.
                 _ => (0.0, 0.0),
             },
             within: 0.0,

@@ -228,3 +228,22 @@ fn a_point_whose_direction_is_stiff_comes_to_rest_in_few_steps() {
         assert!((found - truth).norm() < off, "{tolerances} {method}: {found} {truth}");
     }
 }
+
+/// HOAP-2 comes down on a corner with tolerances of contact so loose that impacts are let pass, and with contact looked at in
+/// steps. Where no state is found, and where every step asks, the choice is not made over and over without getting on.
+#[test]
+fn a_landing_with_loose_tolerances_gets_on() {
+    for contact in [
+        "velocity_tolerance = 0.1, distance_tolerance = 1e-3, acceleration_tolerance = 1e-3",
+        "velocity_tolerance = 0.03, distance_tolerance = 1e-5, acceleration_tolerance = 0.1, events = \"step\"",
+    ] {
+        let (m, _) = watch(&format!(
+            "duration = 1.0
+            robot = {{ model = \"robots/hoap2/hoap2.toml\", base = {{ position = [0, 0, 0.3065838], rpy = [\"2 deg\", \"3 deg\", 0] }} }}
+            contact = {{ {contact} }}
+            integrator = {{ method = \"dopri5\", max_step = {} }}\n",
+            if contact.contains("step") { 1e-3 } else { 1e-2 }
+        ));
+        assert!(m.inconsistent <= 2 && m.steps < 5_000 && m.selections < 10_000, "{contact}: {m:?}");
+    }
+}
