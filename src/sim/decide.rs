@@ -1,7 +1,7 @@
 //! Choosing contact states at an instant: impacts first, then the state that the accelerations call for.
 
+use super::direction::DIRECTION_SPEED;
 use super::error::Stop;
-use super::plant::DIRECTION_SPEED;
 use super::project::anchor;
 use super::report::{Observer, Outcome};
 use super::simulation::Simulation;
@@ -97,8 +97,8 @@ impl Simulation {
     ///
     /// Where friction of one vertex answers that of others its sliding direction is stiff near zero: it turns at a rate of
     /// many times acceleration over speed. Explicit steps follow it, each to some part of the speed at which it began, down
-    /// to the speed that is their own error ([`Plant::direction_speed`](super::plant::Plant::direction_speed)), and there it is held, and may be that of the error.
-    /// If the vertex slows down then as fast as friction makes it, and is led past zero, it is at rest as far as can be told.
+    /// to the speed that is their own error (`Plant::direction_speed`). There it is held, and may be that of the error. If the
+    /// vertex slows down then as fast as friction makes it, and is led past zero, it is at rest as far as can be told.
     pub(super) fn slow_to_rest(&self) -> f64 {
         let plant = &self.plant;
         let quick = QUICK * plant.gravity.norm();

@@ -7,6 +7,7 @@ pub mod commander;
 mod comply;
 mod damp;
 mod decide;
+mod direction;
 mod drive;
 pub mod error;
 pub mod estimate;

@@ -26,10 +26,6 @@ use crate::task::Command;
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
 
-/// Speed below which a sliding vertex keeps its reference direction, m/s. Rounding (1e-16 m/s) turns the direction of a
-/// slower vertex by more than 1e-9 rad, while friction passes through such speeds within 1e-7 / (mu g), some 1e-8 s.
-pub(super) const DIRECTION_SPEED: f64 = 1e-7;
-
 /// See the module.
 pub struct Plant {
     /// The robot.
@@ -397,54 +393,6 @@ impl Plant {
                 v.bias = omega.cross(&omega.cross(&v.r));
                 v.moving = v.velocity.xy().norm() > self.rest;
                 v.near = false;
-            }
-        }
-    }
-
-    /// Points sliding friction against the velocity; where a vertex has turned against its reference direction the
-    /// direction is continued through zero, so that the equations stay smooth until the event is located.
-    ///
-    /// A method that does not locate its events holds the directions of its last choice: it could not stop in time when
-    /// a vertex comes to rest.
-    pub fn point_directions(&mut self) {
-        let held = !self.method.locates_events();
-        for (s, references) in self.directions.iter().enumerate() {
-            let slow = self.direction_speed(s);
-            for (v, reference) in self.problem.soles[s].vertices.iter_mut().zip(references) {
-                let t = v.velocity.xy();
-                let speed = t.norm();
-                v.direction = if held || speed <= slow {
-                    *reference
-                } else if t.dot(reference) < 0.0 {
-                    -t / speed
-                } else {
-                    t / speed
-                };
-            }
-        }
-    }
-
-    /// Speed of a sole's sliding vertex, m/s, up to which its direction is not followed: no less than the errors that a step
-    /// may make in the speeds that move the sole (levers of a metre), or the direction would be that of the error.
-    pub(super) fn direction_speed(&self, sole: usize) -> f64 {
-        let (absolute, relative) = self.step_error;
-        let moving = self.ws.support(self.model.soles[sole].link);
-        DIRECTION_SPEED.max(moving.iter().map(|&i| absolute + relative * self.state.v[i].abs()).sum())
-    }
-
-    /// Makes the present sliding directions the references of the step that begins. One that has turned against its
-    /// reference is left to the event that this is.
-    pub fn follow_directions(&mut self) {
-        if !self.method.locates_events() {
-            return;
-        }
-        for s in 0..self.directions.len() {
-            let slow = self.direction_speed(s);
-            for (v, reference) in self.problem.soles[s].vertices.iter().zip(&mut self.directions[s]) {
-                let t = v.velocity.xy();
-                if t.norm() > slow && t.dot(reference) > 0.0 {
-                    *reference = t.normalize();
-                }
             }
         }
     }
