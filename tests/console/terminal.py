@@ -37,45 +37,66 @@ def write(text):
     os.write(terminal, text)
 
 
-wait(rb"0 s> ")
+def prompt():
+    """Waits until a line is read. Before that the terminal would make a signal of Ctrl-C; the prompt's text alone is drawn again with each letter."""
+    wait(rb"\x1b\[\?2004h")
+    wait(rb"s> ")
+
+
+def enter(text):
+    """Types a line and waits until it is taken."""
+    write(text + b"\r")
+    wait(rb"\x1b\[\?2004l")
+
+
+def tick(beyond):
+    """Asks until a run has gone beyond a tick, and tells where it is. What is changed before its first tick is no event, and an event is told once it has gone on."""
+    while True:
+        prompt()
+        enter(b"status")
+        number = int(wait(rb"tick (\d+), running until 600 s").group(1))
+        if number > beyond:
+            return number
+
+
+prompt()
 write(b"hel\t")
 wait(rb"help")
-write(b" ra\t\r")
+enter(b" ra\t")
 wait(rb"rate FACTOR\|realtime\|free")
-wait(rb"s> ")
-write(b"nonsense\r")
+prompt()
+enter(b"nonsense")
 wait(rb"there is no command `nonsense`")
-wait(rb"s> ")
+prompt()
 # Without a time it goes on until it is held.
-write(b"run\r")
-wait(rb"s> ")
-write(b"status\r")
-wait(rb"running until 600 s")
-wait(rb"s> ")
-write(b"floor 0.3 0.2\r")
-wait(rb"s> ")
+enter(b"run")
+now = tick(0)
+prompt()
+enter(b"floor 0.3 0.2")
+tick(tick(now))
+prompt()
 write(b"\x03")
 wait(rb"event floor\.friction")
-wait(rb"s> ")
-write(b"rate free\r")
-wait(rb"s> ")
-write(b"run 0.5\r")
+prompt()
+enter(b"rate free")
+prompt()
+enter(b"run 0.5")
 wait(rb"\d s\r?\n")
 # A change that breaks the run is taken back.
-write(b"start sine joints.x.amplitude=1\r")
+enter(b"start sine joints.x.amplitude=1")
 wait(rb"has no joint `x`")
-wait(rb"s> ")
-write(b"set gravity=[0,0,1e200]\r")
-wait(rb"s> ")
-write(b"run 1\r")
+prompt()
+enter(b"set gravity=[0,0,1e200]")
+prompt()
+enter(b"run 1")
 wait(rb"the run has ended at")
-write(b"undo\r")
+enter(b"undo")
 wait(rb"\d s\r?\n")
-write(b"run 0.1\r")
+enter(b"run 0.1")
 wait(rb"\d s\r?\n")
-write(b"floor\r")
+enter(b"floor")
 wait(rb"static 0\.3, kinetic 0\.2")
-wait(rb"s> ")
+prompt()
 write(b"\x04")
 wait(rb"s\.toml: ")
 _, status = os.waitpid(child, 0)
