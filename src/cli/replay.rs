@@ -114,12 +114,10 @@ fn refuse(why: impl Into<Refusal>) -> Exit {
             complain("interrupted");
             Exit::Interrupted
         }
-        Refusal::Replay(ReplayError::Invalid { record, findings }) => {
-            show(&findings, Severity::Error);
-            complain(&format!("error: the run cannot be made again from {}", record.display()));
-            Exit::Invalid
-        }
         Refusal::Replay(error) => {
+            if let ReplayError::Invalid { findings, .. } = &error {
+                show(findings, Severity::Error);
+            }
             complain(&format!("error: {error}"));
             // Folder and threads are looked at before anything runs; what comes later is the disk.
             match &error {

@@ -44,7 +44,12 @@ pub fn prepare(
         (None, Some(file)) => Path::new(file).parent().unwrap_or(Path::new("")).to_owned(),
         (None, None) => return Err(ReplayError::Nowhere { record: left.path.clone() }),
     };
-    let invalid = |findings: Findings| ReplayError::Invalid { record: left.path.clone(), findings: Box::new(findings) };
+    let named = record.timing.file.as_ref().map(PathBuf::from).filter(|file| base.is_none() && file.is_relative());
+    let invalid = |findings: Findings| ReplayError::Invalid {
+        record: left.path.clone(),
+        absent: named.clone().filter(|file| !file.exists()),
+        findings: Box::new(findings),
+    };
     // The file as it is now is not read: its name is that of the scenario.
     let file = folder.join(format!("{}.toml", record.scenario));
     let parsed = scenario::parse(&file, record.resolved.as_str()).map_err(|diagnostics| {
@@ -54,7 +59,7 @@ pub fn prepare(
     })?;
     let (plan, _) = batch::prepare_file(&parsed).map_err(invalid)?;
     if plan.runs() == 0 {
-        return Err(ReplayError::Invalid { record: left.path.clone(), findings: Box::default() });
+        return Err(invalid(Findings::default()));
     }
     let path = plan.folder(0, output).join("run.json");
     let options = Options {

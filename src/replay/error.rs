@@ -41,10 +41,12 @@ pub enum ReplayError {
         record: PathBuf,
     },
     /// The scenario, its robot or a file it names is not as it should be.
-    #[error("the run cannot be made again from {record}")]
+    #[error("the run cannot be made again from {record}{}", hint(.absent))]
     Invalid {
         /// The record.
         record: PathBuf,
+        /// Its scenario file, if that is named relatively and is not there from the working directory.
+        absent: Option<PathBuf>,
         /// What is wrong.
         findings: Box<Findings>,
     },
@@ -54,4 +56,16 @@ pub enum ReplayError {
     /// It was interrupted.
     #[error("interrupted")]
     Interrupted,
+}
+
+/// What helps where the record was probably written from another working directory.
+fn hint(absent: &Option<PathBuf>) -> String {
+    let words = |file: &PathBuf| {
+        format!(
+            "; its scenario was {}, which is not there from here: go where the batch was started, or say with `--base FOLDER` \
+             where its paths begin",
+            file.display()
+        )
+    };
+    absent.as_ref().map(words).unwrap_or_default()
 }

@@ -104,7 +104,9 @@ fn from_elsewhere_it_must_be_told_where_paths_begin() {
     let from =
         |arguments: &[&str]| Done::from(place.command(arguments).current_dir(place.path("other")).output().unwrap());
     let folder = format!("../{folder}");
-    says(&from(&["replay", &folder]).exits(2), "block.toml");
+    let lost = from(&["replay", &folder]);
+    says(lost.exits(2), "block.toml");
+    says(&lost, "b.toml, which is not there from here: go where the batch was started");
     says(&from(&["replay", &folder, "--base", ".."]).exits(0), "same bits");
     tamper(&place, &folder[3..], |record| drop(record["timing"].as_object_mut().unwrap().remove("file")));
     says(&from(&["replay", &folder]).exits(2), "--base FOLDER");
