@@ -28,6 +28,10 @@ impl MessageFormat {
 
     /// Prints findings of at least this severity as messages, if messages are wanted.
     pub fn tell_findings(self, findings: &Findings, least: Severity) -> Result<(), Exit> {
+        // Making them may take long.
+        if self == MessageFormat::Human {
+            return Ok(());
+        }
         let told = findings.iter().filter(|finding| finding.severity() >= least);
         told.map(DiagnosticMessage::from).try_for_each(|told| self.tell(Message::Diagnostic(told)))
     }

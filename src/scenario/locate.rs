@@ -1,6 +1,6 @@
 //! Which key of a scenario a diagnostic is about.
 
-use super::diagnostic::{Diagnostic, Findings};
+use super::diagnostic::Diagnostic;
 use super::path::Path;
 use super::source::Span;
 use super::tree::{Node, Value};
@@ -10,10 +10,8 @@ impl Diagnostic {
     /// is no TOML.
     pub fn key(&self) -> Option<String> {
         let (source, range) = self.snippet.as_ref()?;
-        let mut findings = Findings::default();
-        let root = Node::parse(&source.text, 0, &mut findings);
         let mut best = None;
-        narrow(&root, &mut Vec::new(), range.start, &mut best);
+        narrow(source.root(), &mut Vec::new(), range.start, &mut best);
         best.map(|(path, _): (Vec<String>, usize)| {
             path.iter().map(|segment| Path::segment(segment)).collect::<Vec<_>>().join(".")
         })

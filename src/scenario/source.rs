@@ -3,7 +3,11 @@
 //! A scenario is the sum of its file and of the overrides given beside it. Every value of it remembers a [`Span`] in
 //! this common space, and whatever is wrong with it later is shown where it was written.
 
-use std::{ops::Range, sync::Arc};
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
+
+use super::diagnostic::Findings;
+use super::tree::Node;
 
 /// A byte range in the common space of all [`Sources`].
 pub type Span = Range<usize>;
@@ -15,6 +19,19 @@ pub struct Source {
     pub name: String,
     /// The whole text.
     pub text: String,
+    root: OnceLock<Node>,
+}
+
+impl Source {
+    /// A text.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Source { name: name.into(), text: text.into(), root: OnceLock::new() }
+    }
+
+    /// The text as TOML, its spans its own; read once, however many diagnostics ask.
+    pub fn root(&self) -> &Node {
+        self.root.get_or_init(|| Node::parse(&self.text, 0, &mut Findings::default()))
+    }
 }
 
 /// The texts of one scenario. Cheap to clone.
@@ -27,7 +44,7 @@ impl Sources {
     /// Append a text; returns where it starts in the common space.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> usize {
         let start = self.end();
-        self.texts.push((start, Arc::new(Source { name: name.into(), text: text.into() })));
+        self.texts.push((start, Arc::new(Source::new(name, text))));
         start
     }
 
