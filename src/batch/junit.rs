@@ -4,8 +4,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use super::planner::RESERVED;
 use super::{BatchError, Finished, Job, Listener, Plan, Role};
-use crate::record::{JunitCase, JunitStatus, RecordError, Verdict, write_junit};
+use crate::record::{JunitCase, JunitStatus, Made, RecordError, Verdict, may_replace, write_junit};
 use crate::sim::Outcome;
 
 /// Listens to a batch, and writes what became of every run of the plan.
@@ -26,13 +27,19 @@ impl Junit {
     /// The file's folder cannot be created or written.
     pub fn new(path: &Path, plan: &Plan, output: &Path, slow: Option<Duration>) -> Result<Self, BatchError> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let refused = |source| BatchError::Output { folder: folder.to_owned(), source };
-        std::fs::create_dir_all(folder).map_err(refused)?;
-        tempfile::tempfile_in(folder).map_err(refused)?;
-        if path.is_dir() {
-            let source = std::io::Error::from(std::io::ErrorKind::IsADirectory);
-            return Err(BatchError::Output { folder: path.to_owned(), source });
+        std::fs::create_dir_all(folder).map_err(RecordError::io(folder))?;
+        tempfile::tempfile_in(folder).map_err(RecordError::io(folder))?;
+        if path.is_dir() || becomes_folder(path, plan, output) {
+            let source = std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a folder; test results need a file");
+            return Err(RecordError::io(path)(source).into());
         }
+        if is_at(path, output) && path.file_name().is_some_and(|name| RESERVED.iter().any(|reserved| name == *reserved))
+        {
+            let source =
+                std::io::Error::new(std::io::ErrorKind::InvalidInput, "is a file of the results: choose another");
+            return Err(RecordError::io(path)(source).into());
+        }
+        may_replace(path, Made::Junit)?;
         let mut names = HashMap::new();
         for job in plan.jobs() {
             *names.entry((job.run.name.clone(), name(&job))).or_insert(0) += 1;
@@ -100,6 +107,19 @@ impl Listener for Junit {
             case.output.push(row.message.clone());
         }
     }
+}
+
+/// Will the batch make a folder of it: of the results, on the way there, or of a scenario?
+fn becomes_folder(path: &Path, plan: &Plan, output: &Path) -> bool {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let (path, output) = (absolute(path), absolute(output));
+    output.starts_with(&path) || plan.scenarios().any(|name| output.join(name) == path)
+}
+
+/// Does a file stand directly in a folder?
+fn is_at(path: &Path, folder: &Path) -> bool {
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    matches!((parent.canonicalize(), folder.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// Did a run take longer than is thought quick enough?

@@ -97,7 +97,7 @@ pub struct Options {
 #[derive(Debug, thiserror::Error)]
 pub enum BatchError {
     /// The output folder cannot be used; nothing has run.
-    #[error("cannot write results into {}: {source}", folder.display())]
+    #[error("cannot write results into {}: {source}; --output names a folder for them", folder.display())]
     Output {
         /// The folder.
         folder: PathBuf,
@@ -217,12 +217,20 @@ impl Batch {
         let mut runs_log = RunsLog::append(&runs_log_path)?;
         // Told now and not by each run.
         for scenario in plan.scenarios() {
-            confined::check(&options.output, &options.output.join(scenario).join("references"))?;
+            let folder = options.output.join(scenario);
+            confined::check(&options.output, &folder.join("references"))?;
+            // Where others may not write, all of its runs would fail.
+            if folder.is_dir() {
+                tempfile::tempfile_in(&folder).map_err(RecordError::io(&folder))?;
+            }
         }
         remove_partial(&options.output);
         for name in ["summary.csv", "summary.parquet", "report.html", SHARD_LIST] {
-            match std::fs::remove_file(options.output.join(name)) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(refused(error)),
+            let path = options.output.join(name);
+            match std::fs::remove_file(&path) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(RecordError::io(&path)(error).into());
+                }
                 _ => {}
             }
         }

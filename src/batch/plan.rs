@@ -23,6 +23,8 @@ pub struct Plan {
     pub files: Vec<PathBuf>,
     /// What it is a part of, if it is.
     pub part: Option<Part>,
+    /// What its runs tell as swept, where that is known from elsewhere: from the record of a run that is made again.
+    pub(super) swept: Option<Arc<[(String, toml::Value)]>>,
 }
 
 /// A run that has been checked, by the number from which it is made again.
@@ -74,6 +76,11 @@ impl Plan {
     /// How many references.
     pub fn references(&self) -> usize {
         self.references.len()
+    }
+
+    /// Has its runs tell these values as the swept ones: a scenario that was written out sweeps nothing.
+    pub(crate) fn tell_as_swept(&mut self, parameters: &[(String, ParamValue)]) {
+        self.swept = Some(parameters.iter().map(|(name, value)| (name.clone(), written_out(value))).collect());
     }
 
     /// Makes the run at a position.
@@ -160,7 +167,10 @@ impl Plan {
         let run = source.expansion.run(ticket.number as usize);
         let run = if role == Role::Reference { run.and_then(|run| run.reference).map(|run| *run) } else { run };
         // It was made before, of the same text, values and files, and nothing was wrong with it.
-        let run = run.expect("a run that has been checked");
+        let mut run = run.expect("a run that has been checked");
+        if let Some(swept) = &self.swept {
+            run.parameters = swept.to_vec();
+        }
         let path = run.resolve(&run.scenario.robot.model);
         let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
         let robot = robots.get(&path, &run.scenario.robot).0.expect("a robot that has been loaded");
@@ -244,6 +254,16 @@ impl Job {
     pub fn parameters(&self) -> Vec<(String, ParamValue)> {
         let swept = self.run.parameters.iter().filter(|(name, _)| name != "seed");
         swept.map(|(name, value)| (name.clone(), parameter(value))).collect()
+    }
+}
+
+/// What [`parameter`] makes the same of.
+fn written_out(value: &ParamValue) -> toml::Value {
+    match value {
+        ParamValue::Integer(i) => (*i).into(),
+        ParamValue::Number(x) => (*x).into(),
+        ParamValue::Flag(b) => (*b).into(),
+        ParamValue::Text(s) => s.clone().into(),
     }
 }
 

@@ -17,7 +17,7 @@ use crate::sim::build::setup;
 const MAX_ERRORS: usize = 50;
 
 /// Files of the results, beside which the folder of each scenario stands.
-const RESERVED: [&str; 5] = ["summary.csv", "summary.parquet", "runs.jsonl", "report.html", SHARD_LIST];
+pub(super) const RESERVED: [&str; 5] = ["summary.csv", "summary.parquet", "runs.jsonl", "report.html", SHARD_LIST];
 
 /// Loads scenario files and robots, makes every run of their sweeps and builds its setup once to see that it can be built.
 ///
@@ -84,7 +84,7 @@ impl Planner {
             return Err(findings);
         }
         let robots = Arc::new(Mutex::new(robots));
-        Ok((Plan { runs, references, sources, robots, files, part: None }, findings))
+        Ok((Plan { runs, references, sources, robots, files, part: None, swept: None }, findings))
     }
 
     fn add(&mut self, path: &Path, overrides: &[(String, toml::Value)]) {

@@ -109,10 +109,16 @@ pub(super) fn look(plan: &Plan, options: &Options) -> Resumed {
         }
         needed.extend(job.reference());
     }
-    // A reference that a run waits for is made again: its motion is in no file.
-    for index in (0..plan.references()).filter(|index| !needed.contains(index)) {
-        if let State::Done { finished, .. } = state(&plan.reference(index), plan, options) {
-            resumed.references.insert(index, *finished);
+    for index in 0..plan.references() {
+        let job = plan.reference(index);
+        match state(&job, plan, options) {
+            State::Done { .. } if needed.contains(&index) => {
+                resumed.tell("runs that are made are compared with it, and its motion is in no file".into(), &job);
+            }
+            State::Done { finished, .. } => resumed.references.insert(index, *finished),
+            State::Again(why) => resumed.tell(why, &job),
+            State::Absent if needed.contains(&index) => {}
+            State::Absent => resumed.tell("its record is not there".into(), &job),
         }
     }
     let mut earlier: HashMap<&str, Earlier> = HashMap::new();

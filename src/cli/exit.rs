@@ -130,7 +130,7 @@ pub fn codes(command: &str) -> &'static Codes {
             (Exit::Success, "every run gave the same bits again"),
             (Exit::Failed, "a run differs from what it left"),
             (Exit::Invalid, "wrong usage, no such run, or a run that cannot be made again"),
-            (Exit::Unfinished, FILE),
+            (Exit::Unfinished, "--timeout ended a run, or a file or standard output could not be written to the end"),
             (Exit::Nothing, "nothing selected: no runs in the folder"),
             (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT)"),
             (Exit::Terminated, "interrupted by SIGTERM"),

@@ -51,16 +51,26 @@ impl Replay {
         let running: Arc<Mutex<Option<Interrupter>>> = Arc::default();
         let interrupted = running.clone();
         let asked = when_asked_to_end(move |exit| stop(&interrupted, exit));
-        let mut differ = 0;
+        let (mut same, mut differ, mut unknown) = (0, 0, Vec::new());
         for left in &all {
-            let same = self.is_same(left, &running);
-            differ += usize::from(!same.map_err(|exit| if exit == Exit::Interrupted { asked.exit() } else { exit })?);
+            match self.is_same(left, &running) {
+                Ok(true) => same += 1,
+                Ok(false) => differ += 1,
+                Err(Exit::Interrupted) => return Err(asked.exit()),
+                // Others may be made again all the same.
+                Err(exit) => unknown.push(exit),
+            }
         }
         if all.len() > 1 {
-            let same = all.len() - differ;
-            print(&format!("{} gave the same bits, {differ} did not\n", plural(same, "run")))?;
+            let lost = if unknown.is_empty() {
+                String::new()
+            } else {
+                format!(", {} not made again", plural(unknown.len(), "run"))
+            };
+            print(&format!("{} gave the same bits, {differ} did not{lost}\n", plural(same, "run")))?;
         }
-        Ok(if differ == 0 { Exit::Success } else { Exit::Failed })
+        let worst = unknown.into_iter().max_by_key(|exit| *exit as u8);
+        Ok(worst.unwrap_or(if differ == 0 { Exit::Success } else { Exit::Failed }))
     }
 
     /// Makes one run again; did it give the same?
@@ -79,6 +89,13 @@ impl Replay {
         let again = prepared.run(left).map_err(refuse)?;
         let name = format!("{} {}", left.record.scenario, left.record.key);
         again.changes.iter().for_each(|change| complain(&format!("warning: {name}: {change}")));
+        if again.left.was_cut() && !left.was_cut() {
+            let at = again.left.record.metrics.duration_s;
+            complain(&format!(
+                "error: {name}: not finished within --timeout, it stands at {at} s: nothing is compared"
+            ));
+            return Err(Exit::Unfinished);
+        }
         let differences = replay::compare(left, &again);
         let files = if left.log.is_some() { "run.json and log.mcap" } else { "run.json; it left no log" };
         let words = match differences.as_slice() {

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{
-    FoundRun, Listing, Pictured, RecordError, ReportRun, Seen, SummaryRow, list_records, write_report_of,
-    write_summary_of,
+    FoundRun, Listing, Made, Pictured, RecordError, ReportRun, Seen, SummaryRow, list_records, may_replace,
+    write_report_of, write_summary_of,
 };
 
 use super::Exit;
@@ -33,6 +33,9 @@ impl Report {
             complain(&format!("error: {error}"));
             Exit::Invalid
         };
+        if let Some(page) = &self.output {
+            may_replace(page, Made::Page).map_err(fail)?;
+        }
         let listing = list_records(&self.results).map_err(fail)?;
         listing.skipped.iter().for_each(|error| complain(&format!("warning: passed over: {error}")));
         if listing.runs() == 0 {

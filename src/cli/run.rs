@@ -62,6 +62,9 @@ pub struct Run {
     /// Make only the runs whose results are not in the folder, and say why those that are do not count
     #[arg(long)]
     resume: bool,
+    /// Make all runs, whatever is in the folder: the default, for scripts that wish to say so
+    #[arg(long, conflicts_with = "resume")]
+    fresh: bool,
     /// Expectations to show, with measured value, wanted value and error [default: values, failed when there are too many]
     #[arg(long, value_name = "WHICH")]
     verdicts: Option<Verdicts>,
@@ -104,7 +107,7 @@ impl Run {
             slow: self.each.slow,
             problems: self.each.problems(),
             timing: !self.each.no_timing,
-            resume: self.resume,
+            resume: self.resume && !self.fresh,
         };
         let side_by_side = options.jobs.min(runs + references);
         let started = BatchStarted { jobs: side_by_side, ..BatchStarted::new(&plan, &options) };

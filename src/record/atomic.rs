@@ -2,7 +2,7 @@
 
 use super::RecordError;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::Path;
 use tempfile::{NamedTempFile, TempPath};
 
@@ -60,12 +60,87 @@ pub(crate) fn write(
     publish(temporary, path)
 }
 
+/// What a file holds whose name a user gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Made {
+    /// A page for the browser.
+    Page,
+    /// Test results.
+    Junit,
+    /// A session at the console.
+    Session,
+    /// A log.
+    Log,
+    /// A table, in any format.
+    Table,
+}
+
+impl Made {
+    /// How such files begin.
+    fn beginning(self) -> &'static [u8] {
+        match self {
+            Made::Page => b"<!DOCTYPE html",
+            Made::Junit => b"<?xml",
+            Made::Session => SESSION.as_bytes(),
+            Made::Log => mcap::MAGIC,
+            Made::Table => b"",
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Made::Page => "page",
+            Made::Junit => "file of test results",
+            Made::Session => "saved session",
+            Made::Log => "log",
+            Made::Table => "table",
+        }
+    }
+}
+
+/// How a saved session begins.
+pub(crate) const SESSION: &str = "# A session at the console";
+
+/// Names and endings of what nobody means to replace by a table.
+const KEPT: [&str; 7] =
+    ["run.json", "jobs.json", "shard.jsonl", "runs.jsonl", "summary.csv", "summary.parquet", "report.html"];
+const INPUTS: [&str; 3] = ["toml", "urdf", "mcap"];
+
+/// Makes sure that what is written does not replace something else: a scenario, a record. What is there must be empty, no file
+/// (a pipe, a device), or such a file as will be written.
+///
+/// # Errors
+/// It would.
+pub fn may_replace(path: &Path, made: Made) -> Result<(), RecordError> {
+    if !path.is_file() {
+        return Ok(());
+    }
+    let mut begins = Vec::new();
+    let wanted = made.beginning();
+    let read = File::open(path).and_then(|file| file.take(wanted.len().max(1) as u64).read_to_end(&mut begins));
+    let meant = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let named =
+        |names: &[&str], part: Option<&std::ffi::OsStr>| part.is_some_and(|part| names.iter().any(|n| part == *n));
+    let other = match made {
+        Made::Table => named(&KEPT, meant.file_name()) || named(&INPUTS, meant.extension()),
+        // What cannot be read cannot be written either, or is of no concern.
+        _ => read.is_ok() && !begins.starts_with(wanted),
+    };
+    if begins.is_empty() || !other {
+        return Ok(());
+    }
+    let words = format!("is there and is no {}: choose another file to write, or remove it", made.name());
+    Err(RecordError::io(path)(std::io::Error::new(ErrorKind::AlreadyExists, words)))
+}
+
 /// The same for a file that the user names: a link leads to the file that is meant, and what is no file, such as a pipe, a device or
-/// `/dev/stdout`, takes what is written to it and stays what it is.
+/// `/dev/stdout`, takes what is written to it and stays what it is. See [`may_replace`].
 pub(crate) fn write_named(
     path: &Path,
+    made: Made,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), RecordError>,
 ) -> Result<(), RecordError> {
+    may_replace(path, made)?;
     // Only now is anything followed; a dangling link is replaced.
     match std::fs::metadata(path) {
         Ok(about) if about.is_file() => {
@@ -91,20 +166,52 @@ mod tests {
     fn what_a_user_names_stays_what_it_is() {
         let folder = tempfile::tempdir().unwrap();
         let (file, link, away) = (folder.path().join("file"), folder.path().join("link"), folder.path().join("away"));
-        std::fs::write(&file, "old").unwrap();
+        std::fs::write(&file, "<?xml old").unwrap();
         std::os::unix::fs::symlink(&file, &link).unwrap();
         std::os::unix::fs::symlink("/dev/null", &away).unwrap();
-        let fill = |out: &mut BufWriter<File>| out.write_all(b"new").map_err(RecordError::io(Path::new("x")));
-        write_named(&link, fill).unwrap();
-        assert!(link.is_symlink() && std::fs::read(&file).unwrap() == b"new");
-        write_named(&away, fill).unwrap();
+        let fill = |out: &mut BufWriter<File>| out.write_all(b"<?xml new").map_err(RecordError::io(Path::new("x")));
+        write_named(&link, Made::Junit, fill).unwrap();
+        assert!(link.is_symlink() && std::fs::read(&file).unwrap() == b"<?xml new");
+        write_named(&away, Made::Junit, fill).unwrap();
         assert_eq!(std::fs::read_link(&away).unwrap(), Path::new("/dev/null"));
         let full = folder.path().join("full");
         std::os::unix::fs::symlink("/dev/full", &full).unwrap();
-        assert!(matches!(write_named(&full, fill), Err(RecordError::Io { .. })));
+        assert!(matches!(write_named(&full, Made::Junit, fill), Err(RecordError::Io { .. })));
         let new = folder.path().join("deep/new");
-        write_named(&new, fill).unwrap();
-        assert_eq!(std::fs::read(new).unwrap(), b"new");
+        write_named(&new, Made::Junit, fill).unwrap();
+        assert_eq!(std::fs::read(new).unwrap(), b"<?xml new");
+    }
+
+    #[test]
+    fn what_is_no_such_file_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let holds = |name: &str, text: &[u8]| std::fs::write(path(name), text).unwrap();
+        holds("page.html", b"<!DOCTYPE html>\n");
+        holds("b.toml", b"duration = 1\n");
+        holds("s.toml", b"# A session at the console that began with b.toml.\n");
+        holds("run.json", b"{}");
+        holds("empty", b"");
+        holds("a.csv", b"whatever");
+        holds("log.mcap", mcap::MAGIC);
+        let may = |name: &str, made| may_replace(&path(name), made).is_ok();
+        let all = [Made::Page, Made::Junit, Made::Session, Made::Log, Made::Table];
+        assert!(all.iter().all(|made| may("empty", *made) && may("none", *made)));
+        assert!(all.iter().all(|made| !may("b.toml", *made) && !may("run.json", *made)));
+        for (name, wanted) in [("page.html", Made::Page), ("s.toml", Made::Session), ("log.mcap", Made::Log)] {
+            assert!(may(name, wanted), "{name}");
+            assert!(
+                all.iter().filter(|made| **made != wanted && **made != Made::Table).all(|made| !may(name, *made)),
+                "{name}"
+            );
+        }
+        assert!(may("a.csv", Made::Table) && !may("log.mcap", Made::Table) && !may("a.csv", Made::Junit));
+        let error = may_replace(&path("b.toml"), Made::Junit).unwrap_err().to_string();
+        assert!(
+            error.ends_with(
+                "b.toml: is there and is no file of test results: choose another file to write, or remove it"
+            )
+        );
     }
 
     #[test]

@@ -42,7 +42,8 @@ mod table;
 mod tally;
 mod verdict;
 
-pub(crate) use atomic::{remove_partial, write_named};
+pub use atomic::{Made, may_replace};
+pub(crate) use atomic::{SESSION, remove_partial, write_named};
 pub use columns::{NUMERIC_COLUMNS, SummaryRow, measure, metric, truth_columns};
 pub use comparison::{Comparison, Repeats, TruthError};
 pub use error::RecordError;

@@ -29,6 +29,11 @@ impl RunsLog {
             // It alone is written in place, so what a link leads to would be.
             confined::check(folder, path)?;
         }
+        // A pipe would wait for another end, or keep nothing of what is written.
+        if path.symlink_metadata().is_ok_and(|about| !about.is_file()) {
+            let source = std::io::Error::new(ErrorKind::InvalidInput, "is there and is no file: remove it");
+            return Err(RecordError::Io { path: path.to_owned(), source });
+        }
         let mut file =
             OpenOptions::new().create(true).read(true).append(true).open(path).map_err(RecordError::io(path))?;
         match file.try_lock() {

@@ -57,10 +57,11 @@ pub fn prepare(
         findings.extend(diagnostics);
         invalid(findings)
     })?;
-    let (plan, _) = batch::prepare_file(&parsed).map_err(invalid)?;
+    let (mut plan, _) = batch::prepare_file(&parsed).map_err(invalid)?;
     if plan.runs() == 0 {
         return Err(invalid(Findings::default()));
     }
+    plan.tell_as_swept(&record.parameters);
     let path = plan.folder(0, output).join("run.json");
     let options = Options {
         output: output.to_owned(),

@@ -36,7 +36,7 @@ pub fn file_page(title: &str, packed: &Packed) -> String {
 /// # Errors
 /// The folder or file cannot be written.
 pub fn write_page(path: &Path, page: &str) -> Result<(), RecordError> {
-    atomic::write_named(path, |out| out.write_all(page.as_bytes()).map_err(RecordError::io(path)))
+    atomic::write_named(path, atomic::Made::Page, |out| out.write_all(page.as_bytes()).map_err(RecordError::io(path)))
 }
 
 /// A page that asks the server for its run, under `data` beside it.

@@ -151,3 +151,27 @@ fn timing_ends_with_the_repetition_at_hand() {
     assert_eq!(summary.column("outcome"), ["passed"]);
     assert!(summary.numbers("timing_cpu_min_s")[0] > 0.0, "what was timed is kept");
 }
+
+/// Whoever waits for a line, from a pipe that nobody writes to or from one that stays open, can be asked to end.
+#[test]
+fn a_session_that_waits_for_a_line_ends() {
+    let place = Place::new();
+    place.block("s.toml", "");
+    place.shell("mkfifo pipe").exits(0);
+    for (signalled, code) in [("INT", 130), ("TERM", 143)] {
+        let arguments = ["console", "s.toml", "-c", "run 0.01", "-c", "save session begun.toml"];
+        // Nobody opens the pipe to write; and standard input that is open and says nothing.
+        for more in [["--file", "pipe"].as_slice(), &[]] {
+            let _ = std::fs::remove_file(place.path("begun.toml"));
+            let stderr = File::create(place.path("stderr")).unwrap();
+            let mut command =
+                place.command(&[&arguments[..], &["--file", "-"][..(2 * usize::from(more.is_empty()))], more].concat());
+            let mut child = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(stderr).spawn().unwrap();
+            until("the first lines", || place.path("begun.toml").exists().then_some(()));
+            signal(&child, signalled);
+            let status = until("the end", || child.try_wait().unwrap());
+            assert_eq!(status.code(), Some(code), "{}", said(&place));
+            assert!(said(&place).ends_with("interrupted\n"), "{}", said(&place));
+        }
+    }
+}

@@ -14,6 +14,7 @@ mod junit;
 mod many;
 mod messages;
 mod pages;
+mod replaced;
 mod report;
 mod results;
 mod schemas;

@@ -237,3 +237,15 @@ fn inputs_behind_links_that_lead_elsewhere_are_told() {
     let done = place.runner(&["check", "scenarios/s.toml"]).exits(0);
     assert!(done.stderr.contains("a symbolic link leads out of the robot's folder"), "{}", done.stderr);
 }
+
+/// A link that leads nowhere was meant to be a scenario: it is not passed over.
+#[test]
+fn a_scenario_that_was_lost_is_told() {
+    let place = Place::new();
+    place.block("in/s.toml", "");
+    fs::rename(place.path("block"), place.path("in/block")).unwrap();
+    place.runner(&["check", "in"]).exits(0);
+    symlink("nowhere.toml", place.path("in/t.toml")).unwrap();
+    let done = place.runner(&["check", "in"]).exits(2);
+    assert!(done.stderr.contains("in/t.toml"), "{}", done.stderr);
+}

@@ -61,6 +61,7 @@ fn a_reference_that_somebody_removed_is_made_again() {
     fs::remove_dir_all(place.path("results/slides/references")).unwrap();
     let done = resume(&place, &ARGUMENTS).exits(ENDS);
     assert!(done.stderr.contains("resumed: 16 runs done already"), "{}", done.stderr);
+    assert!(done.stderr.contains("again: its record is not there, "), "{}", done.stderr);
     assert_same(&place.path("whole"), &place.path("results"));
 }
 

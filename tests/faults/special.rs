@@ -152,3 +152,28 @@ fn entities_that_grow_are_refused() {
     let all = done.stdout + &done.stderr;
     assert!(all.contains("visual mesh `mesh.dae` of link `a` is left out"), "{all}");
 }
+
+/// The file that tells of each run must be one: a pipe would wait for another end, or keep nothing.
+#[test]
+fn the_list_of_runs() {
+    let place = Place::new();
+    place.block("s.toml", "");
+    limited(&place, "s.toml --set duration=0.05 -o r").exits(0);
+    place.shell("rm r/runs.jsonl && mkfifo r/runs.jsonl").exits(0);
+    for arguments in ["s.toml -o r", "s.toml -o r --resume"] {
+        let done = limited(&place, arguments).exits(2);
+        assert!(done.stderr.contains("r/runs.jsonl: is there and is no file: remove it"), "{}", done.stderr);
+    }
+}
+
+/// A file with more mistakes than anybody reads is done with as soon as they are told.
+#[test]
+fn a_scenario_of_mistakes() {
+    let place = Place::new();
+    let keys: String = (0..200_000).map(|i| format!("a{i} = 1\n")).collect();
+    place.write("s.toml", keys);
+    let done = limited(&place, "check s.toml").exits(2);
+    assert!(done.stderr.contains("errors"), "{}", &done.stderr[done.stderr.len() - 200..]);
+    let done = limited(&place, "check s.toml --message-format json").exits(2);
+    assert!(done.stdout.contains("\"key\":\"a17\""), "{}", &done.stdout[..500]);
+}

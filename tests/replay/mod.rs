@@ -104,9 +104,9 @@ fn from_elsewhere_it_must_be_told_where_paths_begin() {
     let from =
         |arguments: &[&str]| Done::from(place.command(arguments).current_dir(place.path("other")).output().unwrap());
     let folder = format!("../{folder}");
-    let lost = from(&["replay", &folder]);
-    says(lost.exits(2), "block.toml");
-    says(&lost, "b.toml, which is not there from here: go where the batch was started");
+    let lost = from(&["replay", &folder]).exits(2);
+    says(&lost, "block.toml");
+    says(&lost, "its scenario was slide.toml, which is not there from here: go where the batch was started");
     says(&from(&["replay", &folder, "--base", ".."]).exits(0), "same bits");
     tamper(&place, &folder[3..], |record| drop(record["timing"].as_object_mut().unwrap().remove("file")));
     says(&from(&["replay", &folder]).exits(2), "--base FOLDER");
@@ -266,4 +266,19 @@ fn a_log_that_is_gone_is_told() {
     fs::remove_file(place.path(&folder).join("log.mcap")).unwrap();
     let done = place.runner(&["replay", &folder]).exits(1);
     assert!(done.stdout.contains("log.mcap: it is missing, and the record knows of one"), "{}", done.stdout);
+}
+
+#[test]
+fn a_limit_that_is_reached_says_nothing_of_bits_and_others_are_made_again() {
+    let (place, folder) = slid();
+    let said = place.runner(&["replay", &folder, "--timeout", "1e-9"]).exits(3);
+    says(&said, "not finished within --timeout, it stands at ");
+    assert!(!said.stdout.contains("differs") && !said.stdout.contains("same bits"), "{}", said.stdout);
+    // One of which nothing can be made does not keep others from it.
+    place.block("other.toml", "");
+    place.runner(&["other.toml", "--set", "duration=0.1"]).exits(0);
+    tamper(&place, &folder, |record| drop(record["timing"].as_object_mut().unwrap().remove("file")));
+    let said = place.runner(&["replay", "results"]).exits(2);
+    says(&said, "--base FOLDER");
+    says(&said, "1 run gave the same bits, 0 did not, 1 run not made again");
 }

@@ -3,7 +3,8 @@
 mod interactive;
 mod script;
 
-use std::io::IsTerminal;
+use std::fs::File;
+use std::io::{BufReader, IsTerminal};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,6 +13,7 @@ use clap::{Args, ValueHint};
 use stiction::batch::Severity;
 use stiction::link::Pace;
 use stiction::link::console::{ConsoleError, Session};
+use stiction::record::{Made, may_replace};
 
 use super::live::Live;
 use super::machine::MessageFormat;
@@ -19,6 +21,7 @@ use super::prepare::{Selection, only};
 use super::signals::{Asked, when_asked_to_end};
 use super::terminal::{complain, print};
 use super::{Exit, colour, motor_server, numbers};
+use script::Coming;
 
 /// How long a session may be if nothing else is said, s, unless its scenario is longer.
 const LONG: f64 = 600.0;
@@ -52,6 +55,10 @@ impl Console {
     pub fn execute(self) -> Result<Exit, Exit> {
         let plan = self.scenarios.prepare(Severity::Note, MessageFormat::Human)?;
         only(&plan)?;
+        if let Some(path) = &self.save {
+            // Before an hour is spent on what then cannot be kept.
+            may_replace(path, Made::Session).map_err(|error| refuse(&error.into()))?;
+        }
         let person = self.file.is_none() && std::io::stdin().is_terminal();
         let pace = match self.rate {
             Some(Pace::Free) => None,
@@ -94,17 +101,17 @@ impl Console {
     }
 
     fn script(&self, session: &mut Session, stop: &Interruption) -> Result<Exit, Exit> {
-        match &self.file {
-            Some(path) if path.as_os_str() != "-" => {
-                let text = std::fs::read_to_string(path).map_err(|error| {
-                    complain(&format!("error: cannot read {}: {error}", path.display()));
-                    Exit::Invalid
-                })?;
-                let lines = text.lines().map(|line| Ok(line.to_owned()));
-                script::lines(session, &path.display().to_string(), lines, stop)
-            }
-            _ => script::lines(session, "standard input", std::io::stdin().lines(), stop),
-        }
+        let file = self.file.clone().filter(|path| path.as_os_str() != "-");
+        let from = file.as_ref().map_or("standard input".into(), |path| path.display().to_string());
+        let lines = match file {
+            Some(path) => Coming::of(move || File::open(path).map(BufReader::new), stop),
+            None => Coming::of(|| Ok(BufReader::new(std::io::stdin())), stop),
+        };
+        let lines = lines.map_err(|error| {
+            complain(&format!("error: cannot read {from}: {error}"));
+            Exit::Unfinished
+        })?;
+        script::lines(session, &from, lines, stop)
     }
 }
 

@@ -6,7 +6,7 @@ use toml::{Table, Value};
 
 use super::ConsoleError;
 use super::words::segments;
-use crate::record::{RecordError, write_named};
+use crate::record::{Made, RecordError, SESSION, write_named};
 use crate::scenario::{self, Diagnostics, Run};
 use std::io::Write;
 
@@ -107,8 +107,8 @@ impl Document {
             saved.list(list).iter_mut().for_each(|entry| lead(entry.get_mut("file")));
         }
         let name = self.file.file_name().unwrap_or_default().to_string_lossy();
-        let text = format!("# A session at the console that began with {name}.\n\n{}", saved.text());
-        write_named(path, |out| out.write_all(text.as_bytes()).map_err(RecordError::io(path)))?;
+        let text = format!("{SESSION} that began with {name}.\n\n{}", saved.text());
+        write_named(path, Made::Session, |out| out.write_all(text.as_bytes()).map_err(RecordError::io(path)))?;
         Ok(())
     }
 }

@@ -9,7 +9,7 @@ use super::words::Words;
 use crate::batch::open_log_of;
 use crate::input_file;
 use crate::record::export::{self, Format, Selection, TextFormat};
-use crate::record::{LogWriter, Outlet, RecordError, Topics, Trajectory, write_named};
+use crate::record::{LogWriter, Made, Outlet, RecordError, Topics, Trajectory, write_named};
 use crate::scenario;
 use crate::sim::Observer;
 
@@ -132,7 +132,7 @@ impl Session {
                 let recording = self.finished_recording()?;
                 let bytes = input_file::read(&recording.path, input_file::UNLIMITED);
                 let bytes = bytes.map_err(|source| ConsoleError::Io { path: recording.path.clone(), source })?;
-                write_named(&path, |out| out.write_all(&bytes).map_err(RecordError::io(&path)))?;
+                write_named(&path, Made::Log, |out| out.write_all(&bytes).map_err(RecordError::io(&path)))?;
                 Ok(format!("{}: {} instants\n", path.display(), recording.log.times.len()))
             }
             other => Err(ConsoleError::usage(format!("`session` or `recording` is wanted, not `{other}`"))),

@@ -90,7 +90,7 @@ pub fn events(log: &Trajectory, selection: &Selection) -> DataTable {
 /// The folder or file cannot be written, or the format asks for a column that the table does not have.
 pub fn write(table: &DataTable, format: &Format, path: &Path) -> Result<(), ExportError> {
     let bytes = to_bytes(table, format)?;
-    Ok(atomic::write_named(path, |out| out.write_all(&bytes).map_err(RecordError::io(path)))?)
+    Ok(atomic::write_named(path, atomic::Made::Table, |out| out.write_all(&bytes).map_err(RecordError::io(path)))?)
 }
 
 /// The table as bytes.

@@ -108,7 +108,11 @@ pub fn write_report_of(
     let html = render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
     let fill = |out: &mut BufWriter<File>| out.write_all(html.as_bytes()).map_err(RecordError::io(path));
     // What stands in the folder of results is replaced, not followed.
-    if path.parent() == Some(results) { atomic::write(path, fill) } else { atomic::write_named(path, fill) }
+    if path.parent() == Some(results) {
+        atomic::write(path, fill)
+    } else {
+        atomic::write_named(path, atomic::Made::Page, fill)
+    }
 }
 
 /// What the template is filled with.
