@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum, ValueHint};
 use stiction::batch::{
-    Batch, BatchFinished, BatchStarted, Listener, Message, Options, Progress, Report, Resumed, Severity, Teller,
+    Batch, BatchFinished, BatchStarted, Junit, Listener, Message, Options, Progress, Report, Resumed, Severity, Teller,
     is_slow, simulate_before,
 };
 use stiction::link::Pace;
@@ -138,8 +138,11 @@ impl Run {
         });
         tell(audience.as_deref());
         // Also when the batch came to a bad end: what finished is known.
-        let junit = junit.map(|junit| junit.write().map_err(|error| refuse(&error, last, Exit::Unfinished)));
+        let junit = junit.map(Junit::write);
         let report = report.map_err(|error| {
+            if let Some(Err(error)) = &junit {
+                refuse(error, last, Exit::Unfinished);
+            }
             let exit = refuse(&error, last, Exit::Unfinished);
             let folder = self.output.display();
             complain(&format!(
@@ -148,12 +151,20 @@ impl Run {
             ));
             exit
         })?;
-        let junit = junit.transpose()?;
+        // Test results that could not be written to the end leave the others as they are, and are told below them.
+        let (junit, unwritten) = match junit {
+            Some(Ok(path)) => (Some(path), None),
+            Some(Err(error)) => (None, Some(error)),
+            None => (None, None),
+        };
         *last = BatchFinished::new(&report, junit.as_deref());
         if format == MessageFormat::Human {
             print(&summary(&report, self.verdicts, self.each.slow, junit.as_deref()))?;
         }
-        Ok(exit(&report, &asked))
+        match unwritten {
+            Some(error) => Err(refuse(&error, last, Exit::Unfinished)),
+            None => Ok(exit(&report, &asked)),
+        }
     }
 }
 

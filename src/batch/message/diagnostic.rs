@@ -39,12 +39,17 @@ fn of_robot(error: &RobotError) -> DiagnosticMessage {
     let Some(fault) = error.fault() else {
         return DiagnosticMessage { message: error.to_string(), ..DiagnosticMessage::default() };
     };
+    // What the parser of a robot file has found has a place, and there a key.
+    let key = match fault.element.as_str() {
+        "robot file" => Diagnostic::in_text("", fault.source.text(), fault.span.clone(), "", None).key(),
+        element => Some(element.to_owned()),
+    };
     DiagnosticMessage {
         message: fault.message.clone(),
         file: Some(fault.file().display().to_string()),
         line: Some(fault.line()),
         column: Some(fault.column()),
-        key: Some(fault.element.clone()).filter(|element| !element.is_empty()),
+        key: key.filter(|element| !element.is_empty()),
         help: fault.help.clone(),
         ..DiagnosticMessage::default()
     }
