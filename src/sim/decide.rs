@@ -38,17 +38,18 @@ impl Simulation {
             if self.locates() {
                 self.count_event()?;
             }
-            let mut rounds = 0;
-            while self.hits() {
+        }
+        let mut impacts = 0;
+        for round in 1..=SETTLE {
+            // What has just been brought to rest may have thrown something else onto the floor.
+            while self.plant.method.locates_events() && self.hits() {
                 self.impact(observer)?;
-                rounds += 1;
-                if rounds > CASCADE {
+                impacts += 1;
+                if impacts > CASCADE {
                     let t = self.plant.state.time;
                     return Err(Stop::new(Outcome::Stalled, format!("{CASCADE} impacts in a row at {t:.9} s")));
                 }
             }
-        }
-        for round in 1..=SETTLE {
             let selection = self.choose(observer)?;
             self.count(&selection);
             let lost = !selection.consistent && !self.all_imposed(&selection.verdict);
