@@ -84,11 +84,24 @@ impl de::Error for DecodeError {
     }
 
     fn invalid_type(found: Unexpected<'_>, wanted: &dyn Expected) -> Self {
-        Self::predicate(format!("must be {}, not {}", plain(wanted), found_in_words(&found)), None)
+        let wanted = plain(wanted);
+        let help = match found {
+            // `1.0` is whole, and its reader may not see what is wrong with it.
+            Unexpected::Float(x) if wanted.starts_with(WHOLE) && x.fract() == 0.0 && x.abs() < 1e15 => {
+                Some(format!("write it without a decimal point: {x}"))
+            }
+            _ => None,
+        };
+        Self::predicate(format!("must be {wanted}, not {}", found_in_words(&found)), help)
     }
 
     fn invalid_value(found: Unexpected<'_>, wanted: &dyn Expected) -> Self {
-        Self::invalid_type(found, wanted)
+        match (greatest(wanted), found) {
+            (Some(most), Unexpected::Signed(seen)) if seen > most => {
+                Self::predicate(format!("must be at most {most}, not {seen}"), None)
+            }
+            (_, found) => Self::invalid_type(found, wanted),
+        }
     }
 
     fn invalid_length(length: usize, wanted: &dyn Expected) -> Self {
@@ -114,13 +127,26 @@ impl de::Error for DecodeError {
     }
 }
 
+/// How [`plain`] begins to name whole numbers.
+const WHOLE: &str = "a whole number";
+
+/// The greatest number of a type, by serde's name for it, where TOML has greater ones.
+fn greatest(wanted: &dyn Expected) -> Option<i64> {
+    match wanted.to_string().as_str() {
+        "u8" => Some(u8::MAX.into()),
+        "u32" => Some(u32::MAX.into()),
+        "i32" => Some(i32::MAX.into()),
+        _ => None,
+    }
+}
+
 /// serde names Rust types; a user knows TOML's.
 fn plain(wanted: &dyn Expected) -> String {
     let text = wanted.to_string();
     match text.as_str() {
         "f64" => "a number".into(),
-        "u64" | "u32" | "u8" | "usize" => "a whole number that is not negative".into(),
-        "i64" | "i32" => "a whole number".into(),
+        "u64" | "u32" | "u8" | "usize" => format!("{WHOLE} that is not negative"),
+        "i64" | "i32" => WHOLE.into(),
         "a map" => "a table".into(),
         "a sequence" => "an array".into(),
         _ if text.starts_with("struct ") => "a table".into(),
@@ -130,7 +156,8 @@ fn plain(wanted: &dyn Expected) -> String {
 
 fn found_in_words(found: &Unexpected<'_>) -> String {
     match found {
-        Unexpected::Float(x) => format!("the number {x}"),
+        // As it is written: a whole one keeps its point.
+        Unexpected::Float(x) => format!("the number {x:?}"),
         Unexpected::Signed(n) => format!("the number {n}"),
         Unexpected::Unsigned(n) => format!("the number {n}"),
         Unexpected::Map => "a table".into(),

@@ -113,7 +113,7 @@ impl fmt::Display for Value {
         match self {
             Value::String(text) => write!(f, "the string {text:?}"),
             Value::Integer(number) => write!(f, "the number {number}"),
-            Value::Float(number) => write!(f, "the number {number}"),
+            Value::Float(number) => write!(f, "the number {number:?}"),
             Value::Boolean(yes) => write!(f, "`{yes}`"),
             Value::Datetime(_) => write!(f, "a date or time"),
             Value::Array(_) => write!(f, "an array"),

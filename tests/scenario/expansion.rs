@@ -246,7 +246,7 @@ fn overrides_that_lead_nowhere_are_shown() {
         ("force.first.force=[1, 0, 0]", "--set:1:7", "`first` must be an index"),
         ("force.0.force=[1, 0]", "--set:1:17", "`force.0.force` must be an array of length 3"),
         ("force.0.force.9=1", "--set:1:15", "there is no `force.0.force.9`"),
-        ("duration.x=1", "--set:1:10", "`duration` is the number 5 and has no `x`"),
+        ("duration.x=1", "--set:1:10", "`duration` is the number 5.0 and has no `x`"),
         ("self_collision.method=5", "--set:1:25", "must be from 0 to 4, not 5"),
         ("a b=1", "--set:1:1", "is not a dotted path"),
         ("floor.friction.kinetic=0.9", "--set:1:26", "must not be greater than `static` = 0.8"),

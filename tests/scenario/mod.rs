@@ -7,6 +7,7 @@ mod expansion;
 mod list;
 mod random;
 mod schema;
+mod shown;
 mod typos;
 mod verdicts;
 
