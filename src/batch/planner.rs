@@ -95,8 +95,7 @@ impl Planner {
     }
 
     fn add_file(&mut self, file: &ScenarioFile, overrides: &[(String, toml::Value)]) {
-        // One run more could not be numbered.
-        let most = self.max_runs.min(NONE as usize);
+        let most = self.max_runs.min(scenario::MOST_RUNS_EVER);
         match file.expansion(overrides, most).and_then(|e| self.check(e)) {
             Ok((expansion, first, kind)) => self.add_runs(expansion, &first, kind),
             Err(diagnostics) => self.findings.extend(diagnostics),

@@ -12,6 +12,9 @@ use super::{
     tree::Node,
 };
 
+/// Runs that a sweep can have at most, however many are allowed: their numbers have 32 bits, and one means none.
+pub const MOST_RUNS_EVER: usize = u32::MAX as usize;
+
 /// The swept values: dimensions nested in the order of the file, the last changing fastest.
 #[derive(Default)]
 pub struct Grid {
@@ -60,7 +63,11 @@ impl Grid {
         }
         let runs = lengths.iter().copied().fold(spec.repeat as usize, usize::saturating_mul);
         if runs > max_runs {
-            let help = Some("`--max-runs` raises the limit".into());
+            let help = match max_runs < MOST_RUNS_EVER {
+                true => "`--max-runs` raises the limit",
+                false => "no batch can have more: each run has a number of 32 bits",
+            };
+            let help = Some(help.into());
             findings.error(place(sweep), format!("the sweep has {runs} runs, {max_runs} are allowed"), help);
             return Grid::default();
         }

@@ -41,6 +41,7 @@ pub use events::Event;
 pub use expand::{DEFAULT_MAX_RUNS, Origin, Run};
 pub use expansion::Expansion;
 pub use file::{ScenarioFile, load, parse};
+pub use grid::MOST_RUNS_EVER;
 pub use inputs::Input;
 pub use key::key;
 pub use overrides::parse_override;

@@ -2,7 +2,7 @@
 
 use stiction::scenario::Diagnostic;
 
-use super::{SMALLEST, wrong};
+use super::{SMALLEST, file, wrong};
 
 /// The first mistake of a text that stands above the smallest scenario, so it begins at line 1.
 fn first(text: &str) -> Diagnostic {
@@ -32,4 +32,12 @@ fn whole_numbers_with_a_point_are_shown_with_it() {
     assert_eq!(first("seed = 1.5").help, None);
     assert_eq!(first("schema = 1.0").message, "`schema` must be 1, not the number 1.0");
     assert_eq!(first("description = 3.0").message, "`description` must be a string, not the number 3.0");
+}
+
+#[test]
+fn a_limit_that_cannot_be_raised_is_told_as_such() {
+    let text = format!("{SMALLEST}[sweep]\nrepeat = 4294967295\ngrid = {{ duration = [1, 2] }}\n");
+    let help = |most| file(&text).unwrap().expansion(&[], most).err().unwrap().0[0].help.clone().unwrap();
+    assert_eq!(help(10_000), "`--max-runs` raises the limit");
+    assert_eq!(help(4_294_967_295), "no batch can have more: each run has a number of 32 bits");
 }
