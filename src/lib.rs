@@ -25,4 +25,5 @@ pub mod script;
 pub mod sim;
 pub mod submit;
 pub mod task;
+mod toml_words;
 pub mod view;

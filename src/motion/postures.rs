@@ -10,6 +10,7 @@
 
 use super::{Fault, Knot, Motion, Track};
 use crate::scenario::Angle;
+use crate::toml_words::{self, Mistake};
 use serde::Deserialize;
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -38,8 +39,9 @@ struct Posture {
 /// one before; no posture, or one without joints.
 pub fn read(text: &str) -> Result<Motion, Fault> {
     let file: File = toml::from_str(text).map_err(|error| {
-        let place = error.span().unwrap_or(0..0);
-        Fault::new(place, error.message()).help("a motion is a list of `[[posture]]` with `at` (s) and `joints`")
+        let Mistake { piece, message, help } = toml_words::mistake(&error, text, true);
+        let form = || "a motion is a list of `[[posture]]` with `at` (s) and `joints`".into();
+        Fault::new(piece, message).help(help.unwrap_or_else(form))
     })?;
     let mut motion = Motion::default();
     // Where the track of a name is.

@@ -10,6 +10,7 @@ use super::angle::Angle;
 use super::error::{RobotError, nearest};
 use super::source::Source;
 use super::urdf::InertiaPolicy;
+use crate::toml_words::{self, Mistake};
 
 /// A robot file.
 #[derive(Deserialize, JsonSchema, Debug)]
@@ -263,8 +264,7 @@ pub fn schema() -> serde_json::Value {
 /// Reads the types out of the text; faults carry the parser's place and a suggestion for unknown keys.
 pub(super) fn parse(source: &Source) -> Result<RobotFile, RobotError> {
     toml::from_str(source.text()).map_err(|error| {
-        let span = error.span().unwrap_or(0..0);
-        let message = error.message().lines().collect::<Vec<_>>().join(" ");
+        let Mistake { piece, message, help } = toml_words::mistake(&error, source.text(), true);
         let is_syntax = toml::from_str::<toml::Table>(source.text()).is_err();
         // serde's sentence: unknown field `x`, expected one of `a`, `b`, ...
         let mut quoted = message.split('`').skip(1).step_by(2);
@@ -272,7 +272,10 @@ pub(super) fn parse(source: &Source) -> Result<RobotFile, RobotError> {
             true => quoted.next().and_then(|name| nearest(name, quoted)).map(str::to_owned),
             false => None,
         };
-        let mut fault = source.fault(span, message).element("robot file");
+        let mut fault = source.fault(piece, message).element("robot file");
+        if let Some(help) = help {
+            fault = fault.help(help);
+        }
         if let Some(near) = suggestion {
             fault = fault.help(format!("did you mean `{near}`?"));
         }

@@ -177,7 +177,13 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DecodeError> {
         match &self.0.value {
-            Value::String(text) | Value::Datetime(text) => visitor.visit_borrowed_str(text),
+            Value::String(text) => visitor.visit_borrowed_str(text),
+            Value::Datetime(time) => {
+                // serde has no dates; what is wanted must be asked before the visitor is used up.
+                let seen = format!("the date or time {time}");
+                let refused = de::Error::invalid_type(Unexpected::Other(&seen), &visitor);
+                visitor.visit_borrowed_str(time).map_err(|_: DecodeError| refused)
+            }
             Value::Integer(number) => visitor.visit_i64(*number),
             Value::Float(number) => visitor.visit_f64(*number),
             Value::Boolean(yes) => visitor.visit_bool(*yes),

@@ -1,20 +1,21 @@
 //! Which key of a scenario a diagnostic is about.
 
 use super::diagnostic::Diagnostic;
-use super::path::Path;
 use super::source::Span;
 use super::tree::{Node, Value};
+use crate::toml_words;
 
 impl Diagnostic {
     /// The dotted path of the key at its place, such as `task.0.joints.knee`; none when there is no key there, or the file
     /// is no TOML.
     pub fn key(&self) -> Option<String> {
         let (source, range) = self.snippet.as_ref()?;
+        if toml_words::is_duplicate(&self.message) {
+            return toml_words::twice(&source.text, range).map(|(path, _)| toml_words::dotted(&path));
+        }
         let mut best = None;
         narrow(source.root(), &mut Vec::new(), range.start, &mut best);
-        best.map(|(path, _): (Vec<String>, usize)| {
-            path.iter().map(|segment| Path::segment(segment)).collect::<Vec<_>>().join(".")
-        })
+        best.map(|(path, _): (Vec<String>, usize)| toml_words::dotted(&path))
     }
 }
 

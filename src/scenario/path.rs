@@ -8,6 +8,7 @@ use super::{
     source::{Sources, Span},
     tree::{Entry, Node, Value},
 };
+use crate::toml_words;
 
 /// A path whose segments know where they were written.
 #[derive(Clone, Debug)]
@@ -147,8 +148,7 @@ impl Path {
 
     /// A name as a segment of such a path: in quotes where it is no bare key.
     pub fn segment(name: &str) -> String {
-        let bare = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
-        if !name.is_empty() && name.chars().all(bare) { name.to_owned() } else { format!("{name:?}") }
+        toml_words::segment(name)
     }
 
     /// A path in the program's own words, without a place of its own.

@@ -5,6 +5,10 @@ use std::fmt;
 use toml::de::{DeTable, DeValue};
 
 use super::{diagnostic::Findings, source::Span};
+use crate::toml_words;
+
+/// Mistakes of a file that are looked into.
+const MOST_LOOKED_FOR: usize = 20;
 
 /// A value and its place.
 #[derive(Clone, Debug)]
@@ -39,9 +43,11 @@ impl Node {
     /// Syntax errors, and numbers that are no numbers, are added to `findings`; what could be read is returned.
     pub fn parse(text: &str, start: usize, findings: &mut Findings) -> Node {
         let (document, errors) = DeTable::parse_recoverable(text);
-        for error in errors {
-            let span = error.span().unwrap_or(text.len()..text.len());
-            findings.error(start + span.start..start + span.end, error.message(), None);
+        for (count, error) in errors.iter().enumerate() {
+            // To look for keys that are there twice takes as long as reading the file does, each time.
+            let toml_words::Mistake { piece, message, help } =
+                toml_words::mistake(error, text, count < MOST_LOOKED_FOR);
+            findings.error(start + piece.start..start + piece.end, message, help);
         }
         let value = table(document.get_ref(), start, findings);
         // The document as a whole is shown at its start.
@@ -115,7 +121,7 @@ impl fmt::Display for Value {
             Value::Integer(number) => write!(f, "the number {number}"),
             Value::Float(number) => write!(f, "the number {number:?}"),
             Value::Boolean(yes) => write!(f, "`{yes}`"),
-            Value::Datetime(_) => write!(f, "a date or time"),
+            Value::Datetime(time) => write!(f, "the date or time {time}"),
             Value::Array(_) => write!(f, "an array"),
             Value::Table(_) => write!(f, "a table"),
         }

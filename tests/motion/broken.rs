@@ -12,6 +12,7 @@ const TABLE: &[Broken] = &[
     // The file against itself.
     Broken("m.toml", "[[posture]]\nat = 0\njoint = {}\n", "", "m.toml:3:1", "unknown field `joint`"),
     Broken("m.toml", "[[posture]]\nat = -1\njoints = { left_knee = 0.5 }\n", "", "m.toml:2:6", "0 or greater, not -1"),
+    Broken("m.toml", "[[posture]]\nat = 1979-05-27\n", "", "m.toml:2:6", "the date or time 1979-05-27, expected f64"),
     Broken("m.csv", "t,left_knee\n0,0.5\n", "", "m.csv:1:1", "must be `time`, not \"t\""),
     Broken("m.csv", "time,left_knee\n0,0.5\n0,0.6\n", "", "m.csv:3:1", "after that of the line before, 0, not 0"),
     Broken("m.csv", "time,left_knee\n0,a\n", "", "m.csv:2:3", "`left_knee` must be a finite number, not \"a\""),

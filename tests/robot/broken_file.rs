@@ -32,6 +32,9 @@ mode = "passive"
 const CASES: &[(&str, &str, usize, &str)] = &[
     ("urdf = \"robot.urdf\"", "urdf = \"robot.urdf", 1, "invalid basic string"),
     ("urdf = \"robot.urdf\"", "urdf = \"none.urdf\"", 1, "none.urdf"),
+    ("urdf = \"robot.urdf\"", "urdf = 1979-05-27", 1, "the date or time 1979-05-27, expected a string"),
+    ("base = \"floating\"", "urdf = \"other.urdf\"", 2, "the first is on line 1; keep one of them"),
+    ("base = \"floating\"", "base = \"floating\"\nbase = \"fixed\"", 3, "duplicate key `base`"),
     ("urdf = \"robot.urdf\"\n", "", 1, "missing field `urdf`"),
     ("base = \"floating\"", "bas = \"floating\"", 2, "did you mean `base`?"),
     ("base = \"floating\"", "base = \"flying\"", 2, "unknown variant `flying`"),

@@ -41,3 +41,50 @@ fn a_limit_that_cannot_be_raised_is_told_as_such() {
     assert_eq!(help(10_000), "`--max-runs` raises the limit");
     assert_eq!(help(4_294_967_295), "no batch can have more: each run has a number of 32 bits");
 }
+
+#[test]
+fn dates_are_told_as_dates() {
+    for (text, message) in [
+        ("duration = 1979-05-27T07:32:00Z", "`duration` must be a number, not the date or time 1979-05-27T07:32:00Z"),
+        ("seed = 07:32:00", "must be a whole number that is not negative, not the date or time 07:32:00"),
+        ("gravity = [0, 0, 1979-05-27]", "`gravity.2` must be a number, not the date or time 1979-05-27"),
+        ("contact.method = 1979-05-27", ", not the date or time 1979-05-27"),
+    ] {
+        let found = first(text);
+        assert!(found.message.contains(message), "{found}");
+    }
+}
+
+#[test]
+fn a_key_of_too_many_parts_has_a_line() {
+    let deep = vec!["a"; 100_000].join(".");
+    let found = file(&format!("duration = 1\n{deep} = 1\n")).unwrap_err();
+    assert_eq!(found.0[0].message, "a dotted key has more than 80 parts");
+    assert_eq!(found.0[0].location(), "scenarios/test.toml:2:1");
+    assert!(found.to_string().len() < 1000, "{found}");
+}
+
+#[test]
+fn a_key_that_is_there_twice_is_named_with_the_first() {
+    for (text, key, at, help) in [
+        ("[floor]\nheight = 1\nheight = 2\n", "floor.height", (3, 1), "the first is on line 2; keep one of them"),
+        ("[floor]\n[log]\n[floor]\n", "floor", (3, 2), "the first is on line 1; keep one of them"),
+        (
+            "sweep = { grid = { \"floor.height\" = [1], \"floor.height\" = [2] } }\n",
+            "sweep.grid.\"floor.height\"",
+            (1, 42),
+            "the first is on line 1; keep one of them",
+        ),
+    ] {
+        let found = file(text).unwrap_err().0.swap_remove(0);
+        let place = found.place.unwrap();
+        assert_eq!((place.line, place.column), at, "{found}");
+        assert_eq!(found.message, format!("duplicate key `{key}`"), "{found}");
+        assert_eq!(found.help.as_deref(), Some(help));
+        assert_eq!(found.key().as_deref(), Some(key), "{found}");
+    }
+    // However many there are, the file is gone through only so often.
+    let many = "k = 1\n".repeat(100_000);
+    let found = file(&many).unwrap_err();
+    assert_eq!(found.0[199].message, "duplicate key `k`");
+}
