@@ -1,5 +1,7 @@
-//! The lines of a text that a message shows, cut out of it: what draws them goes through all that it is given.
+//! What a message shows of a text: the lines it is about, cut out, since what draws them goes through all that it is given;
+//! and words of it, cut if they are long.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// More than this is not shown.
@@ -31,9 +33,48 @@ pub fn excerpt(text: &str, piece: Range<usize>) -> Option<Excerpt<'_>> {
     (end - start <= MOST).then(|| Excerpt { text: &text[start..end], line, piece })
 }
 
+/// Characters that a word in a message keeps at its beginning and at its end if it has more than both: more than any name or
+/// path that a person reads.
+const WORD: (usize, usize) = (300, 100);
+/// The same of a message as a whole.
+const MESSAGE: (usize, usize) = (6000, 1000);
+
+/// A message with what is too long in it, such as a key of megabytes, cut in its middle.
+pub fn cut(message: &str) -> Cow<'_, str> {
+    if message.len() <= WORD.0 + WORD.1 {
+        return message.into();
+    }
+    let words: Vec<Cow<'_, str>> = message.split(' ').map(|word| middle_out(word, WORD)).collect();
+    middle_out(&words.join(" "), MESSAGE).into_owned().into()
+}
+
+fn middle_out(text: &str, (first, last): (usize, usize)) -> Cow<'_, str> {
+    if text.len() <= first + last {
+        return text.into();
+    }
+    let border = |nth: usize| text.char_indices().nth(nth).map(|(at, _)| at);
+    let end = text.char_indices().nth_back(last - 1).map(|(at, _)| at);
+    match (border(first), end) {
+        (Some(start), Some(end)) if start < end => format!("{}…{}", &text[..start], &text[end..]).into(),
+        _ => text.into(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_long_in_a_message_is_cut_in_its_middle() {
+        let long = "é".repeat(WORD.0 + WORD.1 + 1);
+        let shown = cut(&format!("unknown key `{long}` in `floor`")).into_owned();
+        assert_eq!(shown.chars().filter(|c| *c == 'é').count(), WORD.0 + WORD.1 - 2, "without the two quotes");
+        assert!(shown.starts_with("unknown key `éé") && shown.contains("é…é") && shown.ends_with("é` in `floor`"));
+        let short = "é".repeat(WORD.0 + WORD.1 - 2);
+        assert_eq!(cut(&format!("`{short}`")), format!("`{short}`"));
+        let many = "two words ".repeat(10_000);
+        assert_eq!(cut(&many).chars().count(), MESSAGE.0 + MESSAGE.1 + 1);
+    }
 
     #[test]
     fn whole_lines_are_cut_out() {

@@ -8,7 +8,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 use thiserror::Error;
 
 use super::source::Source;
-use crate::excerpt::excerpt;
+use crate::excerpt::{cut, excerpt};
 
 /// Why a robot could not be loaded or changed.
 #[derive(Clone, Debug, Error)]
@@ -108,26 +108,27 @@ impl Fault {
         let start = boundary(span.start).unwrap_or(0);
         let span = start..boundary(span.end).unwrap_or(0).max(start);
         let none = String::new;
+        let message = cut(&message).into_owned();
         Self { source, span, message, element: none(), seen: none(), wanted: none(), help: None }
     }
 
     pub(super) fn element(mut self, element: impl Into<String>) -> Self {
-        self.element = element.into();
+        self.element = cut(&element.into()).into_owned();
         self
     }
 
     pub(super) fn seen(mut self, seen: impl fmt::Display) -> Self {
-        self.seen = seen.to_string();
+        self.seen = cut(&seen.to_string()).into_owned();
         self
     }
 
     pub(super) fn wanted(mut self, wanted: impl Into<String>) -> Self {
-        self.wanted = wanted.into();
+        self.wanted = cut(&wanted.into()).into_owned();
         self
     }
 
     pub(super) fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.help = Some(cut(&help.into()).into_owned());
         self
     }
 

@@ -5,7 +5,7 @@ use std::{fmt, ops::Range, sync::Arc};
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::source::{Source, Sources, Span, line_column};
-use crate::excerpt::excerpt;
+use crate::excerpt::{cut, excerpt};
 
 /// How bad it is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -62,7 +62,9 @@ impl Diagnostic {
             }
             None => (String::new(), None),
         };
-        Diagnostic { severity, file, place, message: message.into(), help, snippet }
+        let message = cut(&message.into()).into_owned();
+        let help = help.map(|help| cut(&help).into_owned());
+        Diagnostic { severity, file, place, message, help, snippet }
     }
 
     pub(super) fn error(sources: &Sources, span: &Span, message: impl Into<String>, help: Option<String>) -> Self {
@@ -88,7 +90,7 @@ impl Diagnostic {
             severity: Severity::Error,
             file: file.into(),
             place: None,
-            message: message.into(),
+            message: cut(&message.into()).into_owned(),
             help: None,
             snippet: None,
         }

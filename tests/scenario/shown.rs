@@ -1,6 +1,6 @@
 //! What messages show of what was written: numbers beyond a limit, dates, keys that are there twice, what is long.
 
-use stiction::scenario::Diagnostic;
+use stiction::scenario::{Diagnostic, load, parse};
 
 use super::{SMALLEST, file, wrong};
 
@@ -87,4 +87,21 @@ fn a_key_that_is_there_twice_is_named_with_the_first() {
     let many = "k = 1\n".repeat(100_000);
     let found = file(&many).unwrap_err();
     assert_eq!(found.0[199].message, "duplicate key `k`");
+}
+
+#[test]
+fn what_is_long_is_cut() {
+    let long = "k".repeat(1 << 20);
+    for text in [format!("{long} = 1"), format!("contact.method = \"{long}\""), format!("duration = \"{long}\"")] {
+        let found = first(&text);
+        let shown = found.to_string();
+        assert!(shown.len() < 3000 && shown.contains("kkk…kkk"), "{} bytes", shown.len());
+        assert_eq!(found.location().split(':').nth(1), Some("1"));
+    }
+    let found = file(&format!("[floor]\n{long} = 1\n{long} = 1\n")).unwrap_err();
+    assert!(found.to_string().len() < 3000 && found.0[0].message.contains("floor.kkk"));
+    // A path that a person has to find is shown whole.
+    let path = format!("{}/none.toml", "folder/".repeat(40));
+    assert!(load(path.as_ref()).unwrap_err().to_string().contains(&path));
+    assert!(parse(path.as_ref(), "x").unwrap_err().to_string().contains(&path));
 }
