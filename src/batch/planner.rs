@@ -10,7 +10,7 @@ use super::{Finding, Findings, keys};
 use crate::input_file;
 use crate::record::SHARD_LIST;
 use crate::robot::{Robot, RobotError};
-use crate::scenario::{self, Diagnostics, Expansion, Run, ScenarioFile, Severity};
+use crate::scenario::{self, Diagnostic, Diagnostics, Expansion, Run, ScenarioFile, Severity};
 use crate::sim::build::setup;
 
 /// Errors after which checking gives up.
@@ -126,19 +126,17 @@ impl Planner {
         if let Some(other) = self.names.insert(name.clone(), file.path.clone()) {
             let (a, b) = (other.display(), file.path.display());
             let message = format!("{a} and {b} are both scenario `{name}`: their results would share one folder");
-            return self.findings.push(Finding::Plan(message));
+            let help = "rename one of them, or run them apart, each with an --output of its own";
+            return self.refuse_file(file, message, help);
         }
         if RESERVED.contains(&name.as_str()) {
-            let message =
-                format!("{}: `{name}` is a file of the results and no name for a folder", file.path.display());
-            return self.findings.push(Finding::Plan(message));
+            let message = format!("`{name}` is a file of the results and no name for a folder");
+            return self.refuse_file(file, message, "rename the scenario");
         }
         let total = self.runs.len() + expansion.runs();
         if total > self.max_runs {
-            let (path, max) = (file.path.display(), self.max_runs);
-            let message =
-                format!("with {path} there are {total} runs, {max} are allowed; `--max-runs` raises the limit");
-            return self.findings.push(Finding::Plan(message));
+            let message = format!("with it there are {total} runs, {} are allowed", self.max_runs);
+            return self.refuse_file(file, message, "`--max-runs` raises the limit");
         }
         if let Some(run) = first
             && run.parameters.iter().any(|(name, _)| name == "integrator")
@@ -160,6 +158,12 @@ impl Planner {
             }
         }
         self.sources.push(Arc::new(Source { expansion, name, kind }));
+    }
+
+    /// What is wrong with a scenario beside others, its text being sound.
+    fn refuse_file(&mut self, file: &ScenarioFile, message: String, help: &str) {
+        let wrong = Diagnostic::unreadable(file.path.display().to_string(), message);
+        self.findings.push(Finding::Scenario(Box::new(wrong.with_help(help))));
     }
 
     fn add_run(&mut self, mut run: Run, taken: &mut HashMap<u64, usize>) {

@@ -96,6 +96,11 @@ impl Diagnostic {
         }
     }
 
+    /// It with what to do about it.
+    pub fn with_help(self, help: impl Into<String>) -> Self {
+        Diagnostic { help: Some(help.into()), ..self }
+    }
+
     /// `file:line:column`, or the file alone.
     pub fn location(&self) -> String {
         match self.place {

@@ -209,6 +209,11 @@ fn names_that_would_share_a_place_in_the_results_are_refused() {
     place.write("b/a.toml", "[robot]\nmodel = \"../block/block.toml\"\n");
     let done = place.runner(&["a.toml", "b/a.toml"]).exits(2);
     assert!(done.stderr.contains("a.toml and b/a.toml are both scenario `a`"), "{}", done.stderr);
+    assert!(done.stderr.contains("--> b/a.toml") && done.stderr.contains("rename one of them"), "{}", done.stderr);
+    let done = place.runner(&["check", "a.toml", "b/a.toml", "--message-format", "json"]).exits(2);
+    let told: serde_json::Value = serde_json::from_str(done.stdout.lines().next().unwrap()).unwrap();
+    assert_eq!(told["file"], "b/a.toml");
+    assert!(told["help"].as_str().unwrap().contains("an --output of its own"), "{told}");
     place.block("summary.csv.toml", "");
     let done = place.runner(&["summary.csv.toml"]).exits(2);
     assert!(done.stderr.contains("`summary.csv` is a file of the results"), "{}", done.stderr);
