@@ -55,22 +55,23 @@ pub enum JunitStatus {
 /// # Errors
 /// The file cannot be written.
 pub fn write_junit(path: &Path, cases: &[JunitCase], time: Duration) -> Result<(), RecordError> {
-    let mut suites: Vec<TestSuite> = Vec::new();
+    // By their whole names: what XML takes of two of them may be the same.
+    let mut suites: Vec<(&str, TestSuite)> = Vec::new();
     let mut last = 0;
     for case in cases {
-        let is = |suite: &TestSuite| suite.name == case.suite;
+        let is = |suite: &(&str, TestSuite)| suite.0 == case.suite;
         if !suites.get(last).is_some_and(is) {
             last = suites.iter().position(is).unwrap_or(suites.len());
         }
         if last == suites.len() {
-            suites.push(TestSuite::new(clean(&case.suite)));
+            suites.push((&case.suite, TestSuite::new(clean(&case.suite))));
         }
-        let suite = &mut suites[last];
+        let suite = &mut suites[last].1;
         let total = suite.time.unwrap_or_default() + case.time.unwrap_or_default();
         suite.add_test_case(test_case(case)).set_time(total);
     }
     let mut report = Report::new(env!("CARGO_PKG_NAME"));
-    report.set_time(time).add_test_suites(suites);
+    report.set_time(time).add_test_suites(suites.into_iter().map(|(_, suite)| suite));
     let text = report.to_string().map_err(|source| RecordError::Junit { path: path.to_owned(), source })?;
     atomic::write_named(path, atomic::Made::Junit, |out| out.write_all(text.as_bytes()).map_err(RecordError::io(path)))
 }

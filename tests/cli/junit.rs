@@ -122,6 +122,22 @@ fn names_and_messages_are_escaped_and_stay_apart() {
     assert!(!text.contains('\u{7}'));
 }
 
+/// Scenarios whose names have what XML has no place for, and what it takes of them is the same.
+#[cfg(unix)]
+#[test]
+fn scenarios_of_which_xml_takes_the_same_name_stay_apart() {
+    let place = Place::new();
+    let names = ["a\u{1}.toml", "a\u{1b}.toml", "a\u{fffe}.toml", "a.toml"];
+    names.iter().for_each(|name| _ = place.block(name, "[sweep]\nrepeat = 3\n"));
+    let arguments = ["--set", "duration=0.01", "--junit", "junit.xml"];
+    place.runner(&[&names[..], &arguments].concat()).exits(0);
+    let text = read(&place, "junit.xml");
+    let document = Document::parse(&text).unwrap();
+    let suites: Vec<_> = document.root_element().children().filter(Node::is_element).collect();
+    let named: Vec<_> = suites.iter().map(|s| (s.attribute("name").unwrap(), counts(*s)[0])).collect();
+    assert_eq!(named, [("a", 3); 4]);
+}
+
 #[test]
 fn a_file_that_cannot_be_written_is_told_before_anything_runs() {
     let place = Place::new();
