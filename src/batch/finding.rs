@@ -63,7 +63,7 @@ impl Finding {
                 format!("{}\n  = note: the robot is named at {named_at}", error.render(colour))
             }
             Finding::Notice(notice) => notice.to_string(),
-            Finding::Plan(message) => format!("error: {message}"),
+            Finding::Plan(message) => Diagnostic::bare(message, colour),
         }
     }
 }

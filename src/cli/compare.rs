@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use stiction::record::changes::{Limits, Results, Tolerance, compare};
 
-use super::terminal::{complain, print};
+use super::terminal::{complain, complain_of, print};
 use super::{Exit, numbers};
 
 /// Arguments of `compare`.
@@ -47,7 +47,7 @@ impl Compare {
     /// Prints what differs.
     pub fn execute(self) -> Result<Exit, Exit> {
         let refused = |error: &dyn std::error::Error| {
-            complain(&format!("error: {error}"));
+            complain_of(error);
             Exit::Invalid
         };
         let limits = Limits {

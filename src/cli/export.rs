@@ -9,7 +9,7 @@ use stiction::record::export::{
 };
 use stiction::record::{LogError, Trajectory};
 
-use super::terminal::{complain, print};
+use super::terminal::{complain, complain_of, print};
 use super::{Exit, numbers};
 
 /// Arguments of `export`.
@@ -233,7 +233,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
 }
 
 fn refuse(why: impl Display) -> Exit {
-    complain(&format!("error: {why}"));
+    complain_of(why);
     Exit::Invalid
 }
 

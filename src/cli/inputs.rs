@@ -65,7 +65,7 @@ pub fn scenario_files(typed: &[PathBuf]) -> Result<Vec<PathBuf>, Unusable> {
 /// The absolute path of a file as text, for a command that is run elsewhere.
 pub fn absolute_text(path: &Path) -> Result<String, Exit> {
     let refused = |why: &str| {
-        terminal::complain(&format!("error: {}: {why}", path.display()));
+        terminal::complain_of(format!("{}: {why}", path.display()));
         Exit::Invalid
     };
     let whole = std::path::absolute(path).map_err(|error| refused(&error.to_string()))?;

@@ -8,7 +8,7 @@ use clap::{Args, Command, CommandFactory, ValueHint};
 use clap_mangen::Man;
 use clap_mangen::roff::{Roff, bold, roman};
 
-use super::terminal::{complain, print};
+use super::terminal::{complain_of, print};
 use super::{Arguments, Exit, exit};
 
 /// Arguments of `man`.
@@ -24,7 +24,7 @@ impl Manual {
     pub fn execute(self) -> Result<Exit, Exit> {
         let refused = |what: String| {
             move |error: io::Error| {
-                complain(&format!("error: cannot write {what}: {error}"));
+                complain_of(format!("cannot write {what}: {error}"));
                 Exit::of_writing(&error)
             }
         };

@@ -8,7 +8,7 @@ use stiction::record::merge::{MergeError, Merged, Shards};
 use stiction::record::table;
 
 use super::Exit;
-use super::terminal::{complain, plural, print};
+use super::terminal::{complain, complain_of, plural, print};
 
 /// Runs that are shown line by line.
 const MOST_SHOWN: usize = 1000;
@@ -31,14 +31,16 @@ impl Merge {
     /// Checks everything, then writes everything.
     pub fn execute(self) -> Result<Exit, Exit> {
         let refused = |error: MergeError| {
-            complain(&format!("error: {error}"));
+            complain_of(error);
             Exit::Invalid
         };
         let shards = Shards::open(&self.folders).map_err(refused)?;
         shards.check_output(&self.output).map_err(refused)?;
         let missing = shards.check().map_err(refused)?;
-        let word = if self.partial { "warning" } else { "error" };
-        missing.lines.iter().for_each(|what| complain(&format!("{word}: {what}")));
+        missing.lines.iter().for_each(|what| match self.partial {
+            true => complain(&format!("warning: {what}")),
+            false => complain_of(what),
+        });
         if !missing.lines.is_empty() && !self.partial {
             complain("nothing was written; --partial takes what is there");
             return Err(Exit::Invalid);

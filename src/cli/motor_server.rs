@@ -18,7 +18,7 @@ use super::numbers::seconds;
 use super::prepare::{Scenarios, only};
 use super::run::{exit, summary};
 use super::signals::when_asked_to_end;
-use super::terminal::{complain, print};
+use super::terminal::{complain, complain_of, print};
 
 /// Arguments of `motor-server`.
 #[derive(Args, Debug)]
@@ -75,7 +75,7 @@ impl Server {
         let plan = self.scenarios.prepare(Severity::Note, MessageFormat::Human)?;
         only(&plan)?;
         let refuse = |error: &dyn std::error::Error| {
-            complain(&format!("error: {error}"));
+            complain_of(error);
             Exit::Invalid
         };
         let key = self.key.as_deref().map(read_key).transpose().map_err(|error| refuse(&error))?;

@@ -8,7 +8,7 @@ use stiction::batch::{self, DiagnosticMessage, Filter, Finding, Findings, Messag
 use stiction::scenario::{DEFAULT_MAX_RUNS, Diagnostic, parse_override};
 
 use super::machine::MessageFormat;
-use super::{Exit, inputs, numbers, terminal};
+use super::{Exit, colour, inputs, numbers, terminal};
 
 /// Runs that are expanded when nothing is said.
 const MOST_RUNS: NonZero<usize> = NonZero::new(DEFAULT_MAX_RUNS).expect("it is above 0");
@@ -103,7 +103,7 @@ pub fn only(plan: &Plan) -> Result<(), Exit> {
         return Ok(());
     }
     let runs = terminal::counted(plan.runs(), plan.references());
-    terminal::complain(&format!("error: one run is wanted, and this is {runs}: choose one with --filter or --set"));
+    terminal::complain_of(format!("one run is wanted, and this is {runs}: choose one with --filter or --set"));
     Err(Exit::Invalid)
 }
 
@@ -129,7 +129,7 @@ impl Selection {
             Err(inputs::Unusable::Nothing(words)) => return Err(nothing(words)),
             Err(inputs::Unusable::Wrong(all)) => {
                 let told = all.into_iter().map(|words| {
-                    terminal::complain(&format!("error: {words}"));
+                    terminal::complain_of(&words);
                     tell(format, "error", &words, Exit::Invalid)
                 });
                 return Err(told.fold(Exit::Invalid, |_, exit| exit));
@@ -146,7 +146,7 @@ impl Selection {
         say(&findings)?;
         if self.strict && findings.count(Severity::Warning) > 0 {
             let wrong = Finding::Plan("with --strict, warnings are errors".into());
-            terminal::complain(&wrong.render(false));
+            terminal::complain(&wrong.render(colour::on_stderr()));
             format.tell(Message::Diagnostic((&wrong).into()))?;
             return Err(Exit::Invalid);
         }

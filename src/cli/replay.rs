@@ -10,7 +10,7 @@ use stiction::replay::{self, Change, Left, ReplayError};
 
 use super::each::Which;
 use super::signals::when_asked_to_end;
-use super::terminal::{complain, plural, print, show};
+use super::terminal::{complain, complain_of, plural, print, show};
 use super::{Exit, numbers};
 
 /// Arguments of `replay`.
@@ -135,7 +135,7 @@ fn refuse(why: impl Into<Refusal>) -> Exit {
             if let ReplayError::Invalid { findings, .. } = &error {
                 show(findings, Severity::Error);
             }
-            complain(&format!("error: {error}"));
+            complain_of(&error);
             // Folder and threads are looked at before anything runs; what comes later is the disk.
             match &error {
                 ReplayError::Batch(BatchError::Record(cause)) => Exit::of_writing(cause),
@@ -143,7 +143,7 @@ fn refuse(why: impl Into<Refusal>) -> Exit {
             }
         }
         Refusal::Words(words) => {
-            complain(&format!("error: {words}"));
+            complain_of(words);
             Exit::Invalid
         }
     }

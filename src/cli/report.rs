@@ -10,7 +10,7 @@ use stiction::record::{
 };
 
 use super::Exit;
-use super::terminal::{complain, plural, print};
+use super::terminal::{complain, complain_of, plural, print};
 
 /// Arguments of `report`.
 #[derive(Args, Debug)]
@@ -30,7 +30,7 @@ impl Report {
     /// Reads the records, and writes summary and page anew.
     pub fn execute(self) -> Result<Exit, Exit> {
         let fail = |error: RecordError| {
-            complain(&format!("error: {error}"));
+            complain_of(error);
             Exit::Invalid
         };
         if let Some(page) = &self.output {
@@ -39,11 +39,11 @@ impl Report {
         let listing = list_records(&self.results).map_err(fail)?;
         listing.skipped.iter().for_each(|error| complain(&format!("warning: passed over: {error}")));
         if listing.runs() == 0 {
-            complain(&format!("error: no record of a run below {}", self.results.display()));
+            complain_of(format!("no record of a run below {}", self.results.display()));
             return Err(Exit::Invalid);
         }
         let unwritten = |error: RecordError| {
-            complain(&format!("error: {error}"));
+            complain_of(&error);
             Exit::of_writing(&error)
         };
         let read = listing.runs() + listing.references.len();
@@ -82,7 +82,7 @@ impl Report {
                 places.push(place);
             }
             if places.len() == before {
-                complain(&format!("error: no run has a key that begins with `{typed}`; the summary has them all"));
+                complain_of(format!("no run has a key that begins with `{typed}`; the summary has them all"));
                 return Err(Exit::Invalid);
             }
         }

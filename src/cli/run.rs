@@ -20,7 +20,7 @@ use super::machine::{Format, MessageFormat, TestResults};
 use super::motor_server::pace;
 use super::prepare::Scenarios;
 use super::signals::{Asked, when_asked_to_end};
-use super::terminal::{complain, counted, plural, print};
+use super::terminal::{complain, complain_of, counted, plural, print};
 use super::{Exit, numbers};
 
 /// Runs whose files are named one by one below the table.
@@ -170,7 +170,7 @@ impl Run {
 
 /// Tells what went wrong with the batch as a whole, now and in the last message.
 fn refuse(error: &dyn std::error::Error, last: &mut BatchFinished, exit: Exit) -> Exit {
-    complain(&format!("error: {error}"));
+    complain_of(error);
     last.error = Some(error.to_string());
     exit
 }

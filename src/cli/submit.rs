@@ -11,7 +11,7 @@ use stiction::submit::{SubmitError, Sweep};
 use super::each::Each;
 use super::machine::MessageFormat;
 use super::prepare::Selection;
-use super::terminal::{complain, plural, print};
+use super::terminal::{complain, complain_of, plural, print};
 use super::{Exit, exit, inputs};
 
 /// Below the help.
@@ -80,7 +80,7 @@ impl Submit {
     pub fn execute(self) -> Result<Exit, Exit> {
         let Engine::Slurm = self.engine;
         let refused = |error: SubmitError| {
-            complain(&format!("error: {error}"));
+            complain_of(error);
             Exit::Invalid
         };
         let plan = self.scenarios.prepare(Severity::Note, MessageFormat::Human)?;
@@ -127,7 +127,7 @@ impl Submit {
 fn program() -> Result<PathBuf, Exit> {
     let found = std::env::current_exe().and_then(|path| path.metadata().map(|_| path));
     found.map_err(|error| {
-        complain(&format!("error: cannot tell where this program is, which the jobs must run: {error}"));
+        complain_of(format!("cannot tell where this program is, which the jobs must run: {error}"));
         Exit::Invalid
     })
 }
@@ -158,11 +158,11 @@ fn merged(sweep: &Sweep, submitted: Submitted) -> Result<Exit, Exit> {
         Ok(2) => Exit::Invalid,
         Ok(3) => Exit::Unfinished,
         Ok(code) => {
-            complain(&format!("error: the merge ended with exit code {code}, which is none of its own"));
+            complain_of(format!("the merge ended with exit code {code}, which is none of its own"));
             Exit::Invalid
         }
         Err(why) => {
-            complain(&format!("error: waiting for the merge: {why}"));
+            complain_of(format!("waiting for the merge: {why}"));
             Exit::Invalid
         }
     };

@@ -1,9 +1,11 @@
 //! Standard output and standard error, which may be pipes that nobody reads any more.
 
+use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use stiction::batch::{Findings, Severity};
+use stiction::scenario::Diagnostic;
 
 use super::{Exit, colour};
 
@@ -25,7 +27,7 @@ pub fn written(outcome: std::io::Result<()>) -> Result<(), Exit> {
     match outcome {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             GAP.store(true, Ordering::Relaxed);
-            complain(&format!("error: cannot write to standard output: {error}"));
+            complain_of(format!("cannot write to standard output: {error}"));
             Err(Exit::Unfinished)
         }
         _ => Ok(()),
@@ -35,6 +37,11 @@ pub fn written(outcome: std::io::Result<()>) -> Result<(), Exit> {
 /// Says something on standard error; if nobody listens, so be it.
 pub fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Says what went wrong, as a diagnostic without a place is said.
+pub fn complain_of(wrong: impl Display) {
+    complain(&Diagnostic::bare(&wrong.to_string(), colour::on_stderr()));
 }
 
 /// Says all findings of at least this severity, and below them how many errors and warnings there are, if any.

@@ -8,7 +8,7 @@ use clap::Args;
 use stiction::view::{Replay, Runs, Server, file_page, pack};
 
 use super::signals::when_asked_to_end;
-use super::terminal::{complain, plural, print};
+use super::terminal::{complain, complain_of, plural, print};
 use super::{Exit, numbers};
 
 /// Arguments of `view`.
@@ -104,6 +104,6 @@ fn open(address: &str) {
 }
 
 fn refuse(why: impl Display) -> Exit {
-    complain(&format!("error: {why}"));
+    complain_of(why);
     Exit::Invalid
 }

@@ -2,7 +2,7 @@
 
 use std::{fmt, ops::Range, sync::Arc};
 
-use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 use super::source::{Source, Sources, Span, line_column};
 use crate::excerpt::{cut, excerpt};
@@ -99,6 +99,14 @@ impl Diagnostic {
     /// It with what to do about it.
     pub fn with_help(self, help: impl Into<String>) -> Self {
         Diagnostic { help: Some(help.into()), ..self }
+    }
+
+    /// An error that is about no file, in the same form and colours: what is wrong in its first line, more below.
+    pub fn bare(message: &str, colour: bool) -> String {
+        let (first, more) = message.split_once('\n').map_or((message, None), |(first, more)| (first, Some(more)));
+        let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
+        let title = renderer.render(&[Group::with_title(Level::ERROR.primary_title(first))]);
+        more.map_or(title.clone(), |more| format!("{title}\n{more}"))
     }
 
     /// `file:line:column`, or the file alone.

@@ -2,6 +2,7 @@
 
 mod broken;
 mod changes;
+mod colour;
 mod commands;
 mod comparison;
 mod exit_codes;

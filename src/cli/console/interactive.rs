@@ -11,7 +11,7 @@ use rustyline::history::FileHistory;
 use rustyline::{Config, Context, Editor, ExternalPrinter, Helper};
 use stiction::link::console::{Names, Session, complete};
 
-use super::super::terminal::complain;
+use super::super::terminal::{complain, complain_of};
 use super::super::{Exit, colour};
 use super::{Interruption, exit_of, worse};
 
@@ -64,7 +64,7 @@ fn history() -> Option<PathBuf> {
 /// Reads lines until the person has enough.
 pub fn talk(session: &mut Session, stop: &Interruption) -> Result<Exit, Exit> {
     let cannot = |error: ReadlineError| {
-        complain(&format!("error: the terminal cannot be used: {error}"));
+        complain_of(format!("the terminal cannot be used: {error}"));
         Exit::Unfinished
     };
     let config = Config::builder().auto_add_history(true).build();

@@ -19,7 +19,7 @@ use super::live::Live;
 use super::machine::MessageFormat;
 use super::prepare::{Selection, only};
 use super::signals::{Asked, when_asked_to_end};
-use super::terminal::{complain, print};
+use super::terminal::{complain, complain_of, print};
 use super::{Exit, colour, motor_server, numbers};
 use script::Coming;
 
@@ -66,7 +66,7 @@ impl Console {
             None => person.then_some(1.0),
         };
         let audience = self.live.start(&plan, None).map_err(|error| {
-            complain(&format!("error: {error}"));
+            complain_of(error);
             Exit::Invalid
         })?;
         let job = plan.job(0);
@@ -108,7 +108,7 @@ impl Console {
             None => Coming::of(|| Ok(BufReader::new(std::io::stdin())), stop),
         };
         let lines = lines.map_err(|error| {
-            complain(&format!("error: cannot read {from}: {error}"));
+            complain_of(format!("cannot read {from}: {error}"));
             Exit::Unfinished
         })?;
         script::lines(session, &from, lines, stop)

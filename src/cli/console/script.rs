@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use stiction::link::console::{ConsoleError, Session};
 
-use super::super::terminal::{complain, print};
+use super::super::terminal::{complain, complain_of, print};
 use super::super::{Exit, colour};
 use super::{Interruption, exit_of};
 
@@ -65,7 +65,7 @@ pub fn lines(
     let mut end = Exit::Success;
     for (i, line) in lines.enumerate() {
         let line = line.map_err(|error| {
-            complain(&format!("error: cannot read {from}: {error}"));
+            complain_of(format!("cannot read {from}: {error}"));
             Exit::Invalid
         })?;
         if let Err(error) = obey(session, &line, stop)? {
