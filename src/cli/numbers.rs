@@ -1,11 +1,15 @@
 //! Numbers as they are typed, and what is wanted where something else is.
 
-use std::num::NonZero;
+use std::num::{IntErrorKind, ParseIntError};
+use std::str::FromStr;
 use std::time::Duration;
 
-/// A whole number of 1 or more.
-pub fn count(text: &str) -> Result<NonZero<usize>, String> {
-    text.trim().parse().map_err(|_| "a whole number of 1 or more is wanted".into())
+/// A whole number of 1 or more: a type that has no others.
+pub fn count<N: FromStr<Err = ParseIntError>>(text: &str) -> Result<N, String> {
+    text.trim().parse().map_err(|error: ParseIntError| match error.kind() {
+        IntErrorKind::PosOverflow => "it is larger than any that is taken here".into(),
+        _ => "a whole number of 1 or more is wanted".into(),
+    })
 }
 
 /// A span of time above 0.

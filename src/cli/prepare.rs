@@ -36,7 +36,7 @@ pub struct Selection {
     #[arg(long, value_name = "EXPR")]
     filter: Option<String>,
     /// Refuse to expand to more runs than this
-    #[arg(long, value_name = "N", default_value_t = MOST_RUNS, value_parser = numbers::count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = MOST_RUNS, value_parser = numbers::count::<NonZero<usize>>, allow_negative_numbers = true)]
     max_runs: NonZero<usize>,
     /// Take warnings for errors
     #[arg(long)]

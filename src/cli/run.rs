@@ -49,7 +49,7 @@ pub struct Run {
     #[arg(short, long, value_name = "DIR", default_value = "results", value_hint = ValueHint::DirPath)]
     output: PathBuf,
     /// Runs side by side [default: one per processor]
-    #[arg(short, long, value_name = "N", value_parser = numbers::count, allow_negative_numbers = true)]
+    #[arg(short, long, value_name = "N", value_parser = numbers::count::<NonZero<usize>>, allow_negative_numbers = true)]
     jobs: Option<NonZero<usize>>,
     #[command(flatten)]
     each: Each,
@@ -57,7 +57,7 @@ pub struct Run {
     #[arg(long, conflicts_with = "max_fail")]
     fail_fast: bool,
     /// Start no more runs once so many failed or did not finish
-    #[arg(long, value_name = "N", value_parser = numbers::count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = numbers::count::<NonZero<usize>>, allow_negative_numbers = true)]
     max_fail: Option<NonZero<usize>>,
     /// Make only the runs whose results are not in the folder, and say why those that are do not count
     #[arg(long)]

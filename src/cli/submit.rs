@@ -12,7 +12,7 @@ use super::each::Each;
 use super::machine::MessageFormat;
 use super::prepare::Selection;
 use super::terminal::{complain, complain_of, plural, print};
-use super::{Exit, exit, inputs};
+use super::{Exit, exit, inputs, numbers};
 
 /// Below the help.
 pub fn help() -> String {
@@ -37,13 +37,13 @@ pub struct Submit {
     #[arg(long, value_enum)]
     engine: Engine,
     /// Number of parts, each a job
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = numbers::count::<NonZero<u64>>, allow_negative_numbers = true)]
     parts: NonZero<u64>,
     /// Folder of parts, scripts and results, on a file system that all nodes share
     #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     output: PathBuf,
     /// Processors of each part
-    #[arg(long, value_name = "C", default_value = "1")]
+    #[arg(long, value_name = "C", default_value = "1", value_parser = numbers::count::<NonZero<u32>>, allow_negative_numbers = true)]
     cpus: NonZero<u32>,
     /// Time limit of each job, as Slurm writes it, such as 30 (minutes), 2:00:00 or 1-12:00:00
     #[arg(long, value_name = "T")]
@@ -67,7 +67,7 @@ pub struct Submit {
     #[arg(long)]
     wait: bool,
     /// Runs of a part side by side [default: its processors]
-    #[arg(short, long, value_name = "N")]
+    #[arg(short, long, value_name = "N", value_parser = numbers::count::<NonZero<usize>>, allow_negative_numbers = true)]
     jobs: Option<NonZero<usize>>,
     #[command(flatten)]
     scenarios: Selection,
@@ -95,6 +95,7 @@ impl Submit {
         };
         // It may be large, and waiting may take long.
         drop(plan);
+        sweep.check_parts().map_err(refused)?;
         let submission = Submission::new(&sweep, &self.options()).map_err(refused)?;
         sweep.check_folder().map_err(refused)?;
         if self.dry_run {

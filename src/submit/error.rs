@@ -74,6 +74,22 @@ pub enum SubmitError {
         /// What it said.
         said: String,
     },
+    /// More parts than runs.
+    #[error("--parts {parts}: there are {runs} runs, and a part without one is a job for nothing; give at most {runs}")]
+    Idle {
+        /// Wanted.
+        parts: u64,
+        /// Runs of the whole plan.
+        runs: u64,
+    },
+    /// More parts than are made.
+    #[error("--parts {parts}: at most {most} are made; give each part more runs")]
+    TooManyParts {
+        /// Wanted.
+        parts: u64,
+        /// Allowed.
+        most: u64,
+    },
     /// More parts than the engine takes.
     #[error("--parts {parts}: {engine} takes at most {most} here ({because})")]
     TooMany {

@@ -23,6 +23,9 @@ use std::path::{Path, PathBuf};
 pub use error::SubmitError;
 pub use jobs::{Jobs, SUBMIT_SCHEMA};
 
+/// Parts that a sweep is shared out in at most: each is a line of the scripts and a folder.
+const MOST_PARTS: u64 = 100_000;
+
 /// What is to be shared out.
 #[derive(Clone, Debug)]
 pub struct Sweep {
@@ -58,6 +61,19 @@ impl Sweep {
         self.folder.join(format!("part-{number}"))
     }
 
+    /// Has every part a run, and are there no more parts than can be written down in reasonable time?
+    ///
+    /// # Errors
+    /// Not so.
+    pub fn check_parts(&self) -> Result<(), SubmitError> {
+        let (parts, runs) = (self.parts.get(), self.runs as u64);
+        match parts {
+            _ if parts > runs => Err(SubmitError::Idle { parts, runs }),
+            _ if parts > MOST_PARTS => Err(SubmitError::TooManyParts { parts, most: MOST_PARTS }),
+            _ => Ok(()),
+        }
+    }
+
     /// Is there nothing in the folder that belongs to another plan? What is there of this one is completed.
     ///
     /// # Errors
@@ -70,4 +86,29 @@ impl Sweep {
 /// Where a file of the sweep is, for words to people.
 pub(crate) fn shown(path: &Path) -> String {
     path.display().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_have_a_limit_and_a_run_each() {
+        let told = |parts, runs| {
+            let parts = NonZero::new(parts).unwrap();
+            let sweep = Sweep {
+                runner: PathBuf::new(),
+                arguments: Vec::new(),
+                jobs: None,
+                folder: PathBuf::new(),
+                parts,
+                runs,
+                plan: String::new(),
+            };
+            sweep.check_parts().err().map(|error| error.to_string()).unwrap_or_default()
+        };
+        assert_eq!(told(100_000, 1_000_000), "");
+        assert_eq!(told(100_001, 1_000_000), "--parts 100001: at most 100000 are made; give each part more runs");
+        assert!(told(3, 2).contains("there are 2 runs"));
+    }
 }

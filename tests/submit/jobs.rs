@@ -135,13 +135,14 @@ fn names_that_mean_something_to_shells_are_only_names() {
 fn a_dry_run_needs_no_cluster_and_submits_nothing() {
     let site = Site::new();
     site.slurm.set("down", "");
-    let done = site.runner(&submit("sweep", "5000", &["thrown.toml", "--dry-run"])).exits(0);
+    site.place.block("many.toml", "[sweep]\nrepeat = 1002\n");
+    let done = site.runner(&submit("sweep", "1002", &["many.toml", "--dry-run"])).exits(0);
     assert!(site.slurm.calls().is_empty(), "{:?}", site.slurm.calls());
-    assert!(done.stdout.contains("12 runs in 5000 parts"), "{}", done.stdout);
+    assert!(done.stdout.contains("1002 runs in 1002 parts"), "{}", done.stdout);
     assert!(done.stdout.contains("sbatch --dependency=afterany:ARRAY "), "{}", done.stdout);
-    assert!(site.script("sweep", "array.sbatch").contains("--array=0-4999"));
+    assert!(site.script("sweep", "array.sbatch").contains("--array=0-1001"));
     assert!(!exists(site.place.path("sweep/submit/jobs.json")));
     // Somebody may go on from there.
     site.slurm.unset("down");
-    site.runner(&submit("sweep", "2", &["thrown.toml"])).exits(0);
+    site.runner(&submit("sweep", "2", &["many.toml"])).exits(0);
 }

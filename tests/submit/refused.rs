@@ -67,6 +67,30 @@ fn options_that_make_no_sense_here_are_no_options() {
 }
 
 #[test]
+fn parts_and_processors_are_counts_that_make_sense() {
+    let site = Site::new();
+    for parts in ["13", "999999999"] {
+        let done = site.runner(&submit("sweep", parts, &["thrown.toml", "--dry-run"])).exits(2);
+        let words = format!("--parts {parts}: there are 12 runs, and a part without one is a job for nothing");
+        assert!(done.stderr.contains(&words), "{}", done.stderr);
+    }
+    site.runner(&submit("sweep", "12", &["thrown.toml", "--dry-run"])).exits(0);
+    for (option, value, words) in [
+        ("--parts", "0", "a whole number of 1 or more is wanted"),
+        ("--parts", "-1", "a whole number of 1 or more is wanted"),
+        ("--parts", "99999999999999999999", "it is larger than any that is taken here"),
+        ("--cpus", "0", "a whole number of 1 or more is wanted"),
+        ("--cpus", "4294967296", "it is larger than any that is taken here"),
+        ("--jobs", "0", "a whole number of 1 or more is wanted"),
+    ] {
+        let more = if option == "--parts" { vec![] } else { vec!["--parts", "3"] };
+        let typed = [&["submit", "--engine", "slurm", "-o", "sweep", "thrown.toml", option, value], &more[..]].concat();
+        let done = site.runner(&typed).exits(2);
+        assert!(done.stderr.contains(words) && done.stderr.contains(option), "{}", done.stderr);
+    }
+}
+
+#[test]
 fn a_folder_that_cannot_stand_in_a_script_is_refused() {
     let site = Site::new();
     for (folder, words) in
@@ -97,9 +121,10 @@ fn without_a_cluster_it_says_what_to_do() {
 #[test]
 fn what_the_cluster_does_not_take_is_told() {
     let site = Site::new();
-    let done = site.runner(&submit("sweep", "1002", &["thrown.toml"])).exits(2);
+    site.place.block("many.toml", "[sweep]\nrepeat = 1002\n");
+    let done = site.runner(&submit("sweep", "1002", &["many.toml"])).exits(2);
     assert!(done.stderr.contains("--parts 1002: Slurm takes at most 1001 here (MaxArraySize"), "{}", done.stderr);
-    site.runner(&submit("sweep", "1001", &["thrown.toml", "--dry-run"])).exits(0);
+    site.runner(&submit("sweep", "1001", &["many.toml", "--dry-run"])).exits(0);
     site.slurm.set("refuses", "Invalid partition name specified");
     refused(&site, &["thrown.toml", "--partition", "none"], 2, "Invalid partition name specified");
     refused(&site, &["thrown.toml"], 2, "sbatch --test-only");
