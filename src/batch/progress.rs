@@ -6,6 +6,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::{Finished, Job};
+use crate::record::visible;
 
 /// How often a bar is drawn again while nothing ends.
 const TICK: Duration = Duration::from_millis(200);
@@ -122,7 +123,7 @@ fn say(line: &str) {
 /// `push contact.method=exact`
 fn named(job: &Job) -> String {
     let label = if job.label.is_empty() { String::new() } else { format!(" {}", job.label) };
-    format!("{}{label}", job.run.name)
+    visible(&format!("{}{label}", job.run.name)).into_owned()
 }
 
 /// `[ 3/25] push contact.method=exact: passed, 5.000 s in 0.812 s`
@@ -132,6 +133,7 @@ fn line(job: &Job, finished: &Finished, done: usize, runs: usize) -> String {
     let name = format!("[{done:>width$}/{runs}] {}", named(job));
     let times = format!("{:.3} s in {:.3} s", row.metrics.duration_s, row.wall_s);
     let words = row.message.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = visible(&words);
     let message = if words.is_empty() { String::new() } else { format!(": {words}") };
     format!("{name}: {}, {times}{message}", row.outcome.name())
 }

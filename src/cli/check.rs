@@ -2,6 +2,7 @@
 
 use clap::Args;
 use stiction::batch::{CheckFinished, Message, Plan, Severity};
+use stiction::record::visible_path;
 
 use super::Exit;
 use super::machine::{Format, MessageFormat};
@@ -40,7 +41,7 @@ fn summary(plan: &Plan) -> String {
     let mut text = String::new();
     for file in &plan.files {
         let runs = plan.runs_of(file);
-        text += &format!("{}: {}\n", file.display(), plural(runs, "run"));
+        text += &format!("{}: {}\n", visible_path(file), plural(runs, "run"));
     }
     let runs = counted(plan.runs(), plan.references());
     text + &format!("all good: {}, {runs}\n", plural(plan.files.len(), "scenario"))

@@ -24,7 +24,7 @@ impl Inspect {
     /// Prints the robot's model.
     pub fn execute(self) -> Result<Exit, Exit> {
         let robot = robot::load_with(&self.robot, self.repair.then_some(InertiaPolicy::Repair)).map_err(|error| {
-            terminal::complain(&error.render(colour::on_stderr()));
+            terminal::complain_drawn(&error.render(colour::on_stderr()));
             Exit::Invalid
         })?;
         terminal::print(&robot::inspect(&robot))?;

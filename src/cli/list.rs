@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 use stiction::batch::{Plan, Severity};
-use stiction::record::ParamValue;
+use stiction::record::{ParamValue, visible};
 
 use super::Exit;
 use super::machine::MessageFormat;
@@ -48,9 +48,9 @@ impl List {
 }
 
 fn text(plan: &Plan) -> String {
-    let names = (0..plan.runs()).map(|run| plan.scenario(run).chars().count()).max().unwrap_or(0);
+    let names = (0..plan.runs()).map(|run| visible(plan.scenario(run)).chars().count()).max().unwrap_or(0);
     let lines = plan.jobs().map(|job| {
-        let line = format!("{:names$}  {}  {}", job.run.name, job.key, job.label);
+        let line = format!("{:names$}  {}  {}", visible(&job.run.name), job.key, visible(&job.label));
         format!("{}\n", line.trim_end())
     });
     lines.collect()

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use stiction::record::merge::{MergeError, Merged, Shards};
-use stiction::record::table;
+use stiction::record::{table, visible_path};
 
 use super::Exit;
 use super::terminal::{complain, complain_of, plural, print};
@@ -68,7 +68,7 @@ fn summary(merged: &Merged) -> String {
     }
     out += "\nwritten:\n";
     for path in [&merged.summary.csv, &merged.summary.parquet, &merged.runs_log, &merged.page] {
-        let _ = writeln!(out, "  {}", path.display());
+        let _ = writeln!(out, "  {}", visible_path(path));
     }
     out
 }

@@ -146,7 +146,7 @@ impl Selection {
         say(&findings)?;
         if self.strict && findings.count(Severity::Warning) > 0 {
             let wrong = Finding::Plan("with --strict, warnings are errors".into());
-            terminal::complain(&wrong.render(colour::on_stderr()));
+            terminal::complain_drawn(&wrong.render(colour::on_stderr()));
             format.tell(Message::Diagnostic((&wrong).into()))?;
             return Err(Exit::Invalid);
         }

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use clap::Args;
 use stiction::batch::{BatchError, Interrupter, Severity};
+use stiction::record::visible;
 use stiction::replay::{self, Change, Left, ReplayError};
 
 use super::each::Which;
@@ -87,7 +88,7 @@ impl Replay {
             *slot = Some(prepared.interrupter());
         }
         let again = prepared.run(left).map_err(refuse)?;
-        let name = format!("{} {}", left.record.scenario, left.record.key);
+        let name = format!("{} {}", visible(&left.record.scenario), left.record.key);
         again.changes.iter().for_each(|change| complain(&format!("warning: {name}: {change}")));
         if again.left.was_cut() && !left.was_cut() {
             let at = again.left.record.metrics.duration_s;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{
-    FoundRun, Listing, Made, Pictured, RecordError, ReportRun, Seen, SummaryRow, list_records, may_replace,
+    FoundRun, Listing, Made, Pictured, RecordError, ReportRun, Seen, SummaryRow, list_records, may_replace, visible_path,
     write_report_of, write_summary_of,
 };
 
@@ -59,7 +59,7 @@ impl Report {
         let accuracy = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>());
         let air = if accuracy.is_empty() { "" } else { "\n" };
         let written: Vec<String> =
-            [&files.csv, &files.parquet, &page].iter().map(|path| format!("  {}\n", path.display())).collect();
+            [&files.csv, &files.parquet, &page].iter().map(|path| format!("  {}\n", visible_path(path))).collect();
         print(&format!("{accuracy}{air}written:\n{}", written.concat()))?;
         Ok(Exit::Success)
     }

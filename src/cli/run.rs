@@ -12,7 +12,7 @@ use stiction::batch::{
 };
 use stiction::link::Pace;
 use stiction::record::pareto::{Work, pareto_table};
-use stiction::record::{Shown, SummaryRow, table, verdicts};
+use stiction::record::{Shown, SummaryRow, table, verdicts, visible, visible_path};
 
 use super::each::Each;
 use super::live::{Live, tell};
@@ -235,33 +235,39 @@ pub(super) fn summary(
     }
     for run in report.references.iter().chain(&report.finished).filter(|r| is_slow(slow, r.row.wall_s)) {
         let row = &run.row;
-        let _ = writeln!(out, "slow: {} {} took {:.3} s", row.scenario, row.key, row.wall_s);
+        let _ = writeln!(out, "slow: {} {} took {:.3} s", visible(&row.scenario), row.key, row.wall_s);
     }
     for run in report.references.iter().filter(|r| !r.accepted) {
         let (row, name) = (&run.row, run.row.outcome.name());
-        let _ = writeln!(out, "{name} {} reference {}: {}", row.scenario, row.key, row.message);
+        let _ = writeln!(out, "{name} {} reference {}: {}", visible(&row.scenario), row.key, visible(&row.message));
     }
     for run in &report.finished {
         for note in &run.notes {
-            let _ = writeln!(out, "{} {}: {note}", run.row.scenario, run.row.key);
+            let _ = writeln!(out, "{} {}: {}", visible(&run.row.scenario), run.row.key, visible(note));
         }
     }
     for reference in &report.references {
         for note in &reference.notes {
-            let _ = writeln!(out, "{} reference {}: {note}", reference.row.scenario, reference.row.key);
+            let _ = writeln!(
+                out,
+                "{} reference {}: {}",
+                visible(&reference.row.scenario),
+                reference.row.key,
+                visible(note)
+            );
         }
     }
     let Some(files) = &report.summary else { return out };
     out += "\nwritten:\n";
     let own = [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page).map(PathBuf::as_path);
     for path in own.chain(junit) {
-        let _ = writeln!(out, "  {}", path.display());
+        let _ = writeln!(out, "  {}", visible_path(path));
     }
     for file in report.references.iter().take(MOST_NAMED).flat_map(|f| &f.files) {
-        let _ = writeln!(out, "  {}", file.display());
+        let _ = writeln!(out, "  {}", visible_path(file));
     }
     for file in report.finished.iter().take(MOST_NAMED).flat_map(|f| &f.files) {
-        let _ = writeln!(out, "  {}", file.display());
+        let _ = writeln!(out, "  {}", visible_path(file));
     }
     if let more @ 1.. = report.tally.runs().saturating_sub(MOST_NAMED) {
         let _ = writeln!(out, "  and the same for {}", plural(more, "more run"));

@@ -5,6 +5,7 @@ use std::io::{ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use stiction::batch::{Findings, Severity};
+use stiction::record::visible_lines;
 use stiction::scenario::Diagnostic;
 
 use super::{Exit, colour};
@@ -34,14 +35,20 @@ pub fn written(outcome: std::io::Result<()>) -> Result<(), Exit> {
     }
 }
 
-/// Says something on standard error; if nobody listens, so be it.
+/// Says something on standard error; if nobody listens, so be it. Names in it may have control characters, which are shown
+/// and not obeyed.
 pub fn complain(text: &str) {
+    complain_drawn(&visible_lines(text));
+}
+
+/// The same of what is drawn already, with colours.
+pub fn complain_drawn(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// Says what went wrong, as a diagnostic without a place is said.
 pub fn complain_of(wrong: impl Display) {
-    complain(&Diagnostic::bare(&wrong.to_string(), colour::on_stderr()));
+    complain_drawn(&Diagnostic::bare(&visible_lines(&wrong.to_string()), colour::on_stderr()));
 }
 
 /// Says all findings of at least this severity, and below them how many errors and warnings there are, if any.
@@ -50,7 +57,7 @@ pub fn show(findings: &Findings, least: Severity) {
     for finding in findings.iter().filter(|f| f.severity() >= least) {
         // Diagnostics with a piece of source need air between them.
         let air = if finding.is_block() { "\n" } else { "" };
-        complain(&format!("{}{air}", finding.render(colour)));
+        complain_drawn(&format!("{}{air}", finding.render(colour)));
     }
     let counts =
         [(Severity::Error, "error"), (Severity::Warning, "warning")].map(|(s, word)| (findings.count(s), word));

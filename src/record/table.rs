@@ -3,6 +3,7 @@
 use super::SummaryRow;
 use super::parameter::is_truth;
 use super::summary::{parameter, parameter_names};
+use super::visible;
 use crate::sim::Outcome;
 use std::fmt::Write;
 
@@ -23,7 +24,8 @@ pub fn table(rows: &[SummaryRow]) -> String {
     }
     for row in rows.iter().filter(|r| r.outcome != Outcome::Passed && !r.message.is_empty()) {
         // A String takes every write.
-        let _ = writeln!(out, "{} {} {}: {}", row.outcome.name(), row.scenario, row.key, one_line(&row.message));
+        let (scenario, words) = (visible(&row.scenario), one_line(&row.message));
+        let _ = writeln!(out, "{} {scenario} {}: {}", row.outcome.name(), row.key, visible(&words));
     }
     out
 }
@@ -75,7 +77,7 @@ fn cells(row: &SummaryRow, names: &[&str]) -> Vec<String> {
 }
 
 pub(super) fn clip(text: &str) -> String {
-    let text = one_line(text);
+    let text = one_line(&visible(text));
     if text.chars().count() <= WIDEST { text } else { text.chars().take(WIDEST - 1).chain(['…']).collect() }
 }
 

@@ -3,7 +3,7 @@
 use super::number;
 use super::parameter::is_truth;
 use super::table::{align, clip};
-use super::{ParamValue, SummaryRow};
+use super::{ParamValue, SummaryRow, visible};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
@@ -136,5 +136,6 @@ pub(super) fn brief_parameters(row: &SummaryRow, wanted: impl Fn(&str) -> bool) 
     };
     let text =
         named.iter().map(|(name, value)| format!("{}={}", short(name), brief(value))).collect::<Vec<_>>().join(" ");
+    let text = visible(&text).into_owned();
     if text.chars().count() <= WIDEST { text } else { text.chars().take(WIDEST - 1).chain(['…']).collect() }
 }

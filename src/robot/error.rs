@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use super::source::Source;
 use crate::excerpt::{cut, excerpt};
+use crate::record::{visible_lines, visible_path};
 
 /// Why a robot could not be loaded or changed.
 #[derive(Clone, Debug, Error)]
@@ -67,8 +68,8 @@ impl RobotError {
         let Some(fault) = self.fault() else {
             return renderer.render(&[Group::with_title(Level::ERROR.primary_title(self.to_string()))]);
         };
-        let path = fault.file().display().to_string();
-        let title = Level::ERROR.primary_title(fault.message.as_str());
+        let path = visible_path(fault.file());
+        let title = Level::ERROR.primary_title(visible_lines(&fault.message));
         let mut group = match excerpt(fault.source.text(), fault.span.clone()) {
             Some(shown) => {
                 let annotation = AnnotationKind::Primary.span(shown.piece).label(fault.label());

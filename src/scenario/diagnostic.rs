@@ -6,6 +6,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 use super::source::{Source, Sources, Span, line_column};
 use crate::excerpt::{cut, excerpt};
+use crate::record::{visible, visible_lines};
 
 /// How bad it is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -126,12 +127,14 @@ impl Diagnostic {
         let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
         let shown = self.snippet.as_ref().and_then(|(source, range)| excerpt(&source.text, range.clone()));
         let is_shown = shown.is_some();
-        let mut group = level.primary_title(&self.message).elements(shown.map(|shown| {
+        // Names of files and keys may have what a terminal would obey.
+        let (message, file) = (visible_lines(&self.message), visible(&self.file));
+        let mut group = level.primary_title(message).elements(shown.map(|shown| {
             let mark = AnnotationKind::Primary.span(shown.piece);
-            Snippet::source(shown.text).line_start(shown.line).path(&self.file).annotation(mark)
+            Snippet::source(shown.text).line_start(shown.line).path(file.clone()).annotation(mark)
         }));
         if !is_shown {
-            let origin = annotate_snippets::Origin::path(&self.file);
+            let origin = annotate_snippets::Origin::path(file.clone());
             group = group.element(match self.place {
                 Some(Place { line, column }) => origin.line(line).char_column(column),
                 None => origin,

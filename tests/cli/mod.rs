@@ -14,6 +14,7 @@ mod isolation;
 mod junit;
 mod many;
 mod messages;
+mod names;
 mod pages;
 mod replaced;
 mod report;

@@ -19,7 +19,7 @@ use super::live::Live;
 use super::machine::MessageFormat;
 use super::prepare::{Selection, only};
 use super::signals::{Asked, when_asked_to_end};
-use super::terminal::{complain, complain_of, print};
+use super::terminal::{complain, complain_drawn, complain_of, print};
 use super::{Exit, colour, motor_server, numbers};
 use script::Coming;
 
@@ -147,6 +147,6 @@ fn exit_of(error: &ConsoleError) -> Exit {
 }
 
 fn refuse(error: &ConsoleError) -> Exit {
-    complain(&error.render(colour::on_stderr()));
+    complain_drawn(&error.render(colour::on_stderr()));
     exit_of(error)
 }

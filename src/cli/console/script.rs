@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use stiction::link::console::{ConsoleError, Session};
 
-use super::super::terminal::{complain, complain_of, print};
+use super::super::terminal::{complain, complain_drawn, complain_of, print};
 use super::super::{Exit, colour};
 use super::{Interruption, exit_of};
 
@@ -69,7 +69,7 @@ pub fn lines(
             Exit::Invalid
         })?;
         if let Err(error) = obey(session, &line, stop)? {
-            complain(&format!("{from}:{}: {}", i + 1, error.render(colour::on_stderr())));
+            complain_drawn(&format!("{from}:{}: {}", i + 1, error.render(colour::on_stderr())));
             end = exit_of(&error);
             if end != Exit::Failed {
                 return Err(end);

@@ -4,6 +4,7 @@ use std::fmt::{self, Display, Formatter};
 
 use super::Changes;
 use crate::record::table::align;
+use crate::record::visible;
 
 /// Differences that are named one by one.
 const MOST: usize = 50;
@@ -12,11 +13,11 @@ impl Display for Changes {
     /// Runs that one side lacks, outcomes, values beyond what is allowed, every column that differs, and a count.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         for (rows, side) in [(&self.only_in_a, "A"), (&self.only_in_b, "B")] {
-            rows.iter().take(MOST).try_for_each(|run| writeln!(f, "only in {side}: {run}"))?;
+            rows.iter().take(MOST).try_for_each(|run| writeln!(f, "only in {side}: {}", visible(run)))?;
             more(f, rows.len(), "runs")?;
         }
         for change in self.outcomes.iter().take(MOST) {
-            writeln!(f, "outcome: {}: {} in A, {} in B", change.run, change.a, change.b)?;
+            writeln!(f, "outcome: {}: {} in A, {} in B", visible(&change.run), change.a, change.b)?;
         }
         more(f, self.outcomes.len(), "outcomes")?;
         if !self.beyond.is_empty() {
@@ -24,7 +25,14 @@ impl Display for Changes {
             let lines = self.beyond.iter().take(MOST).map(|d| {
                 let cell = |text: &str| if text.is_empty() { "-".to_owned() } else { text.to_owned() };
                 let distance = d.distance.map_or("-".to_owned(), |x| format!("{x:.2e}"));
-                vec![d.column.clone(), d.run.clone(), cell(&d.a), cell(&d.b), distance, format!("{:.2e}", d.allowed)]
+                vec![
+                    d.column.clone(),
+                    visible(&d.run).into_owned(),
+                    cell(&d.a),
+                    cell(&d.b),
+                    distance,
+                    format!("{:.2e}", d.allowed),
+                ]
             });
             write!(f, "{}", aligned(&header, lines))?;
             more(f, self.beyond.len(), "values")?;
