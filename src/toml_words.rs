@@ -54,13 +54,17 @@ pub fn mistake(error: &Error, text: &str, look: bool) -> Mistake {
 
 const DUPLICATE: &str = "duplicate key";
 
-/// Is this said of a key that is there twice?
-pub fn is_duplicate(message: &str) -> bool {
+fn is_duplicate(message: &str) -> bool {
     message.starts_with(DUPLICATE)
 }
 
+/// The dotted path of the key that is there twice, if [`mistake`] said this of one.
+pub fn duplicate(message: &str) -> Option<&str> {
+    message.strip_prefix(DUPLICATE)?.strip_prefix(" `")?.strip_suffix('`')
+}
+
 /// The path of a key that is there for the second time at `piece`, and where it is for the first time.
-pub fn twice(text: &str, piece: &Range<usize>) -> Option<(Vec<String>, Option<Range<usize>>)> {
+fn twice(text: &str, piece: &Range<usize>) -> Option<(Vec<String>, Option<Range<usize>>)> {
     // Under another name, which nobody takes, it has its place in the tree; the parser drops it otherwise.
     let other = [&text[..piece.start], "\"\\u0001\\u0002\"", &text[piece.end..]].concat();
     let (document, _) = DeTable::parse_recoverable(&other);

@@ -92,9 +92,7 @@ impl Replay {
         again.changes.iter().for_each(|change| complain(&format!("warning: {name}: {change}")));
         if again.left.was_cut() && !left.was_cut() {
             let at = again.left.record.metrics.duration_s;
-            complain(&format!(
-                "error: {name}: not finished within --timeout, it stands at {at} s: nothing is compared"
-            ));
+            complain_of(format!("{name}: not finished within --timeout, it stands at {at} s: nothing is compared"));
             return Err(Exit::Unfinished);
         }
         let differences = replay::compare(left, &again);

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{
-    FoundRun, Listing, Made, Pictured, RecordError, ReportRun, Seen, SummaryRow, list_records, may_replace, visible_path,
-    write_report_of, write_summary_of,
+    FoundRun, Listing, Made, Pictured, RecordError, ReportRun, Seen, SummaryRow, list_records, may_replace,
+    visible_path, write_report_of, write_summary_of,
 };
 
 use super::Exit;

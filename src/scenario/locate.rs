@@ -10,8 +10,8 @@ impl Diagnostic {
     /// is no TOML.
     pub fn key(&self) -> Option<String> {
         let (source, range) = self.snippet.as_ref()?;
-        if toml_words::is_duplicate(&self.message) {
-            return toml_words::twice(&source.text, range).map(|(path, _)| toml_words::dotted(&path));
+        if let Some(path) = toml_words::duplicate(&self.message) {
+            return Some(path.to_owned());
         }
         let mut best = None;
         narrow(source.root(), &mut Vec::new(), range.start, &mut best);

@@ -9,6 +9,8 @@ use crate::toml_words;
 
 /// Mistakes of a file that are looked into.
 const MOST_LOOKED_FOR: usize = 20;
+/// Bytes of a text beyond which none is looked for.
+const LONGEST_LOOKED_THROUGH: usize = 1 << 20;
 
 /// A value and its place.
 #[derive(Clone, Debug)]
@@ -46,7 +48,7 @@ impl Node {
         for (count, error) in errors.iter().enumerate() {
             // To look for keys that are there twice takes as long as reading the file does, each time.
             let toml_words::Mistake { piece, message, help } =
-                toml_words::mistake(error, text, count < MOST_LOOKED_FOR);
+                toml_words::mistake(error, text, count < MOST_LOOKED_FOR && text.len() < LONGEST_LOOKED_THROUGH);
             findings.error(start + piece.start..start + piece.end, message, help);
         }
         let value = table(document.get_ref(), start, findings);

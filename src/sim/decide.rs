@@ -34,10 +34,8 @@ impl Simulation {
         self.plant.evaluate_free();
         self.find_friction(observer)?;
         self.plant.point_directions();
-        if self.plant.method.locates_events() {
-            if self.locates() {
-                self.count_event()?;
-            }
+        if self.plant.method.locates_events() && self.locates() {
+            self.count_event()?;
         }
         let mut impacts = 0;
         for round in 1..=SETTLE {

@@ -91,7 +91,7 @@ fn a_key_that_is_there_twice_is_named_with_the_first() {
 
 #[test]
 fn what_is_long_is_cut() {
-    let long = "k".repeat(1 << 20);
+    let long = "k".repeat(1 << 18);
     for text in [format!("{long} = 1"), format!("contact.method = \"{long}\""), format!("duration = \"{long}\"")] {
         let found = first(&text);
         let shown = found.to_string();
