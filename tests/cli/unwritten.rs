@@ -156,3 +156,17 @@ fn help_manual_and_documentation_have_one_table() {
     let run = std::fs::read_to_string(place.path("man/runner-run.1")).unwrap();
     assert!(run.contains("<\\fISCENARIO\\fR>..."), "{run}");
 }
+
+/// What else there is to tell is told all the same.
+#[test]
+fn test_results_that_nobody_got_are_3_below_the_table() {
+    let place = Place::new();
+    place.block("s.toml", "");
+    let arguments = ["s.toml", "--set", "duration=0.05", "--junit", "/dev/full"];
+    let done = place.runner(&arguments).exits(3);
+    assert!(done.stdout.contains("written:\n  results/summary.csv\n"), "{}", done.stdout);
+    assert!(done.stderr.ends_with("error: /dev/full: No space left on device (os error 28)\n"), "{}", done.stderr);
+    let done = place.runner(&[&arguments[..], &["--message-format", "json"]].concat()).exits(3);
+    let last = done.stdout.lines().last().unwrap();
+    assert!(last.contains("results/summary.csv") && last.contains("No space left on device"), "{last}");
+}
