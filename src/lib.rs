@@ -27,3 +27,4 @@ pub mod submit;
 pub mod task;
 mod toml_words;
 pub mod view;
+pub mod visible;

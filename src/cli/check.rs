@@ -2,7 +2,7 @@
 
 use clap::Args;
 use stiction::batch::{CheckFinished, Message, Plan, Severity};
-use stiction::record::visible_path;
+use stiction::visible::visible_path;
 
 use super::Exit;
 use super::machine::{Format, MessageFormat};

@@ -3,7 +3,8 @@
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 use stiction::batch::{Plan, Severity};
-use stiction::record::{ParamValue, visible};
+use stiction::record::ParamValue;
+use stiction::visible::visible;
 
 use super::Exit;
 use super::machine::MessageFormat;

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use stiction::record::merge::{MergeError, Merged, Shards};
-use stiction::record::{table, visible_path};
+use stiction::record::table;
+use stiction::visible::visible_path;
 
 use super::Exit;
 use super::terminal::{complain, complain_of, plural, print};

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use clap::Args;
 use stiction::batch::{BatchError, Interrupter, Severity};
-use stiction::record::visible;
 use stiction::replay::{self, Change, Left, ReplayError};
+use stiction::visible::visible;
 
 use super::each::Which;
 use super::signals::when_asked_to_end;

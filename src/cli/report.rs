@@ -6,8 +6,9 @@ use clap::Args;
 use stiction::record::pareto::{Work, pareto_table};
 use stiction::record::{
     FoundRun, Listing, Made, Pictured, RecordError, ReportRun, Seen, SummaryRow, list_records, may_replace,
-    visible_path, write_report_of, write_summary_of,
+    write_report_of, write_summary_of,
 };
+use stiction::visible::visible_path;
 
 use super::Exit;
 use super::terminal::{complain, complain_of, plural, print};

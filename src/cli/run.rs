@@ -12,7 +12,8 @@ use stiction::batch::{
 };
 use stiction::link::Pace;
 use stiction::record::pareto::{Work, pareto_table};
-use stiction::record::{Shown, SummaryRow, table, verdicts, visible, visible_path};
+use stiction::record::{Shown, SummaryRow, table, verdicts};
+use stiction::visible::{visible, visible_path};
 
 use super::each::Each;
 use super::live::{Live, tell};

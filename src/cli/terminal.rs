@@ -5,8 +5,8 @@ use std::io::{ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use stiction::batch::{Findings, Severity};
-use stiction::record::visible_lines;
 use stiction::scenario::Diagnostic;
+use stiction::visible::visible_lines;
 
 use super::{Exit, colour};
 

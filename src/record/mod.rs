@@ -41,7 +41,6 @@ mod summary;
 mod table;
 mod tally;
 mod verdict;
-mod visible;
 
 pub use atomic::{Made, may_replace};
 pub(crate) use atomic::{SESSION, remove_partial, write_named};
@@ -71,4 +70,3 @@ pub use summary::{Rows, SummaryFiles, summary_frame, write_summary, write_summar
 pub use table::table;
 pub use tally::Tally;
 pub use verdict::{Shown, Verdict, verdicts};
-pub use visible::{visible, visible_lines, visible_path};

@@ -3,8 +3,8 @@
 use super::SummaryRow;
 use super::parameter::is_truth;
 use super::summary::{parameter, parameter_names};
-use super::visible;
 use crate::sim::Outcome;
+use crate::visible::visible;
 use std::fmt::Write;
 
 /// Longest cell of text; longer ones end in an ellipsis.

@@ -3,7 +3,8 @@
 use super::number;
 use super::parameter::is_truth;
 use super::table::{align, clip};
-use super::{ParamValue, SummaryRow, visible};
+use super::{ParamValue, SummaryRow};
+use crate::visible::visible;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;

@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::source::Source;
 use crate::excerpt::{cut, excerpt};
-use crate::record::{visible_lines, visible_path};
+use crate::visible::{visible_lines, visible_path};
 
 /// Why a robot could not be loaded or changed.
 #[derive(Clone, Debug, Error)]

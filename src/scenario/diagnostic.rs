@@ -6,7 +6,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 use super::source::{Source, Sources, Span, line_column};
 use crate::excerpt::{cut, excerpt};
-use crate::record::{visible, visible_lines};
+use crate::visible::{visible, visible_lines};
 
 /// How bad it is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]

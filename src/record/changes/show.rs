@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 
 use super::Changes;
 use crate::record::table::align;
-use crate::record::visible;
+use crate::visible::visible;
 
 /// Differences that are named one by one.
 const MOST: usize = 50;
