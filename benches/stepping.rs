@@ -3,16 +3,17 @@
 
 use divan::Bencher;
 use std::path::Path;
-use stiction::contact::candidate::Solution;
-use stiction::contact::judge::Rules;
-use stiction::contact::method;
-use stiction::contact::problem::Tolerances;
-use stiction::contact::select::Selector;
-use stiction::contact::state::{MAX_SOLES, Pattern, SoleState, States};
+use stiction::assemble;
+use stiction::contact::methods::method;
+use stiction::contact::model::problem::Tolerances;
+use stiction::contact::model::state::{MAX_SOLES, Pattern, SoleState, States};
+use stiction::contact::search::candidate::Solution;
+use stiction::contact::search::judge::Rules;
+use stiction::contact::search::select::Selector;
 use stiction::robot;
 use stiction::scenario;
 use stiction::sim::plant::Plant;
-use stiction::sim::{Blind, Setup, Simulation, build};
+use stiction::sim::{Blind, Setup, Simulation};
 
 const ADAPTIVE: &str = "method = \"dopri5\", max_step = 1e-3";
 
@@ -34,7 +35,7 @@ fn setup(method: &str, integrator: &str) -> Setup {
     let file = scenario::parse(&root.join("bench.toml"), &text).expect("our own scenario");
     let run = file.expand(&[]).expect("a single run").remove(0);
     let robot = robot::load(&run.resolve(&run.scenario.robot.model)).expect("our own robot");
-    build::setup(&run, &robot).unwrap_or_else(|e| panic!("{e}"))
+    assemble::setup(&run, &robot).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A run that has left its start behind.

@@ -4,13 +4,14 @@
 use divan::Bencher;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use stiction::link::{Address, MotorServer, Pace, Remote};
-use stiction::record::{Document, LogHeader, LogWriter, Outlet, Topics};
+use stiction::assemble;
+use stiction::log::{Document, LogHeader, LogWriter, Outlet, Topics};
+use stiction::remote::{Address, MotorServer, Pace, Remote};
 use stiction::robot;
 use stiction::scenario;
 use stiction::sim::estimate::EstimatorSetup;
 use stiction::sim::remote::RemoteRun;
-use stiction::sim::{Blind, Observer, Setup, Simulation, build};
+use stiction::sim::{Blind, Observer, Setup, Simulation};
 
 /// 100 control ticks, s.
 const TICKS: f64 = 0.1;
@@ -27,7 +28,7 @@ fn setup() -> Setup {
     let file = scenario::parse(&root.join("bench.toml"), text).expect("our own scenario");
     let run = file.expand(&[]).expect("a single run").remove(0);
     let robot = robot::load(&run.resolve(&run.scenario.robot.model)).expect("our own robot");
-    build::setup(&run, &robot).unwrap_or_else(|e| panic!("{e}"))
+    assemble::setup(&run, &robot).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Times a tenth of a second of a run that goes on.
@@ -114,7 +115,7 @@ mod live {
 
     fn watched(bencher: Bencher, client: Client, folder: Option<&Path>) {
         let setup = setup();
-        let server = stiction::link::live::Live::start("127.0.0.1:0".parse().expect("an address")).expect("it listens");
+        let server = stiction::live::Live::start("127.0.0.1:0".parse().expect("an address")).expect("it listens");
         let mut log = log(&setup, folder, Some(server.outlet()));
         let stream = (client != Client::Nobody).then(|| connect(server.address()));
         let came = server.wait(Duration::from_secs(if stream.is_some() { 60 } else { 0 }), &AtomicBool::new(false));

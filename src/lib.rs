@@ -1,23 +1,30 @@
 //! Scenario runner for legged-robot contact.
 //!
-//! Data flows one way: `scenario` files name a `robot`; `sim` couples `dynamics`, `contact`, `integrate`, `force` and
-//! `task` into one run; `record` keeps what it tells; `batch` drives many runs; `cli` only translates.
+//! Data flows one way: `scenario` files name a `robot`; `assemble` joins the two; `sim` couples `dynamics`, `contact`,
+//! `integrate`, `force` and `task` into one run; `log` and `results` write its files; `batch` drives many runs; the
+//! program's `cli` only translates.
 
+pub mod assemble;
 pub mod batch;
 pub mod collision;
+pub mod console;
 pub mod contact;
 pub mod dynamics;
-mod excerpt;
+pub mod export;
+pub mod files;
 pub mod force;
 pub mod geometry;
-mod input_file;
 pub mod integrate;
-pub mod link;
+pub mod linalg;
+#[cfg(feature = "live")]
+pub mod live;
+pub mod log;
 pub mod motion;
-mod pattern;
 pub mod random;
-pub mod record;
+pub mod remote;
 pub mod replay;
+pub mod report;
+pub mod results;
 pub mod robot;
 pub mod scenario;
 pub mod schema_page;
@@ -25,6 +32,5 @@ pub mod script;
 pub mod sim;
 pub mod submit;
 pub mod task;
-mod toml_words;
+pub mod text;
 pub mod view;
-pub mod visible;

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use stiction::assemble;
 use stiction::scenario::Run;
-use stiction::sim::{Simulation, build};
+use stiction::sim::Simulation;
 
 use super::{scenario, tree};
 
@@ -51,7 +52,7 @@ pub fn take(data: &[u8]) {
     let Some(mut run) = run else { return };
     run.inputs[0].bytes = bytes.into();
     let Some(robot) = tree::robot(&run) else { panic!("HOAP-2 is not there") };
-    match build::setup(&run, &robot) {
+    match assemble::setup(&run, &robot) {
         Ok(setup) => {
             let _ = Simulation::new(setup);
         }

@@ -1,8 +1,9 @@
 //! Scenario files: read, expanded, each run judged and met with its robot.
 
+use stiction::assemble;
 use stiction::robot::Robot;
 use stiction::scenario::{self, Diagnostics, Run};
-use stiction::sim::{Simulation, build};
+use stiction::sim::Simulation;
 
 use super::tree;
 
@@ -56,7 +57,7 @@ fn again(run: &Run) {
 }
 
 fn meet(run: &Run, robot: &Robot) {
-    match build::setup(run, robot) {
+    match assemble::setup(run, robot) {
         Ok(setup) => {
             let _ = Simulation::new(setup);
         }

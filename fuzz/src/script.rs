@@ -1,7 +1,8 @@
 //! Scripts of tasks and forces: loaded, and called as a run's first steps call them. The first byte says what for.
 
+use stiction::assemble;
 use stiction::scenario::Run;
-use stiction::sim::{Blind, Simulation, build};
+use stiction::sim::{Blind, Simulation};
 
 use super::{scenario, tree};
 
@@ -48,7 +49,7 @@ pub fn take(data: &[u8]) {
     let Some(mut run) = run else { return };
     run.inputs[0].bytes = bytes.into();
     let Some(robot) = tree::robot(&run) else { panic!("a robot of the repository is not there") };
-    let setup = match build::setup(&run, &robot) {
+    let setup = match assemble::setup(&run, &robot) {
         Ok(setup) => setup,
         Err(wrong) => return scenario::show(&wrong),
     };

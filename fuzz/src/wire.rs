@@ -4,7 +4,7 @@
 //! Whatever is taken is written again, and must come out as it came in.
 
 use stiction::dynamics::chain::FrameMotion;
-use stiction::link::wire::{
+use stiction::remote::wire::{
     self, HEADER, Header, Hello, Key, Kind, Welcome, fingerprint, flags, read_control, read_sensing, write_control,
     write_sensing,
 };

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::record::Outlet;
+use crate::log::Outlet;
 
 /// How often a second of a run is told when its scenario wants no log.
 pub(super) const RATE: f64 = 60.0;

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use cpu_time::ThreadTime;
 
-use crate::record::{BUILD, Machine, Repeats, Timing};
+use crate::results::{BUILD, Machine, Repeats, Timing};
 
 /// Started with a run, on its thread.
 pub(super) struct Clock {

@@ -12,7 +12,8 @@ use super::clock::{self, Lap};
 use super::event::{Event, Work};
 use super::store::Store;
 use super::{Cancellation, Finished, Job, Listener, Options, Plan, Progress, Reason, Resumed};
-use crate::record::{RecordError, RunRecord, RunsLog};
+use crate::files::RecordError;
+use crate::results::{RunRecord, RunsLog};
 use crate::sim::Outcome;
 
 /// A run that has started and not finished.

@@ -53,7 +53,7 @@ pub(super) fn execute(
 struct WaitedFor<'a, 'p> {
     schedule: &'a Schedule<'p>,
     work: Work,
-    result: Option<Result<crate::record::ReferenceMotion, String>>,
+    result: Option<Result<crate::results::ReferenceMotion, String>>,
 }
 
 impl Drop for WaitedFor<'_, '_> {

@@ -1,6 +1,6 @@
 //! The verdict on a finished run.
 
-use crate::record::{SummaryRow, Verdict, metric};
+use crate::results::{SummaryRow, Verdict, metric};
 use crate::scenario::Expect;
 use crate::sim::Outcome;
 
@@ -48,7 +48,7 @@ fn verdict(expect: &Expect, row: &SummaryRow) -> Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::Comparison;
+    use crate::results::Comparison;
     use crate::scenario::ExpectedOutcome;
     use crate::sim::Metrics;
 

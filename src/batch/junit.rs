@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use super::planner::RESERVED;
 use super::{BatchError, Finished, Job, Listener, Plan, Role};
-use crate::record::{JunitCase, JunitStatus, Made, RecordError, Verdict, may_replace, write_junit};
+use crate::files::{Made, RecordError, may_replace};
+use crate::results::{JunitCase, JunitStatus, Verdict, write_junit};
 use crate::sim::Outcome;
 
 /// Listens to a batch, and writes what became of every run of the plan.

@@ -44,9 +44,10 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
-use crate::record::{
-    Machine, PROGRAM, Pictured, RecordError, ReferenceMotion, ReportRun, RunsLog, SHARD_LIST, SummaryFiles, SummaryRow,
-    Tally, confined, remove_partial, write_report_of, write_summary_of,
+use crate::files::{RecordError, confined, remove_partial};
+use crate::report::{Pictured, ReportRun, write_report_of};
+use crate::results::{
+    Machine, PROGRAM, ReferenceMotion, RunsLog, SHARD_LIST, SummaryFiles, SummaryRow, Tally, write_summary_of,
 };
 use crate::sim::{Outcome, Problems};
 
@@ -136,7 +137,7 @@ pub struct Finished {
 pub struct Report {
     /// Numbers of all finished runs.
     pub tally: Tally,
-    /// Finished runs in the order of the plan: all of them unless they are more than [`MOST_KEPT`](crate::record::MOST_KEPT),
+    /// Finished runs in the order of the plan: all of them unless they are more than [`MOST_KEPT`](crate::results::MOST_KEPT),
     /// else the first of those that went wrong and of the others.
     pub finished: Vec<Finished>,
     /// How many of all finished runs did not end as they should, those apart of which an expectation did not hold.

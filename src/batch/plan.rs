@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::robots::Robots;
 use super::{Options, Part};
-use crate::record::{ParamValue, is_truth};
+use crate::results::{ParamValue, is_truth};
 use crate::robot::Robot;
 use crate::scenario::{Expansion, Run};
 

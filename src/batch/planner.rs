@@ -7,11 +7,11 @@ use std::sync::{Arc, Mutex};
 use super::plan::{NONE, Plan, Source, Ticket, Traits};
 use super::robots::Robots;
 use super::{Finding, Findings, keys};
-use crate::input_file;
-use crate::record::SHARD_LIST;
+use crate::assemble::setup;
+use crate::files::input;
+use crate::results::SHARD_LIST;
 use crate::robot::{Robot, RobotError};
 use crate::scenario::{self, Diagnostic, Diagnostics, Expansion, Run, ScenarioFile, Severity};
-use crate::sim::build::setup;
 
 /// Errors after which checking gives up.
 const MAX_ERRORS: usize = 50;
@@ -242,7 +242,7 @@ impl Planner {
             if !self.looked_at.insert(path.clone()) {
                 continue;
             }
-            if let Some(real) = input_file::led_out(home, &path) {
+            if let Some(real) = input::led_out(home, &path) {
                 let message = format!("a symbolic link leads elsewhere: {} is {}", path.display(), real.display());
                 let mut warning = run.error_at(key, message, None);
                 warning.severity = Severity::Warning;

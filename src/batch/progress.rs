@@ -6,7 +6,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::{Finished, Job};
-use crate::visible::visible;
+use crate::text::visible::visible;
 
 /// How often a bar is drawn again while nothing ends.
 const TICK: Duration = Duration::from_millis(200);

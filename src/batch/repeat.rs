@@ -13,8 +13,8 @@ use super::clock::{Clock, Lap};
 use super::event::{Event, Work};
 use super::execute::Drained;
 use super::{Cancellation, Job, Plan, Reason, guard};
+use crate::assemble::setup;
 use crate::script::stoppable;
-use crate::sim::build::setup;
 use crate::sim::{Blind, Outcome, Setup, Simulation};
 
 /// Repeats each of these runs as often as it asks for and tells `events` of it.

@@ -9,7 +9,9 @@ use std::path::Path;
 use super::dispatch::is_to_repeat;
 use super::store::Store;
 use super::{Finished, Job, Options, Plan, Role, stale};
-use crate::record::{BUILD, MAX_PROBLEMS, ParamValue, RecordError, RunRecord, SummaryRow, log_fault, remove_partial};
+use crate::files::{RecordError, remove_partial};
+use crate::log::MAX_PROBLEMS;
+use crate::results::{BUILD, ParamValue, RunRecord, SummaryRow, log_fault};
 use crate::sim::{Outcome, Problems};
 
 /// What is there already of a batch.

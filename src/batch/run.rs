@@ -6,9 +6,10 @@ use super::clock::Clock;
 use super::judge::judge;
 use super::schedule::Against;
 use super::{Body, Cancellation, Finished, Job, Options, Reason, Role, Track, Wanted, guard};
-use crate::record::{
-    Comparison, InputHash, LeftLog, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, confined,
-    hash_input, metric, remove_partial,
+use crate::files::{confined, remove_partial};
+use crate::results::{
+    Comparison, InputHash, LeftLog, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, hash_input,
+    metric,
 };
 use crate::script::stoppable;
 use crate::sim::{AvoidanceTime, Metrics, Outcome, Problems};

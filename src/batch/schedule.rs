@@ -9,7 +9,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use super::cancel::Gate;
 use super::event::Work;
 use super::{Plan, Resumed};
-use crate::record::ReferenceMotion;
+use crate::results::ReferenceMotion;
 
 /// The reference run that a run is compared with.
 #[derive(Clone, Debug)]

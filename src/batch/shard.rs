@@ -5,7 +5,7 @@ use std::num::NonZero;
 use std::str::FromStr;
 
 use super::Plan;
-use crate::record::{PlanHash, ShardHead, ShardRun};
+use crate::results::{PlanHash, ShardHead, ShardRun};
 
 /// One of equal parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,15 +9,15 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 
 use super::audience::{Audience, Pacer, RATE};
 use super::{End, Job, Role, Track, Wanted};
-use crate::contact::frozen::Frozen;
-use crate::link::{Address, Remote};
-use crate::record::{
-    Comparator, Document, LogHeader, LogWriter, Outlet, ProblemWriter, RecordError, ReferenceMotion, Topics,
-};
+use crate::assemble::setup;
+use crate::contact::model::frozen::Frozen;
+use crate::files::RecordError;
+use crate::log::{Document, LogHeader, LogWriter, Outlet, ProblemWriter, Topics};
+use crate::remote::{Address, Remote};
+use crate::results::{Comparator, ReferenceMotion};
 use crate::robot::{Model, Robot};
 use crate::scenario::{LogTopic, Run, host_and_port};
 use crate::script::stop_flag;
-use crate::sim::build::setup;
 use crate::sim::commander::Commander;
 use crate::sim::estimate::EstimatorSetup;
 use crate::sim::remote::RemoteRun;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Job;
 use super::run::inputs;
-use crate::record::{InputHash, PROGRAM, RunRecord};
+use crate::results::{InputHash, PROGRAM, RunRecord};
 
 /// Changes named; of more only the number.
 const MOST_NAMED: usize = 4;

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::{Finished, Job, Plan};
-use crate::record::{Kept, Machine, PROGRAM, RecordError, Rows, RunRecord, SummaryRow, Tally};
+use crate::files::RecordError;
+use crate::results::{Kept, Machine, PROGRAM, Rows, RunRecord, SummaryRow, Tally};
 use crate::sim::Outcome;
 
 /// Finished runs by their positions in the plan.

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use stiction::batch::{CheckFinished, Message, Plan, Severity};
-use stiction::visible::visible_path;
+use stiction::text::visible::visible_path;
 
 use super::Exit;
 use super::machine::{Format, MessageFormat};

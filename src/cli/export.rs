@@ -4,10 +4,8 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use stiction::record::export::{
-    self, DataTable, ExportError, Format, Header, NumberFormat, Selection, TextFormat, TimeUnit,
-};
-use stiction::record::{LogError, Trajectory};
+use stiction::export::{self, DataTable, ExportError, Format, Header, NumberFormat, Selection, TextFormat, TimeUnit};
+use stiction::log::{LogError, Trajectory};
 
 use super::terminal::{complain, complain_of, print};
 use super::{Exit, numbers};

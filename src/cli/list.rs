@@ -3,8 +3,8 @@
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 use stiction::batch::{Plan, Severity};
-use stiction::record::ParamValue;
-use stiction::visible::visible;
+use stiction::results::ParamValue;
+use stiction::text::visible::visible;
 
 use super::Exit;
 use super::machine::MessageFormat;

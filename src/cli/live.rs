@@ -37,7 +37,7 @@ impl Live {
 
     #[cfg(feature = "live")]
     fn listen(&self, address: SocketAddr, pace: Option<f64>) -> Result<Box<dyn Audience>, Refused> {
-        let server = stiction::link::live::Live::start(address).map_err(|error| Refused(error.to_string()))?;
+        let server = stiction::live::Live::start(address).map_err(|error| Refused(error.to_string()))?;
         complain(&format!("live at ws://{}", server.address()));
         Ok(Box::new(Stage { server, pace, patience: self.live_wait, told: std::sync::Mutex::default() }))
     }
@@ -64,7 +64,7 @@ pub struct Refused(String);
 /// Where a run is shown.
 #[cfg(feature = "live")]
 struct Stage {
-    server: stiction::link::live::Live,
+    server: stiction::live::Live,
     pace: Option<f64>,
     patience: Option<Duration>,
     told: std::sync::Mutex<Vec<String>>,
@@ -72,7 +72,7 @@ struct Stage {
 
 #[cfg(feature = "live")]
 impl Audience for Stage {
-    fn outlet(&self) -> Box<dyn stiction::record::Outlet> {
+    fn outlet(&self) -> Box<dyn stiction::log::Outlet> {
         self.server.outlet()
     }
 

@@ -4,9 +4,9 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use stiction::record::merge::{MergeError, Merged, Shards};
-use stiction::record::table;
-use stiction::visible::visible_path;
+use stiction::results::merge::{MergeError, Merged, Shards};
+use stiction::results::table;
+use stiction::text::visible::visible_path;
 
 use super::Exit;
 use super::terminal::{complain, complain_of, plural, print};

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueHint};
 use stiction::batch::{Batch, Nobody, Options, Progress, Severity, simulate_for};
-use stiction::link::{Address, Impairment, MotorServer, Pace, read_key};
+use stiction::remote::{Address, Impairment, MotorServer, Pace, read_key};
 use stiction::sim::commander::Commander;
 use stiction::sim::{Problems, Stop};
 

@@ -7,7 +7,7 @@ use std::time::Duration;
 use clap::Args;
 use stiction::batch::{BatchError, Interrupter, Severity};
 use stiction::replay::{self, Change, Left, ReplayError};
-use stiction::visible::visible;
+use stiction::text::visible::visible;
 
 use super::each::Which;
 use super::signals::when_asked_to_end;

@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stiction::record::pareto::{Work, pareto_table};
-use stiction::record::{
-    FoundRun, Listing, Made, Pictured, RecordError, ReportRun, Seen, SummaryRow, list_records, may_replace,
-    write_report_of, write_summary_of,
-};
-use stiction::visible::visible_path;
+use stiction::files::{Made, RecordError, may_replace};
+use stiction::report::{Pictured, ReportRun, write_report_of};
+use stiction::results::pareto::{Work, pareto_table};
+use stiction::results::{FoundRun, Listing, Seen, SummaryRow, list_records, write_summary_of};
+use stiction::text::visible::visible_path;
 
 use super::Exit;
 use super::terminal::{complain, complain_of, plural, print};

@@ -10,10 +10,10 @@ use stiction::batch::{
     Batch, BatchFinished, BatchStarted, Junit, Listener, Message, Options, Progress, Report, Resumed, Severity, Teller,
     is_slow, simulate_before,
 };
-use stiction::link::Pace;
-use stiction::record::pareto::{Work, pareto_table};
-use stiction::record::{Shown, SummaryRow, table, verdicts};
-use stiction::visible::{visible, visible_path};
+use stiction::remote::Pace;
+use stiction::results::pareto::{Work, pareto_table};
+use stiction::results::{Shown, SummaryRow, table, verdicts};
+use stiction::text::visible::{visible, visible_path};
 
 use super::each::Each;
 use super::live::{Live, tell};

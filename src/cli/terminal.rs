@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use stiction::batch::{Findings, Severity};
 use stiction::scenario::Diagnostic;
-use stiction::visible::visible_lines;
+use stiction::text::visible::visible_lines;
 
 use super::{Exit, colour};
 

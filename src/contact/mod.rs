@@ -5,25 +5,6 @@
 //! known beforehand, [`judge`] says what is wrong with the result, [`select`] searches the states. On these stand the methods behind [`method::Method`]: [`exact`] and
 //! [`one_step`]. [`lcp`] and [`ncp`] step in time, point by point ([`points`]); [`penalty`] has springs and no states. [`residual`] judges any of them from outside; [`frozen`] writes a selection down.
 
-pub mod candidate;
-pub mod capacity;
-pub mod decision;
-pub mod exact;
-pub mod frozen;
-pub mod group;
-pub mod implicit;
-pub mod judge;
-pub mod lcp;
-pub mod lemke;
-pub mod linear;
-pub mod method;
-pub mod ncp;
-pub mod one_step;
-pub mod penalty;
-pub mod points;
-pub mod pressure;
-pub mod problem;
-pub mod residual;
-pub mod select;
-pub mod settle;
-pub mod state;
+pub mod methods;
+pub mod model;
+pub mod search;

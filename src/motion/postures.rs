@@ -10,7 +10,7 @@
 
 use super::{Fault, Knot, Motion, Track};
 use crate::scenario::Angle;
-use crate::toml_words::{self, Mistake};
+use crate::text::toml_syntax::{self, Mistake};
 use serde::Deserialize;
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -39,7 +39,7 @@ struct Posture {
 /// one before; no posture, or one without joints.
 pub fn read(text: &str) -> Result<Motion, Fault> {
     let file: File = toml::from_str(text).map_err(|error| {
-        let Mistake { piece, message, help } = toml_words::mistake(&error, text, true);
+        let Mistake { piece, message, help } = toml_syntax::mistake(&error, text, true);
         let form = || "a motion is a list of `[[posture]]` with `at` (s) and `joints`".into();
         Fault::new(piece, message).help(help.unwrap_or_else(form))
     })?;

@@ -1,6 +1,6 @@
 //! What of a run's inputs is not as it was.
 
-use crate::record::{InputHash, RunRecord};
+use crate::results::{InputHash, RunRecord};
 use std::fmt;
 
 /// Something that is not as it was.

@@ -1,7 +1,7 @@
 //! Why a run cannot be run again.
 
 use crate::batch::{BatchError, Findings};
-use crate::record::RecordError;
+use crate::files::RecordError;
 use std::path::PathBuf;
 
 /// Errors of this room.

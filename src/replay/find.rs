@@ -1,7 +1,7 @@
 //! The runs that are meant by a key or a folder.
 
 use super::ReplayError;
-use crate::record::{RunRecord, read_records};
+use crate::results::{RunRecord, read_records};
 use crate::sim::Outcome;
 use std::path::{Path, PathBuf};
 

@@ -1,15 +1,15 @@
 //! Two logs of one run.
 
 use super::Difference;
-use crate::input_file;
-use crate::record::export::{DataTable, Selection, Values, events, series};
-use crate::record::{LogError, Trajectory};
+use crate::export::{DataTable, Selection, Values, events, series};
+use crate::files::input;
+use crate::log::{LogError, Trajectory};
 use std::path::Path;
 
 /// The first difference; none if the files are equal, or, where inputs changed, if they tell the same. Of a run that was ended
 /// from outside (`cut`) the log is the beginning of the other's.
 pub(super) fn compare(then: &Path, now: &Path, inputs_changed: bool, cut: bool) -> Option<Difference> {
-    let bytes = |path: &Path| input_file::read(path, input_file::UNLIMITED);
+    let bytes = |path: &Path| input::read(path, input::UNLIMITED);
     let read = |path: &Path| bytes(path).map_err(|source| LogError::Io { path: path.to_owned(), source });
     match (read(then), read(now)) {
         (Ok(a), Ok(b)) if a == b => None,

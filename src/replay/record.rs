@@ -1,7 +1,7 @@
 //! Two records of one run.
 
 use super::Difference;
-use crate::record::RunRecord;
+use crate::results::RunRecord;
 use serde_json::Value;
 
 /// What depends on the moment, the machine, the sweep or the inputs, and not on what happened; logs are compared themselves.

@@ -11,7 +11,7 @@ use super::notice::Notices;
 use super::payload;
 use super::posture::link_poses;
 use super::source::Source;
-use crate::pattern::matches;
+use crate::text::pattern::matches;
 
 /// Applies everything but `urdf` and `base`. Faults carry the place in the robot file.
 pub(super) fn apply(

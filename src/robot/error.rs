@@ -8,8 +8,8 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 use thiserror::Error;
 
 use super::source::Source;
-use crate::excerpt::{cut, excerpt};
-use crate::visible::{visible_lines, visible_path};
+use crate::text::excerpt::{cut, excerpt};
+use crate::text::visible::{visible_lines, visible_path};
 
 /// Why a robot could not be loaded or changed.
 #[derive(Clone, Debug, Error)]

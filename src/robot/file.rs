@@ -10,7 +10,7 @@ use super::angle::Angle;
 use super::error::{RobotError, nearest};
 use super::source::Source;
 use super::urdf::InertiaPolicy;
-use crate::toml_words::{self, Mistake};
+use crate::text::toml_syntax::{self, Mistake};
 
 /// A robot file.
 #[derive(Deserialize, JsonSchema, Debug)]
@@ -264,7 +264,7 @@ pub fn schema() -> serde_json::Value {
 /// Reads the types out of the text; faults carry the parser's place and a suggestion for unknown keys.
 pub(super) fn parse(source: &Source) -> Result<RobotFile, RobotError> {
     toml::from_str(source.text()).map_err(|error| {
-        let Mistake { piece, message, help } = toml_words::mistake(&error, source.text(), true);
+        let Mistake { piece, message, help } = toml_syntax::mistake(&error, source.text(), true);
         let is_syntax = toml::from_str::<toml::Table>(source.text()).is_err();
         // serde's sentence: unknown field `x`, expected one of `a`, `b`, ...
         let mut quoted = message.split('`').skip(1).step_by(2);

@@ -26,7 +26,7 @@ mod urdf;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use crate::input_file;
+use crate::files::input;
 
 pub use error::{Fault, RobotError};
 pub use file::schema;
@@ -144,7 +144,7 @@ fn assemble(
 /// Tells of symbolic links that lead out of the robot's folder; what they lead to is read.
 fn strayed(files: &[(PathBuf, Vec<u8>)], urdf: &Source, notices: &mut Notices) {
     let Some(home) = files.first().and_then(|(path, _)| path.parent()) else { return };
-    let strays = files.iter().filter_map(|(path, _)| Some((path, input_file::led_out(home, path)?)));
+    let strays = files.iter().filter_map(|(path, _)| Some((path, input::led_out(home, path)?)));
     let strays: Vec<_> = strays.collect();
     if let Some((path, real)) = strays.first() {
         let (path, real, more) = (path.display(), real.display(), strays.len() - 1);

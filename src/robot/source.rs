@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::input_file;
+use crate::files::input;
 
 use super::error::{Fault, RobotError};
 
@@ -20,7 +20,7 @@ pub struct Source {
 impl Source {
     /// Reads a file; [`RobotError::Read`] when it cannot be opened or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, RobotError> {
-        let text = input_file::read_text(path, input_file::MOST_TEXT)
+        let text = input::read_text(path, input::MOST_TEXT)
             .map_err(|source| RobotError::Read { path: path.to_owned(), reason: source.to_string() })?;
         Ok(Self::of(path, text))
     }

@@ -1,10 +1,8 @@
 //! The values of a swept key, generated so that decimal grids give decimal numbers and ends are hit exactly.
 
-use super::{
-    source::Span,
-    spec::sweep::Axis,
-    tree::{Node, Value},
-};
+use super::source::Span;
+use super::tree::{Node, Value};
+use crate::scenario::format::sweep::Axis;
 
 /// How many values an axis has, without making them.
 pub fn count(axis: &Axis) -> usize {

@@ -13,12 +13,10 @@ use serde::{
     forward_to_deserialize_any,
 };
 
-use super::{
-    diagnostic::Findings,
-    source::Span,
-    suggest,
-    tree::{Entry, Node, Value},
-};
+use super::diagnostic::Findings;
+use super::source::Span;
+use super::tree::{Entry, Node, Value};
+use crate::text::suggest;
 
 /// Why a value could not be read.
 #[derive(Debug)]

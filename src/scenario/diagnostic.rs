@@ -5,8 +5,8 @@ use std::{fmt, ops::Range, sync::Arc};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 use super::source::{Source, Sources, Span, line_column};
-use crate::excerpt::{cut, excerpt};
-use crate::visible::{visible, visible_lines};
+use crate::text::excerpt::{cut, excerpt};
+use crate::text::visible::{visible, visible_lines};
 
 /// How bad it is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]

@@ -2,19 +2,15 @@
 
 use std::collections::HashSet;
 
-use super::{
-    axis,
-    diagnostic::{Diagnostic, Findings},
-    grid::{Dimension, Key},
-    path::Path,
-    random::{self, SOBOL_KEYS, SOBOL_SAMPLES},
-    source::{Sources, Span},
-    spec::{
-        random::{RandomSpec, Sampling},
-        sweep::{Axis, SweepSpec},
-    },
-    tree::{Entry, Node, Value},
-};
+use super::axis;
+use super::diagnostic::{Diagnostic, Findings};
+use super::grid::{Dimension, Key};
+use super::path::Path;
+use super::random::{self, SOBOL_KEYS, SOBOL_SAMPLES};
+use super::source::{Sources, Span};
+use super::tree::{Entry, Node, Value};
+use crate::scenario::format::random::{RandomSpec, Sampling};
+use crate::scenario::format::sweep::{Axis, SweepSpec};
 
 /// Each key is held against all others.
 const MOST_KEYS: usize = 1000;

@@ -5,21 +5,18 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use super::{
-    diagnostic::{Diagnostic, Diagnostics, Findings, Severity},
-    events,
-    expand::{Origin, Run},
-    file::ScenarioFile,
-    grid::{Cell, Grid},
-    inputs::{Files, Input},
-    overrides,
-    path::Path,
-    reference::Reference,
-    scenario::{self, Scenario},
-    source::{Sources, Span},
-    spec::contact::{ContactMethod, LcpSpec, NcpSpec, PenaltySpec},
-    tree::Node,
-};
+use super::diagnostic::{Diagnostic, Diagnostics, Findings, Severity};
+use super::expand::{Origin, Run};
+use super::file::ScenarioFile;
+use super::grid::{Cell, Grid};
+use super::inputs::{Files, Input};
+use super::path::Path;
+use super::reference::Reference;
+use super::scenario::{self, Scenario};
+use super::source::{Sources, Span};
+use super::tree::Node;
+use super::{events, overrides};
+use crate::scenario::format::contact::{ContactMethod, LcpSpec, NcpSpec, PenaltySpec};
 
 /// Errors after which an expansion gives up.
 const MAX_ERRORS: usize = 50;

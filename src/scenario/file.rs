@@ -11,7 +11,7 @@ use super::{
     source::Sources,
     tree::Node,
 };
-use crate::input_file;
+use crate::files::input;
 
 /// A scenario file whose TOML is sound. Its values are judged by [`ScenarioFile::expand`], since overrides and sweeps
 /// may change any of them.
@@ -33,7 +33,7 @@ pub struct ScenarioFile {
 pub fn load(path: &Path) -> Result<ScenarioFile, Diagnostics> {
     let name = path.display().to_string();
     check_name(path)?;
-    let bytes = input_file::read(path, input_file::MOST_TEXT)
+    let bytes = input::read(path, input::MOST_TEXT)
         .map_err(|error| Diagnostic::unreadable(&name, format!("cannot read it: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();

@@ -2,15 +2,13 @@
 
 use serde::Deserialize;
 
-use super::{
-    decode::NodeDeserializer,
-    diagnostic::Findings,
-    dimensions::{self, Group},
-    path::Path,
-    source::{Sources, Span},
-    spec::sweep::SweepSpec,
-    tree::Node,
-};
+use super::decode::NodeDeserializer;
+use super::diagnostic::Findings;
+use super::dimensions::{self, Group};
+use super::path::Path;
+use super::source::{Sources, Span};
+use super::tree::Node;
+use crate::scenario::format::sweep::SweepSpec;
 
 /// Runs that a sweep can have at most, however many are allowed: their numbers have 32 bits, and one means none.
 pub const MOST_RUNS_EVER: usize = u32::MAX as usize;

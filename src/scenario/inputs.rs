@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{diagnostic::Findings, file::resolve, path::Path, scenario::Scenario, tree::Node};
-use crate::input_file::{self, MOST_DATA};
+use crate::files::input::{self, MOST_DATA};
 
 /// One such file.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -40,11 +40,10 @@ impl Files {
         let mut inputs = Vec::new();
         for (key, written) in named(scenario) {
             let path = resolve(file, FsPath::new(written));
-            let read =
-                self.read.entry(path.clone()).or_insert_with_key(|path| match input_file::read(path, MOST_DATA) {
-                    Ok(bytes) => Ok(bytes.into()),
-                    Err(error) => Err(format!("cannot read {}: {error}", path.display())),
-                });
+            let read = self.read.entry(path.clone()).or_insert_with_key(|path| match input::read(path, MOST_DATA) {
+                Ok(bytes) => Ok(bytes.into()),
+                Err(error) => Err(format!("cannot read {}: {error}", path.display())),
+            });
             match read {
                 Ok(bytes) => inputs.push(Input { key, path, bytes: bytes.clone() }),
                 Err(message) => findings.error(Path::internal(&key).locate(root).1, message.clone(), None),

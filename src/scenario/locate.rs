@@ -3,19 +3,19 @@
 use super::diagnostic::Diagnostic;
 use super::source::Span;
 use super::tree::{Node, Value};
-use crate::toml_words;
+use crate::text::toml_syntax;
 
 impl Diagnostic {
     /// The dotted path of the key at its place, such as `task.0.joints.knee`; none when there is no key there, or the file
     /// is no TOML.
     pub fn key(&self) -> Option<String> {
         let (source, range) = self.snippet.as_ref()?;
-        if let Some(path) = toml_words::duplicate(&self.message) {
+        if let Some(path) = toml_syntax::duplicate(&self.message) {
             return Some(path.to_owned());
         }
         let mut best = None;
         narrow(source.root(), &mut Vec::new(), range.start, &mut best);
-        best.map(|(path, _): (Vec<String>, usize)| toml_words::dotted(&path))
+        best.map(|(path, _): (Vec<String>, usize)| toml_syntax::dotted(&path))
     }
 }
 

@@ -17,6 +17,7 @@ mod events;
 mod expand;
 mod expansion;
 mod file;
+pub(crate) mod format;
 mod grid;
 mod inputs;
 mod key;
@@ -31,8 +32,6 @@ mod reference;
 mod scenario;
 mod schema;
 mod source;
-mod spec;
-mod suggest;
 mod tree;
 
 pub use checks::host_and_port;
@@ -41,14 +40,7 @@ pub use events::Event;
 pub use expand::{DEFAULT_MAX_RUNS, Origin, Run};
 pub use expansion::Expansion;
 pub use file::{ScenarioFile, load, parse};
-pub use grid::MOST_RUNS_EVER;
-pub use inputs::Input;
-pub use key::key;
-pub use overrides::parse_override;
-pub use quantity::Angle;
-pub use scenario::{FORMAT, Scenario};
-pub use schema::schema;
-pub use spec::{
+pub use format::{
     change::ChangeSpec,
     compare::{CompareSpec, TruthMetric},
     contact::{
@@ -79,7 +71,13 @@ pub use spec::{
         SineJointChange, SineTask, SquatTask, TaskSpec, WalkTask,
     },
 };
-pub use suggest::help as suggest;
+pub use grid::MOST_RUNS_EVER;
+pub use inputs::Input;
+pub use key::key;
+pub use overrides::parse_override;
+pub use quantity::Angle;
+pub use scenario::{FORMAT, Scenario};
+pub use schema::schema;
 
 /// A name as a segment of a dotted path: in quotes where it is no bare key.
 pub(crate) fn segment(name: &str) -> String {

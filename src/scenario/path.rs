@@ -8,7 +8,7 @@ use super::{
     source::{Sources, Span},
     tree::{Entry, Node, Value},
 };
-use crate::toml_words;
+use crate::text::toml_syntax;
 
 /// A path whose segments know where they were written.
 #[derive(Clone, Debug)]
@@ -148,7 +148,7 @@ impl Path {
 
     /// A name as a segment of such a path: in quotes where it is no bare key.
     pub fn segment(name: &str) -> String {
-        toml_words::segment(name)
+        toml_syntax::segment(name)
     }
 
     /// A path in the program's own words, without a place of its own.

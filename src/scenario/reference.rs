@@ -1,13 +1,11 @@
 //! The reference run of a cell: its scenario with the values of `compare.reference` put over it.
 
-use super::{
-    diagnostic::Findings,
-    path::Path,
-    scenario::{self, Scenario},
-    source::Sources,
-    spec::run::LogSpec,
-    tree::{Node, Value},
-};
+use super::diagnostic::Findings;
+use super::path::Path;
+use super::scenario::{self, Scenario};
+use super::source::Sources;
+use super::tree::{Node, Value};
+use crate::scenario::format::run::LogSpec;
 
 /// Parts of a scenario that say what is done with a run and not what it is.
 const NOT_OF_A_REFERENCE: [&str; 6] = ["schema", "description", "sweep", "log", "expect", "compare"];

@@ -5,30 +5,26 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{
-    checks,
-    decode::{DecodeError, NodeDeserializer},
-    diagnostic::Findings,
-    quantity::{json, positive},
-    spec::{
-        compare::CompareSpec,
-        contact::{ContactSpec, IntegratorSpec},
-        control::ControlSpec,
-        event::EventSpec,
-        expect::Expect,
-        floor::FloorSpec,
-        force::ForceSpec,
-        robot::RobotSpec,
-        run::{LogSpec, StopSpec},
-        self_collision::SelfCollisionSpec,
-        sensors::SensorsSpec,
-        sweep::SweepSpec,
-        tagged::{self, Tagged},
-        task::TaskSpec,
-    },
-    suggest,
-    tree::{Node, Value},
-};
+use super::checks;
+use super::decode::{DecodeError, NodeDeserializer};
+use super::diagnostic::Findings;
+use super::quantity::{json, positive};
+use super::tree::{Node, Value};
+use crate::scenario::format::compare::CompareSpec;
+use crate::scenario::format::contact::{ContactSpec, IntegratorSpec};
+use crate::scenario::format::control::ControlSpec;
+use crate::scenario::format::event::EventSpec;
+use crate::scenario::format::expect::Expect;
+use crate::scenario::format::floor::FloorSpec;
+use crate::scenario::format::force::ForceSpec;
+use crate::scenario::format::robot::RobotSpec;
+use crate::scenario::format::run::{LogSpec, StopSpec};
+use crate::scenario::format::self_collision::SelfCollisionSpec;
+use crate::scenario::format::sensors::SensorsSpec;
+use crate::scenario::format::sweep::SweepSpec;
+use crate::scenario::format::tagged::{self, Tagged};
+use crate::scenario::format::task::TaskSpec;
+use crate::text::suggest;
 
 /// The version of the file format this program reads.
 pub const FORMAT: u32 = 1;

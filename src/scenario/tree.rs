@@ -5,7 +5,7 @@ use std::fmt;
 use toml::de::{DeTable, DeValue};
 
 use super::{diagnostic::Findings, source::Span};
-use crate::toml_words;
+use crate::text::toml_syntax;
 
 /// Mistakes of a file that are looked into.
 const MOST_LOOKED_FOR: usize = 20;
@@ -47,8 +47,8 @@ impl Node {
         let (document, errors) = DeTable::parse_recoverable(text);
         for (count, error) in errors.iter().enumerate() {
             // To look for keys that are there twice takes as long as reading the file does, each time.
-            let toml_words::Mistake { piece, message, help } =
-                toml_words::mistake(error, text, count < MOST_LOOKED_FOR && text.len() < LONGEST_LOOKED_THROUGH);
+            let toml_syntax::Mistake { piece, message, help } =
+                toml_syntax::mistake(error, text, count < MOST_LOOKED_FOR && text.len() < LONGEST_LOOKED_THROUGH);
             findings.error(start + piece.start..start + piece.end, message, help);
         }
         let value = table(document.get_ref(), start, findings);

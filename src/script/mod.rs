@@ -299,7 +299,7 @@ fn asks(sandbox: &Sandbox, file: &str, purpose: Purpose, model: &Model) -> Resul
     let mut needs = Needs::NONE;
     for word in words(sandbox, file, "needs")? {
         let Some((_, part)) = parts().find(|(name, _)| *name == word) else {
-            let help = crate::scenario::suggest(&word, parts().map(|(name, _)| *name).collect::<Vec<_>>());
+            let help = crate::text::suggest(&word, parts().map(|(name, _)| *name).collect::<Vec<_>>());
             return Err(wrong(format!("`needs` has no part \"{word}\"; {help}")));
         };
         needs |= *part;
@@ -313,7 +313,7 @@ fn asks(sandbox: &Sandbox, file: &str, purpose: Purpose, model: &Model) -> Resul
     }
     for name in words(sandbox, file, "links")? {
         let Some((link, frame)) = model.link(&name) else {
-            let help = crate::scenario::suggest(&name, links(model).map(|(name, ..)| name).collect::<Vec<_>>());
+            let help = crate::text::suggest(&name, links(model).map(|(name, ..)| name).collect::<Vec<_>>());
             return Err(wrong(format!("`links`: the robot `{}` has no link \"{name}\"; {help}", model.name)));
         };
         fields.extend(fields::of_link(&name, link, frame));

@@ -6,7 +6,7 @@
 use super::error::Stop;
 use super::report::Observer;
 use super::simulation::Simulation;
-use crate::contact::method::Question;
+use crate::contact::methods::method::Question;
 
 impl Simulation {
     /// Looks friction up and reads the states off the forces at the plant's present state, which must be evaluated.

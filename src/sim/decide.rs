@@ -5,11 +5,11 @@ use super::error::Stop;
 use super::project::anchor;
 use super::report::{Observer, Outcome};
 use super::simulation::Simulation;
-use crate::contact::judge::{Rules, TOUCHING};
-use crate::contact::method::Question;
-use crate::contact::problem::Level;
-use crate::contact::select::Selection;
-use crate::contact::state::{MAX_SOLES, Mode, SoleState, States};
+use crate::contact::methods::method::Question;
+use crate::contact::model::problem::Level;
+use crate::contact::model::state::{MAX_SOLES, Mode, SoleState, States};
+use crate::contact::search::judge::{Rules, TOUCHING};
+use crate::contact::search::select::Selection;
 use nalgebra::{Vector2, Vector3};
 
 /// Rounds of choosing and settling at one instant.

@@ -5,8 +5,8 @@
 //! x loads, `(K + K^T) x` is constant. With up to [`FEW`] sliding vertices all faces are looked at.
 
 use super::simulation::Simulation;
-use crate::contact::problem::{Level, Problem, Vertex};
-use crate::contact::state::SoleState;
+use crate::contact::model::problem::{Level, Problem, Vertex};
+use crate::contact::model::state::SoleState;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// With more vertices than this only loads on up to three of them are looked at.

@@ -13,9 +13,9 @@ use super::error::Stop;
 use super::project::fit_plane;
 use super::report::Observer;
 use super::simulation::Simulation;
-use crate::contact::method::{Manner, Question};
-use crate::contact::problem::Level;
-use crate::contact::state::SoleState;
+use crate::contact::methods::method::{Manner, Question};
+use crate::contact::model::problem::Level;
+use crate::contact::model::state::SoleState;
 use crate::dynamics::reduced;
 use nalgebra::Vector3;
 

@@ -3,10 +3,10 @@
 use super::error::Stop;
 use super::report::{Observer, Outcome, Problems};
 use super::simulation::Simulation;
-use crate::contact::frozen::Frozen;
-use crate::contact::method::Question;
-use crate::contact::select::Selection;
-use crate::contact::state::{MAX_SOLES, SoleState};
+use crate::contact::methods::method::Question;
+use crate::contact::model::frozen::Frozen;
+use crate::contact::model::state::{MAX_SOLES, SoleState};
+use crate::contact::search::select::Selection;
 
 impl Simulation {
     /// Freezes the problem at hand, before the method sees it, if the observer wants to hear of any.

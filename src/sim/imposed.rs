@@ -7,7 +7,7 @@
 use super::error::Stop;
 use super::report::Observer;
 use super::simulation::Simulation;
-use crate::contact::judge::{Faults, Verdict};
+use crate::contact::search::judge::{Faults, Verdict};
 
 impl Simulation {
     /// Is the state of sole `s` imposed at the present time?

@@ -42,10 +42,10 @@ use super::drive::{Drive, take_biases};
 use super::error::Stop;
 use super::report::Observer;
 use super::simulation::Simulation;
-use crate::contact::candidate::Solution;
-use crate::contact::method::Question;
-use crate::contact::problem::{Level, Problem};
-use crate::contact::state::{Pattern, SoleState, States};
+use crate::contact::methods::method::Question;
+use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::state::{Pattern, SoleState, States};
+use crate::contact::search::candidate::Solution;
 use nalgebra::{Vector2, Vector3};
 
 /// Approach that stands for a vanishing one, relative to the greatest speed: a thousand times what the velocity level

@@ -18,7 +18,7 @@ use super::plant::Plant;
 use super::prescribe::Jump;
 use super::report::Observer;
 use super::simulation::Simulation;
-use crate::contact::state::SoleState;
+use crate::contact::model::state::SoleState;
 use crate::dynamics::{self, crba, factor};
 use crate::robot::{LinkId, Model, RigidInertia};
 use nalgebra::Vector3;

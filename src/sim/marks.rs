@@ -7,7 +7,7 @@
 //! ```
 
 use super::simulation::Simulation;
-use crate::contact::state::{MAX_SOLES, SoleState, States};
+use crate::contact::model::state::{MAX_SOLES, SoleState, States};
 use crate::dynamics::body;
 use nalgebra::Vector3;
 

@@ -5,8 +5,8 @@
 //! `rms = sqrt(sum r_i^2 dt_i / sum dt_i)`. A step at an event is judged after the new state was chosen.
 
 use super::simulation::Simulation;
-use crate::contact::residual::{self, RESIDUALS};
-use crate::contact::state::MAX_SOLES;
+use crate::contact::model::residual::{self, RESIDUALS};
+use crate::contact::model::state::MAX_SOLES;
 
 /// A sole that carries less than this part of the robot's weight carries nothing: rounding of a solve.
 const NOTHING: f64 = 1e-9;

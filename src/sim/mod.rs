@@ -1,7 +1,6 @@
 //! One run: state, coupling of the physics rooms, outcome.
 
 pub mod actuator;
-pub mod build;
 pub mod change;
 pub mod commander;
 mod comply;
@@ -28,7 +27,6 @@ mod loads;
 mod marks;
 mod measure;
 pub mod observe;
-mod pairing;
 pub mod patch;
 pub mod plant;
 mod prescribe;

@@ -4,7 +4,7 @@ use super::actuator;
 use super::estimate::Estimator;
 use super::plant::Plant;
 use super::report::{EstimateSnapshot, Snapshot, SoleSnapshot};
-use crate::contact::residual;
+use crate::contact::model::residual;
 use crate::dynamics::body;
 use crate::geometry::stable_point::Edge;
 use crate::geometry::{convex_hull, stable_point};

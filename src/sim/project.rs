@@ -6,7 +6,7 @@
 //! it was clamped, a sliding one to their heights.
 
 use super::simulation::Simulation;
-use crate::contact::problem::{Level, SoleProblem};
+use crate::contact::model::problem::{Level, SoleProblem};
 use crate::dynamics::reduced;
 use nalgebra::{Matrix2, Vector2, Vector3};
 

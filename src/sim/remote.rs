@@ -10,7 +10,7 @@ use super::observe;
 use super::report::{AvoidanceTime, Metrics, Observer, Outcome, SimEvent, Snapshot};
 use super::self_contact::SelfContact;
 use super::setup::{Floor, Setup};
-use crate::contact::state::SoleState;
+use crate::contact::model::state::SoleState;
 use crate::dynamics::State;
 use crate::dynamics::chain::FrameMotion;
 use crate::robot::Model;

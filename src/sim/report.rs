@@ -1,10 +1,10 @@
 //! What a run tells the outside: snapshots, events, metrics and an outcome. Plain data, written by [`crate::sim`], read
-//! by [`crate::record`]; nothing here steps or writes.
+//! by [`crate::results`]; nothing here steps or writes.
 
 use super::ledger::Balance;
-use crate::contact::frozen::Frozen;
-use crate::contact::residual::Residual;
-use crate::contact::state::SoleState;
+use crate::contact::model::frozen::Frozen;
+use crate::contact::model::residual::Residual;
+use crate::contact::model::state::SoleState;
 use crate::task::Point;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 

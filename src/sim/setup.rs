@@ -1,4 +1,4 @@
-//! Everything one run needs, in plain physics terms. Built from a scenario by [`super::build`].
+//! Everything one run needs, in plain physics terms. Built from a scenario by [`crate::assemble`].
 
 use super::change::Change;
 use super::commander::Commander;
@@ -8,9 +8,9 @@ use super::loads::Load;
 use super::patch::Patch;
 use super::self_contact::SelfContactSetup;
 use super::sensors::SensorErrors;
-use crate::contact::method::Parameters;
-use crate::contact::problem::Tolerances;
-use crate::contact::state::SoleState;
+use crate::contact::methods::method::Parameters;
+use crate::contact::model::problem::Tolerances;
+use crate::contact::model::state::SoleState;
 use crate::force::Force;
 use crate::geometry::Plane;
 use crate::integrate::Tableau;
@@ -67,7 +67,7 @@ pub struct Forced {
 /// How contact is treated.
 #[derive(Clone, Debug)]
 pub struct ContactSetup {
-    /// Name of the method, see [`crate::contact::method::NAMES`].
+    /// Name of the method, see [`crate::contact::methods::method::NAMES`].
     pub method: String,
     /// What it is told.
     pub parameters: Parameters,

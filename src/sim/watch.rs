@@ -11,9 +11,9 @@
 //! | distance of a sliding vertex to the border of its zone | other friction |
 
 use super::simulation::Simulation;
-use crate::contact::judge::{CLEAR, SUSPECT_FRICTION, SUSPECT_NORMAL, TOUCHING, margin};
-use crate::contact::penalty;
-use crate::contact::state::{MAX_SOLES, Mode, SoleState};
+use crate::contact::methods::penalty;
+use crate::contact::model::state::{MAX_SOLES, Mode, SoleState};
+use crate::contact::search::judge::{CLEAR, SUSPECT_FRICTION, SUSPECT_NORMAL, TOUCHING, margin};
 use nalgebra::Vector2;
 
 /// Most event functions watched at once.

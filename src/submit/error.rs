@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::record::RecordError;
+use crate::files::RecordError;
 
 /// Why nothing was submitted. Nothing of it is left with the engine unless the message says so.
 #[derive(Debug, thiserror::Error)]

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::{Jobs, SubmitError, Sweep};
-use crate::record::{RecordError, SHARD_LIST, ShardHead, ShardList, confined};
+use crate::files::{RecordError, confined};
+use crate::results::{SHARD_LIST, ShardHead, ShardList};
 
 /// The beginning of the names of the parts' folders.
 const PART: &str = "part-";

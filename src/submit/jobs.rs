@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::input_file::{self, MOST_TEXT};
-use crate::record::{RecordError, atomic};
+use crate::files::input::{self, MOST_TEXT};
+use crate::files::{RecordError, atomic};
 
 /// Format version of `jobs.json`.
 pub const SUBMIT_SCHEMA: u32 = 1;
@@ -49,7 +49,7 @@ impl Jobs {
         }
         let path = scripts.join(JOBS);
         let json = |source| RecordError::Json { path: path.clone(), source };
-        let bytes = match input_file::read(&path, MOST_TEXT) {
+        let bytes = match input::read(&path, MOST_TEXT) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             bytes => bytes.map_err(RecordError::io(&path))?,
         };

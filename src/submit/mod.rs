@@ -41,7 +41,7 @@ pub struct Sweep {
     pub parts: NonZero<u64>,
     /// Runs of the whole plan.
     pub runs: usize,
-    /// A hash of them, see [`crate::record::PlanHash`].
+    /// A hash of them, see [`crate::results::PlanHash`].
     pub plan: String,
 }
 

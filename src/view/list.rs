@@ -22,7 +22,7 @@ pub(super) fn page(runs: &Runs) -> String {
     page::render("list.html", context! { rows => Value::from(Serde(rows)), without => runs.without_log() })
 }
 
-fn row(record: &crate::record::RunRecord) -> Row {
+fn row(record: &crate::results::RunRecord) -> Row {
     let parameters: Vec<String> = record.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
     Row {
         scenario: record.scenario.clone(),

@@ -9,7 +9,7 @@
 //! is absent (a centre of pressure in flight) is not a number.
 
 use super::replay::Replay;
-use crate::record::{Frame, SelfCollisionSeries, SoleSeries};
+use crate::log::{Frame, SelfCollisionSeries, SoleSeries};
 use foxglove::messages::{Color, LinePrimitive, Point3, Pose, SceneEntity, line_primitive};
 use nalgebra::{Isometry3, Vector3};
 use serde_json::{Value, json};

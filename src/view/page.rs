@@ -1,7 +1,7 @@
 //! The page itself: one file with its style, its scripts and, where it stands alone, its run.
 
 use super::pack::Packed;
-use crate::record::{RecordError, atomic};
+use crate::files::{RecordError, atomic};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;

@@ -1,7 +1,7 @@
 //! What is drawn of a run, from the topics of its log.
 
-use crate::input_file;
-use crate::record::{LogError, Scene, Trajectory};
+use crate::files::input;
+use crate::log::{LogError, Scene, Trajectory};
 use std::path::{Path, PathBuf};
 
 /// A log as it is shown: ticks at which the robot's frames are known, and what else is known at these ticks.
@@ -45,7 +45,7 @@ impl Replay {
     /// # Errors
     /// It cannot be read, is damaged, or holds no frames.
     pub fn read(path: &Path) -> Result<Self, ViewError> {
-        let bytes = input_file::read(path, input_file::UNLIMITED);
+        let bytes = input::read(path, input::UNLIMITED);
         let bytes = bytes.map_err(|source| LogError::Io { path: path.to_owned(), source })?;
         let run = Trajectory::from_bytes(path, &bytes)?;
         let scene = Scene::from_bytes(path, &bytes)?;

@@ -1,8 +1,9 @@
 //! Which runs there are to be shown: one log, or those of a folder of results.
 
 use super::replay::ViewError;
-use crate::input_file;
-use crate::record::{RecordError, RunRecord, read_records};
+use crate::files::RecordError;
+use crate::files::input;
+use crate::results::{RunRecord, read_records};
 use std::path::{Path, PathBuf};
 
 /// Runs with a log.
@@ -32,7 +33,7 @@ impl Runs {
         if !path.is_dir() || within.is_file() {
             let log = if path.is_dir() { within } else { path.to_owned() };
             // Read when it is asked for; only whether it is there can be told now.
-            input_file::open(&log).map_err(|source| ViewError::Io { path: log.clone(), source })?;
+            input::open(&log).map_err(|source| ViewError::Io { path: log.clone(), source })?;
             let record = RunRecord::read(&log.with_file_name("run.json")).ok().map(Box::new);
             return Ok((Self { shown: vec![ShownRun { log, record }], without: 0 }, Vec::new()));
         }

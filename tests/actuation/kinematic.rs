@@ -3,9 +3,10 @@
 use super::{SILENT, hinge, link, robot, simulation};
 use crate::analytic::body::G;
 use crate::analytic::support::{Told, finish, rk4, root};
+use stiction::assemble;
 use stiction::dynamics::body;
 use stiction::scenario;
-use stiction::sim::{Blind, build};
+use stiction::sim::Blind;
 
 const TIGHT: &str = "integrator = { relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }";
 
@@ -213,7 +214,7 @@ fn a_sole_that_only_prescribed_motions_carry_is_refused() {
         let file = scenario::parse(&root().join("test.toml"), &text).unwrap_or_else(|e| panic!("{e}"));
         let run = file.expand(&[]).unwrap_or_else(|e| panic!("{e}")).remove(0);
         let robot = stiction::robot::load(&run.resolve(&run.scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"));
-        build::setup(&run, &robot).map(|_| ()).map_err(|e| e.to_string())
+        assemble::setup(&run, &robot).map(|_| ()).map_err(|e| e.to_string())
     };
     assert_eq!(setup("passive"), Ok(()));
     let message = setup("kinematic").expect_err("nothing could hold it");

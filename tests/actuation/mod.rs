@@ -7,9 +7,10 @@ mod lag;
 mod stops;
 
 use crate::analytic::support::root;
+use stiction::assemble;
 use stiction::robot;
 use stiction::scenario;
-use stiction::sim::{Simulation, build};
+use stiction::sim::Simulation;
 use stiction::task::{Command, Context, Status, Task, TaskResult};
 
 /// Commands as functions of time: `(joint, time) -> [position, velocity, effort]`.
@@ -50,7 +51,7 @@ fn simulation(
         None => runs[0].resolve(&runs[0].scenario.robot.model),
     };
     let robot = robot::load(&path).unwrap_or_else(|e| panic!("{e}"));
-    let mut setup = build::setup(&runs[0], &robot).unwrap_or_else(|e| panic!("{e}"));
+    let mut setup = assemble::setup(&runs[0], &robot).unwrap_or_else(|e| panic!("{e}"));
     if let Some(told) = told {
         setup.tasks.add(0.0, Box::new(Told(told)));
     }

@@ -133,7 +133,7 @@ fn a_sole_or_a_state_that_does_not_exist_is_refused() {
         );
         let runs = scenario::parse(std::path::Path::new("t.toml"), &text).unwrap().expand(&[]).unwrap();
         let robot = stiction::robot::load(&super::support::root().join("robots/block/block.toml")).unwrap();
-        let errors = stiction::sim::build::setup(&runs[0], &robot).err().expect("refused").to_string();
+        let errors = stiction::assemble::setup(&runs[0], &robot).err().expect("refused").to_string();
         assert!(errors.contains(words) && errors.contains("t.toml:2"), "{errors}");
     }
 }

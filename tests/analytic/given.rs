@@ -3,7 +3,8 @@
 use super::support::{finish, root};
 use nalgebra::Vector3;
 use std::sync::{Arc, Mutex};
-use stiction::sim::{Blind, Simulation, build};
+use stiction::assemble;
+use stiction::sim::{Blind, Simulation};
 use stiction::task::{Command, Context, Needs, Status, Task, TaskResult};
 use stiction::{robot, scenario};
 
@@ -80,7 +81,7 @@ fn probe(text: &str, needs: Needs) -> Vec<Seen> {
     let file = scenario::parse(&root().join("test.toml"), text).unwrap();
     let runs = file.expand(&[]).unwrap();
     let robot = robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap();
-    let mut setup = build::setup(&runs[0], &robot).unwrap();
+    let mut setup = assemble::setup(&runs[0], &robot).unwrap();
     let seen = Arc::new(Mutex::new(Vec::new()));
     setup.tasks.add(0.0, Box::new(Probe(seen.clone(), needs)));
     let mut sim = Simulation::new(setup).unwrap();

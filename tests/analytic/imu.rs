@@ -264,7 +264,7 @@ fn an_unknown_imu_is_an_error_at_its_place() {
         let file = stiction::scenario::parse(&root().join("test.toml"), &text).unwrap();
         let runs = file.expand(&[]).unwrap();
         let robot = stiction::robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap();
-        stiction::sim::build::setup(&runs[0], &robot).err().expect("no such IMU").to_string()
+        stiction::assemble::setup(&runs[0], &robot).err().expect("no such IMU").to_string()
     };
     let none = fault(&format!("\"{HOAP2}.toml\""), "head");
     assert!(none.contains("test.toml:2:19") && none.contains("has no IMU `head`"), "{none}");

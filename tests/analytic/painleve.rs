@@ -15,7 +15,7 @@
 use super::body::{Body, G};
 use super::support::{TIGHT, Told, finish, rk4, simulation};
 use nalgebra::Vector3;
-use stiction::contact::state::SoleState;
+use stiction::contact::model::state::SoleState;
 use stiction::sim::{Blind, Simulation};
 
 const L: f64 = 0.5;

@@ -2,8 +2,9 @@
 
 use super::support::root;
 use std::sync::atomic::AtomicBool;
+use stiction::assemble;
 use stiction::scenario;
-use stiction::sim::{Blind, Outcome, Simulation, build};
+use stiction::sim::{Blind, Outcome, Simulation};
 
 const METHODS: [&str; 5] = ["exact", "one-step", "penalty", "lcp", "ncp"];
 const INTEGRATORS: [&str; 4] = ["dopri5", "bs23", "rk4", "semi-implicit"];
@@ -17,7 +18,7 @@ fn attempt(method: &str, integrator: &str, contact: &str) -> Result<Simulation, 
     let file = scenario::parse(&root().join("test.toml"), &text).map_err(|e| e.to_string())?;
     let run = file.expand(&[]).map_err(|e| e.to_string())?.remove(0);
     let robot = stiction::robot::load(&run.resolve(&run.scenario.robot.model)).expect("our own robot");
-    let setup = build::setup(&run, &robot).map_err(|e| e.to_string())?;
+    let setup = assemble::setup(&run, &robot).map_err(|e| e.to_string())?;
     Ok(Simulation::new(setup).unwrap_or_else(|e| panic!("{e}")))
 }
 

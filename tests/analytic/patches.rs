@@ -4,9 +4,9 @@ use super::body::{Body, G};
 use super::planar::{corners, derivative_on};
 use super::support::{TIGHT, rk4, run, simulation, watch};
 use nalgebra::{Rotation3, Vector2, Vector3};
+use stiction::assemble;
 use stiction::robot;
 use stiction::scenario;
-use stiction::sim::build;
 
 /// A patch that begins across a heading after `distance` and does not end within reach; its border is `skew` off square.
 fn ahead(heading: f64, distance: f64, skew: f64) -> [[f64; 2]; 4] {
@@ -332,7 +332,7 @@ fn a_floor_that_stands_upright_has_no_patches() {
     let file = scenario::parse(std::path::Path::new("test.toml"), text).expect("its values are sound");
     let runs = file.expand(&[]).expect("one run");
     let robot = robot::load(&super::support::root().join("robots/block/block.toml")).expect("the block");
-    let errors = build::setup(&runs[0], &robot).err().expect("it is refused").to_string();
+    let errors = assemble::setup(&runs[0], &robot).err().expect("it is refused").to_string();
     assert!(errors.contains("seen from above") && errors.contains("test.toml:2"), "{errors}");
 }
 

@@ -4,9 +4,10 @@ use super::body::G;
 use super::support::{run, simulation, watch};
 use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;
+use stiction::assemble;
 use stiction::force::{Applied, Force, Scene};
 use stiction::robot::LinkId;
-use stiction::sim::{Blind, Outcome, Simulation, build};
+use stiction::sim::{Blind, Outcome, Simulation};
 
 /// Twenty nanometres up, without loss: it bounces every 0.13 ms for ever.
 const BOUNCING: &str = "
@@ -56,7 +57,7 @@ fn a_force_that_turns_round_with_the_motion_it_causes_stalls() {
     let robot = stiction::robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap();
     // Below the friction's reach nothing moves and nothing stalls.
     for (force, stalls) in [(1.5, false), (4.0, true)] {
-        let mut setup = build::setup(&runs[0], &robot).unwrap();
+        let mut setup = assemble::setup(&runs[0], &robot).unwrap();
         setup.forces.push(Box::new(Contrary(force)));
         let mut sim = Simulation::new(setup).unwrap();
         let (outcome, message) = sim.run(&mut Blind, &AtomicBool::new(false));

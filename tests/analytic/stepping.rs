@@ -4,7 +4,8 @@ use super::body::{Body, G};
 use super::support::{root, run, simulation, watch};
 use nalgebra::{Rotation2, Vector2};
 use std::f64::consts::{PI, TAU};
-use stiction::sim::{Metrics, build};
+use stiction::assemble;
+use stiction::sim::Metrics;
 
 const STEP: f64 = 1e-3;
 
@@ -205,7 +206,7 @@ fn stepping_methods_say_what_they_do_not_run_with() {
         );
         let run = file.and_then(|f| f.expand(&[])).unwrap_or_else(|e| panic!("{e}")).remove(0);
         let robot = stiction::robot::load(&run.resolve(&run.scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"));
-        build::setup(&run, &robot).err().map(|e| e.to_string()).unwrap_or_default()
+        assemble::setup(&run, &robot).err().map(|e| e.to_string()).unwrap_or_default()
     };
     let fixed = "integrator = { method = \"semi-implicit\" }\n";
     for method in ["lcp", "ncp"] {

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use stiction::assemble;
 use stiction::robot;
 use stiction::scenario;
-use stiction::sim::{Blind, Metrics, Observer, Outcome, SimEvent, Simulation, Snapshot, build};
+use stiction::sim::{Blind, Metrics, Observer, Outcome, SimEvent, Simulation, Snapshot};
 
 /// What contact.md section 13 asks of the validation runs.
 pub const TIGHT: &str = "
@@ -22,7 +23,7 @@ pub fn simulation(text: &str) -> Simulation {
     let file = scenario::parse(&root().join("test.toml"), text).unwrap_or_else(|e| panic!("{e}"));
     let runs = file.expand(&[]).unwrap_or_else(|e| panic!("{e}"));
     let robot = robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"));
-    let setup = build::setup(&runs[0], &robot).unwrap_or_else(|e| panic!("{e}"));
+    let setup = assemble::setup(&runs[0], &robot).unwrap_or_else(|e| panic!("{e}"));
     Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use stiction::record::RunRecord;
+use stiction::results::RunRecord;
 
 use super::{Place, Table};
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use polars::prelude::DataFrame;
 use polars_io::SerReader;
 use polars_io::parquet::read::ParquetReader;
-use stiction::record::Trajectory;
+use stiction::log::Trajectory;
 
 use super::{Done, Place, Table};
 

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use stiction::batch::{Batch, End, Job, Options, Plan, Progress, Report, Role, Wanted, prepare, simulate};
-use stiction::record::{Document, LogHeader, LogWriter, RunRecord, Topics};
+use stiction::log::{Document, LogHeader, LogWriter, Topics};
+use stiction::results::RunRecord;
 use stiction::sim::{Outcome, Problems};
 
 use super::{Place, Table};

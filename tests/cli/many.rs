@@ -4,7 +4,7 @@ use std::fs::{self, File};
 
 use polars_io::SerReader;
 use polars_io::parquet::read::ParquetReader;
-use stiction::record::MOST_KEPT;
+use stiction::results::MOST_KEPT;
 
 use super::Place;
 use crate::same::rows;

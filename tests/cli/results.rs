@@ -3,7 +3,8 @@
 use std::fs;
 
 use super::{Place, Table};
-use stiction::record::{ProblemRecord, RunRecord};
+use stiction::log::ProblemRecord;
+use stiction::results::RunRecord;
 
 #[test]
 fn a_batch_leaves_its_files_and_names_them() {

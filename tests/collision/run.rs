@@ -4,9 +4,10 @@ use crate::analytic::support::Told;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
+use stiction::assemble;
 use stiction::robot;
 use stiction::scenario;
-use stiction::sim::{Metrics, Outcome, Simulation, build};
+use stiction::sim::{Metrics, Outcome, Simulation};
 
 /// Boxes of 0.1 m on rails along x, each moved along by a joint of its name: name, x and y at 0.
 type Boxes<'a> = &'a [(&'a str, f64, f64)];
@@ -45,7 +46,7 @@ fn prepared(boxes: Boxes, text: &str) -> Result<Simulation, String> {
     let file = scenario::parse(&folder.path().join("test.toml"), text).unwrap_or_else(|e| panic!("{e}"));
     let run = &file.expand(&[]).unwrap_or_else(|e| panic!("{e}"))[0];
     let robot = robot::load(&run.resolve(Path::new(&run.scenario.robot.model))).unwrap_or_else(|e| panic!("{e}"));
-    let setup = build::setup(run, &robot).map_err(|e| e.to_string())?;
+    let setup = assemble::setup(run, &robot).map_err(|e| e.to_string())?;
     Ok(Simulation::new(setup).unwrap_or_else(|e| panic!("{e}")))
 }
 

@@ -190,17 +190,17 @@ fn a_session_is_of_one_run() {
 fn every_command_is_described() {
     let page = include_str!("../../docs/console.md");
     assert!(
-        page.contains(&stiction::link::console::reference()),
+        page.contains(&stiction::console::reference()),
         "docs/console.md lacks the table:\n{}",
-        stiction::link::console::reference()
+        stiction::console::reference()
     );
     let place = Place::new();
     place.block("b.toml", "");
-    for command in stiction::link::console::COMMANDS {
+    for command in stiction::console::COMMANDS {
         let done = session(&place, "b.toml", &format!("help {}\n", command.name)).exits(0);
         assert!(done.stdout.contains(command.short) && done.stdout.starts_with(command.usage), "{}", done.stdout);
         assert!(command.usage.starts_with(command.name));
     }
     let all = session(&place, "b.toml", "help\n").exits(0).stdout;
-    assert!(stiction::link::console::COMMANDS.iter().all(|c| all.contains(&format!("  {} ", c.name))), "{all}");
+    assert!(stiction::console::COMMANDS.iter().all(|c| all.contains(&format!("  {} ", c.name))), "{all}");
 }

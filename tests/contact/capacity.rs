@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use proptest::prelude::*;
-use stiction::contact::capacity;
+use stiction::contact::model::capacity;
 
 /// Largest factor of the load that friction can carry: least over slip twists of friction power over load power, by a
 /// grid over the sphere of twists and ever smaller circles about its best points.

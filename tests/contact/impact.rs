@@ -4,11 +4,11 @@ use super::law;
 use super::rigid::{Rigid, body_on, rules, triple};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use proptest::prelude::*;
-use stiction::contact::candidate::Solution;
-use stiction::contact::exact::Exact;
-use stiction::contact::method::{Method, Question};
-use stiction::contact::problem::{Level, Problem};
-use stiction::contact::select::Selection;
+use stiction::contact::methods::exact::Exact;
+use stiction::contact::methods::method::{Method, Question};
+use stiction::contact::model::problem::{Level, Problem};
+use stiction::contact::search::candidate::Solution;
+use stiction::contact::search::select::Selection;
 
 /// Velocities before: of the centre of mass up to 2 m/s, downwards 0.2 to 2.2 m/s, turning up to 6 rad/s.
 pub fn falling(body: &Rigid, velocity: &Vector3<f64>, spin: &Vector3<f64>) -> Problem {

@@ -2,10 +2,10 @@
 //! judge is used.
 
 use nalgebra::{Vector2, Vector3};
-use stiction::contact::candidate::Solution;
-use stiction::contact::capacity;
-use stiction::contact::problem::Problem;
-use stiction::contact::state::States;
+use stiction::contact::model::capacity;
+use stiction::contact::model::problem::Problem;
+use stiction::contact::model::state::States;
+use stiction::contact::search::candidate::Solution;
 
 /// What is missed, in words; empty when everything holds. At the acceleration level from rest, at the velocity level
 /// after a plastic impulse. `drive` is the size of the motion without contact, by which small motions are measured.

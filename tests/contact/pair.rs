@@ -6,7 +6,7 @@
 use super::rigid::{Rigid, body_on, triple};
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
-use stiction::contact::problem::{Level, Problem};
+use stiction::contact::model::problem::{Level, Problem};
 
 /// How two bodies are joined.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -7,7 +7,7 @@ use super::rest::{pressed, select};
 use super::rigid::{G, triple};
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stiction::contact::problem::{Level, Problem};
+use stiction::contact::model::problem::{Level, Problem};
 
 fn loaded(pair: &Pair, force: &[Vector3<f64>; 2], moment: &[Vector3<f64>; 2]) -> Problem {
     let loads = [0, 1].map(|i| pressed(&pair.bodies[i], &force[i], &moment[i]));

@@ -1,10 +1,10 @@
 //! The residuals on solutions written by hand: nothing on a right one, and each wrong thing trips its own.
 
 use nalgebra::{Vector2, Vector3};
-use stiction::contact::candidate::Solution;
-use stiction::contact::problem::Problem;
-use stiction::contact::residual::{Residual, evaluate};
-use stiction::contact::state::{Mode, Pattern, SoleState, States};
+use stiction::contact::model::problem::Problem;
+use stiction::contact::model::residual::{Residual, evaluate};
+use stiction::contact::model::state::{Mode, Pattern, SoleState, States};
+use stiction::contact::search::candidate::Solution;
 
 const MU_S: f64 = 0.5;
 const MU_K: f64 = 0.4;
@@ -74,7 +74,7 @@ impl Case {
         evaluate(&self.p, &self.states, &self.solution)
     }
 
-    fn vertex(&mut self, i: usize) -> &mut stiction::contact::problem::Vertex {
+    fn vertex(&mut self, i: usize) -> &mut stiction::contact::model::problem::Vertex {
         &mut self.p.soles[0].vertices[i]
     }
 }

@@ -4,10 +4,10 @@ use super::law;
 use super::rigid::{G, Rigid, body_on, rules, stuck, triple};
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stiction::contact::candidate::Solution;
-use stiction::contact::problem::{Level, Problem};
-use stiction::contact::select::{Selection, Selector};
-use stiction::contact::state::{SoleState, States};
+use stiction::contact::model::problem::{Level, Problem};
+use stiction::contact::model::state::{SoleState, States};
+use stiction::contact::search::candidate::Solution;
+use stiction::contact::search::select::{Selection, Selector};
 
 /// Force and moment at the centre of mass in units of the weight: forces up to `1.2 m g`, moments up to `0.05 m m g`.
 pub fn pressed(body: &Rigid, force: &Vector3<f64>, moment: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {

@@ -3,9 +3,9 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector2, Vector3};
 use proptest::prelude::*;
-use stiction::contact::judge::Rules;
-use stiction::contact::problem::{Level, Problem, Tolerances};
-use stiction::contact::state::{MAX_SOLES, Pattern, SoleState, States};
+use stiction::contact::model::problem::{Level, Problem, Tolerances};
+use stiction::contact::model::state::{MAX_SOLES, Pattern, SoleState, States};
+use stiction::contact::search::judge::Rules;
 
 pub const G: f64 = 9.81;
 

@@ -5,12 +5,12 @@ use super::pair::{JOINTS, pair};
 use super::rigid::{Rigid, body_on, rules, triple};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use proptest::prelude::*;
-use stiction::contact::candidate::Solution;
-use stiction::contact::lcp::LcpParameters;
-use stiction::contact::method::{self, Parameters, Question};
-use stiction::contact::ncp::NcpParameters;
-use stiction::contact::problem::Problem;
-use stiction::contact::select::Selection;
+use stiction::contact::methods::lcp::LcpParameters;
+use stiction::contact::methods::method::{self, Parameters, Question};
+use stiction::contact::methods::ncp::NcpParameters;
+use stiction::contact::model::problem::Problem;
+use stiction::contact::search::candidate::Solution;
+use stiction::contact::search::select::Selection;
 
 /// One answer, starting from nothing.
 fn answer(name: &str, parameters: &Parameters, p: &mut Problem) -> (Selection, Solution) {

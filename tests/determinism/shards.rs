@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use stiction::record::RunRecord;
+use stiction::results::RunRecord;
 
 use super::{FILES, REFERENCES, RUNS, run, scenarios};
 use crate::cli::Place;

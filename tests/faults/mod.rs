@@ -21,7 +21,7 @@ pub fn everything_is_whole(results: &Path) {
         let bytes = || std::fs::read(&path).unwrap();
         match path.file_name().unwrap().to_str().unwrap() {
             "run.json" => {
-                let record = stiction::record::RunRecord::read(&path).unwrap();
+                let record = stiction::results::RunRecord::read(&path).unwrap();
                 assert_eq!(path.parent().unwrap().file_name().unwrap(), record.key.as_str());
             }
             "log.mcap" => {

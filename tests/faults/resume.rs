@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use stiction::record::RunRecord;
+use stiction::results::RunRecord;
 
 use super::{ARGUMENTS, ENDS, batch};
 use crate::cli::{Done, Place};
@@ -160,7 +160,7 @@ fn it_says_what_changed() {
         record.write(&folder.with_file_name(other).join("run.json")).unwrap();
         fs::remove_dir_all(folder).unwrap();
     }
-    assert_eq!(now(), format!("2 runs again: the program was stiction 0.0.9, is {}", stiction::record::PROGRAM));
+    assert_eq!(now(), format!("2 runs again: the program was stiction 0.0.9, is {}", stiction::results::PROGRAM));
 }
 
 #[test]

@@ -24,7 +24,7 @@ fn two_programs_do_not_write_into_one_folder() {
     let place = Place::new();
     place.block("s.toml", "");
     std::fs::create_dir(place.path("results")).unwrap();
-    let _held = stiction::record::RunsLog::append(&place.path("results/runs.jsonl")).unwrap();
+    let _held = stiction::results::RunsLog::append(&place.path("results/runs.jsonl")).unwrap();
     place.write("results/summary.csv", "theirs");
     for more in [&[][..], &["--resume"]] {
         let done = place.runner(&[&["s.toml"][..], more].concat()).exits(2);

@@ -2,7 +2,7 @@
 
 use crate::analytic::support::{TIGHT, Told, root, watch};
 use std::fs;
-use stiction::{robot, scenario, sim::build};
+use stiction::{assemble, robot, scenario};
 use tempfile::TempDir;
 
 /// A file of HOAP-2 whose left hand has a frame of its own, in its palm and turned by a right angle about z.
@@ -90,7 +90,7 @@ fn an_entry_that_names_none_two_or_an_unknown_one_is_an_error_at_its_place() {
         let found = scenario::parse(&root().join("test.toml"), &text).and_then(|file| {
             let runs = file.expand(&[])?;
             let robot = robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"));
-            build::setup(&runs[0], &robot)
+            assemble::setup(&runs[0], &robot)
         });
         found.err().unwrap_or_else(|| panic!("accepted:\n{text}")).to_string()
     };

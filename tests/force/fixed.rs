@@ -1,7 +1,7 @@
 //! Forces on a link that is fixed to the world are refused: they would move nothing.
 
 use crate::analytic::support::root;
-use stiction::{robot, scenario, sim::build};
+use stiction::{assemble, robot, scenario};
 
 #[test]
 fn a_force_on_a_fixed_link_is_refused_at_its_name() {
@@ -16,7 +16,7 @@ fn a_force_on_a_fixed_link_is_refused_at_its_name() {
         let text = text.replace("\"base\"", &format!("{:?}", fixed()));
         let runs = scenario::parse(&root().join("test.toml"), &text).and_then(|f| f.expand(&[])).expect("it is sound");
         let robot = robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).expect("it is there");
-        let Err(wrong) = build::setup(&runs[0], &robot) else { panic!("accepted: {force}") };
+        let Err(wrong) = assemble::setup(&runs[0], &robot) else { panic!("accepted: {force}") };
         let [error] = &wrong.0[..] else { panic!("{wrong}") };
         assert!(error.message.contains("is fixed") && error.to_string().contains("link"), "{wrong}");
     }

@@ -1,14 +1,14 @@
 //! Entries that do not fit the robot are refused at their places.
 
 use crate::analytic::support::root;
-use stiction::{robot, scenario, sim::build};
+use stiction::{assemble, robot, scenario};
 
 /// What is wrong with a scenario.
 fn wrong(text: &str) -> String {
     let found = scenario::parse(&root().join("test.toml"), text).and_then(|file| {
         let runs = file.expand(&[])?;
         let robot = robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"));
-        build::setup(&runs[0], &robot)
+        assemble::setup(&runs[0], &robot)
     });
     found.err().map_or_else(|| panic!("accepted:\n{text}"), |e| e.to_string())
 }

@@ -4,7 +4,7 @@ use std::net::UdpSocket;
 use std::path::Path;
 use std::time::Duration;
 
-use stiction::link::wire::{self, Header, Hello, Kind, Welcome, fingerprint, flags, read_sensing, write_control};
+use stiction::remote::wire::{self, Header, Hello, Kind, Welcome, fingerprint, flags, read_sensing, write_control};
 use stiction::robot::{Model, load};
 use stiction::task::{Command, Sensed};
 

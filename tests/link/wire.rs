@@ -4,11 +4,11 @@ use std::path::Path;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use stiction::dynamics::chain::FrameMotion;
-use stiction::link::wire::{
+use stiction::random::Stream;
+use stiction::remote::wire::{
     self, HEADER, Header, Hello, Key, Kind, Refused, VERSION, Welcome, fingerprint, flags, read_control, read_sensing,
     write_control, write_sensing,
 };
-use stiction::random::Stream;
 use stiction::robot::{DriveMode, Model, load};
 use stiction::task::{Command, Sensed};
 

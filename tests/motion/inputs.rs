@@ -3,7 +3,7 @@
 use super::{Folder, PENDULUM};
 use crate::cli::Place;
 use std::path::Path;
-use stiction::record::RunRecord;
+use stiction::results::RunRecord;
 
 fn list(place: &Place) -> Vec<String> {
     let said = place.runner(&["list", "s.toml", "--format", "csv"]).exits(0).stdout;

@@ -99,7 +99,7 @@ fn ranges_are_limited_and_told() {
     let (_, _, notes) = folder.watch(text);
     assert_eq!(notes.len(), 1, "{notes:?}");
     let run = folder.run(&text.replace("duration = 0.1", "duration = 3")).unwrap();
-    let setup = stiction::sim::build::setup(&run, &super::robot_of(&run)).unwrap();
+    let setup = stiction::assemble::setup(&run, &super::robot_of(&run)).unwrap();
     let knee = setup.model.joint("left_knee").unwrap();
     let upper = setup.model.joints[knee.0].upper;
     // The last frames at 2.3 rad/s are slower than the joint's 5 rad/s.

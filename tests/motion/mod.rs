@@ -12,10 +12,11 @@ use crate::analytic::support::{Told, finish};
 use crate::identities::allocations::count;
 use std::fs;
 use std::path::Path;
+use stiction::assemble;
 use stiction::dynamics::State;
 use stiction::robot;
 use stiction::scenario::{self, Diagnostics, Run};
-use stiction::sim::{Metrics, Simulation, build};
+use stiction::sim::{Metrics, Simulation};
 use stiction::task::server::Situation;
 use stiction::task::{Command, Sensed};
 
@@ -49,13 +50,13 @@ impl Folder {
             Ok(run) => run,
             Err(found) => return found,
         };
-        build::setup(&run, &robot_of(&run)).err().unwrap_or_else(|| panic!("not refused: {text}"))
+        assemble::setup(&run, &robot_of(&run)).err().unwrap_or_else(|| panic!("not refused: {text}"))
     }
 
     /// Runs a scenario to its end.
     pub fn watch(&self, text: &str) -> (Metrics, Told, Vec<String>) {
         let run = self.run(text).unwrap_or_else(|e| panic!("{e}"));
-        let setup = build::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
+        let setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
         let notes = setup.notes.clone();
         let mut told = Told::default();
         let metrics = finish(&mut Simulation::new(setup).unwrap_or_else(|e| panic!("{e}")), &mut told);
@@ -84,7 +85,7 @@ pub struct Asked {
 /// Calls the task server of a scenario at each of its ticks, without simulating anything.
 pub fn asked(folder: &Folder, text: &str) -> Vec<Asked> {
     let run = folder.run(text).unwrap_or_else(|e| panic!("{e}"));
-    let mut setup = build::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
+    let mut setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let (mut state, sensed) = (State::home(&setup.model), Sensed::blank(&setup.model));
     let ticks = (run.scenario.duration * run.scenario.control.rate).round() as usize;
     let tick = |k: usize| {
@@ -137,7 +138,7 @@ fn nothing_is_allocated_at_a_tick() {
         change = [{{ at = 0.01, joints = {{ shoulder = {{ frequency = 2 }} }} }}]\n"
     );
     let run = folder.run(&text).unwrap_or_else(|e| panic!("{e}"));
-    let mut setup = build::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
+    let mut setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let (mut state, sensed) = (State::home(&setup.model), Sensed::blank(&setup.model));
     let mut tick = |k: usize| {
         state.time = k as f64 / run.scenario.control.rate;

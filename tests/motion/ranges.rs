@@ -1,7 +1,7 @@
 //! Goals outside joints' ranges, joints that do not listen, and swings too fast for ticks.
 
 use super::{Asked, Folder, PENDULUM, asked, robot_of, unsteadiness};
-use stiction::sim::build;
+use stiction::assemble;
 
 const HOAP: &str = "duration = 0.1\nrobot = { model = \"ROBOTS/hoap2/hoap2.toml\" }\n";
 
@@ -13,7 +13,7 @@ fn refused(text: &str, words: &str) {
 
 fn notes(text: &str) -> Vec<String> {
     let run = Folder::with(&[]).run(text).unwrap_or_else(|e| panic!("{e}"));
-    build::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}")).notes
+    assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}")).notes
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn goals_are_within_ranges() {
     // Where the middle is known only when it begins.
     let text = format!("{HOAP}{}", sine("amplitude = 1.1"));
     let run = Folder::with(&[]).run(&text).unwrap();
-    let setup = build::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
+    let setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let mut sim = stiction::sim::Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"));
     let (outcome, words) = sim.run(&mut stiction::sim::Blind, &std::sync::atomic::AtomicBool::new(false));
     assert_eq!(outcome, stiction::sim::Outcome::Error);

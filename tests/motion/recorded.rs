@@ -2,7 +2,8 @@
 
 use crate::cli::Place;
 use std::path::Path;
-use stiction::record::{RunRecord, Trajectory};
+use stiction::log::Trajectory;
+use stiction::results::RunRecord;
 
 /// HOAP-2 bends its knees on the floor; 1.6 s, logged at `rate`.
 fn knee_bend(rate: f64, task: &str) -> String {
@@ -39,7 +40,7 @@ fn apart(a: &Trajectory, b: &Trajectory) -> (f64, f64) {
     let (a, b) = (a.motion.as_ref().unwrap(), b.motion.as_ref().unwrap());
     let distance = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
     let joints = a.joints.iter().zip(&b.joints).map(|(a, b)| distance(&a.position, &b.position)).fold(0.0, f64::max);
-    let heights = |m: &stiction::record::Motion| m.base_position.iter().map(|p| p.z).collect::<Vec<_>>();
+    let heights = |m: &stiction::log::Motion| m.base_position.iter().map(|p| p.z).collect::<Vec<_>>();
     (joints, distance(&heights(a), &heights(b)))
 }
 

@@ -4,7 +4,7 @@
 
 use serde::Deserialize;
 use std::collections::BTreeSet;
-use stiction::contact::frozen::{Answer, Frozen};
+use stiction::contact::model::frozen::{Answer, Frozen};
 
 #[derive(Deserialize)]
 struct Oracle {

@@ -3,7 +3,7 @@
 use super::sample::{self, ROBOT, SCENARIO, URDF};
 use mcap::{MessageStream, Summary};
 use std::collections::BTreeMap;
-use stiction::record::{LogWriter, Topics};
+use stiction::log::{LogWriter, Topics};
 use stiction::sim::Observer;
 
 const TICKS: usize = 20;

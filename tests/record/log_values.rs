@@ -4,7 +4,7 @@ use super::sample::{self, URDF};
 use foxglove::messages::{FrameTransforms, Log, Pose, Quaternion, SceneEntity, SceneUpdate, Vector3 as LogVector};
 use mcap::MessageStream;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use stiction::record::{LogWriter, Topics, messages, ros};
+use stiction::log::{LogWriter, Topics, messages, ros};
 use stiction::robot::Base;
 use stiction::sim::{Observer, Snapshot};
 

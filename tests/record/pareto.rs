@@ -2,8 +2,8 @@
 
 use super::run::record;
 use proptest::prelude::*;
-use stiction::record::pareto::{Group, Work, front, front_as_shown, groups, pareto_table};
-use stiction::record::{Comparison, ParamValue, Repeats, SummaryRow, TruthError};
+use stiction::results::pareto::{Group, Work, front, front_as_shown, groups, pareto_table};
+use stiction::results::{Comparison, ParamValue, Repeats, SummaryRow, TruthError};
 use stiction::sim::Outcome;
 
 /// A run of 2 simulated seconds.

@@ -2,8 +2,8 @@
 
 use crate::analytic::support::simulation;
 use std::sync::atomic::AtomicBool;
-use stiction::contact::frozen::{Answer, Frozen};
-use stiction::record::{MAX_PROBLEMS, ProblemRecord, ProblemWriter};
+use stiction::contact::model::frozen::{Answer, Frozen};
+use stiction::log::{MAX_PROBLEMS, ProblemRecord, ProblemWriter};
 use stiction::sim::{Observer, Outcome, Problems, SimEvent, Snapshot};
 
 /// Keeps problems as JSON text.

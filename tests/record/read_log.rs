@@ -3,7 +3,7 @@
 use super::sample::{self, ROBOT, SCENARIO, URDF};
 use nalgebra::Vector3;
 use std::path::Path;
-use stiction::record::{LogError, LogWriter, Topics, Trajectory, messages};
+use stiction::log::{LogError, LogWriter, Topics, Trajectory, messages};
 use stiction::robot::JointKind;
 use stiction::sim::{Observer, Snapshot};
 

@@ -1,7 +1,8 @@
 //! `report.html`: complete, inert, well-formed, and bounded.
 
 use super::pareto::run;
-use stiction::record::{Machine, Pictured, ReportRun, SummaryRow, Verdict, write_report};
+use stiction::report::{Pictured, ReportRun, write_report};
+use stiction::results::{Machine, SummaryRow, Verdict};
 use stiction::sim::Outcome;
 
 /// The page on rows.

@@ -1,9 +1,10 @@
 //! `run.json` and `runs.jsonl`, written and read back.
 
 use std::path::Path;
-use stiction::record::{
-    Comparison, LeftLog, Machine, ParamValue, RUN_SCHEMA, RecordError, Repeats, RunRecord, RunsLog, Timing, TruthError,
-    Verdict, hash_input,
+use stiction::files::RecordError;
+use stiction::results::{
+    Comparison, LeftLog, Machine, ParamValue, RUN_SCHEMA, Repeats, RunRecord, RunsLog, Timing, TruthError, Verdict,
+    hash_input,
 };
 use stiction::sim::{AvoidanceTime, Metrics, Outcome};
 

@@ -3,8 +3,8 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
 use std::sync::LazyLock;
-use stiction::contact::residual::Residual;
-use stiction::record::{Document, LogHeader, LogWriter, Topics};
+use stiction::contact::model::residual::Residual;
+use stiction::log::{Document, LogHeader, LogWriter, Topics};
 use stiction::robot::{Base, Drive, Geometry, Joint, JointKind, Link, LinkId, Merged, Model, Shape, Sole};
 use stiction::sim::{Balance, Observer, SelfContactSnapshot, SimEvent, Snapshot, SoleSnapshot};
 use stiction::task::Point;

@@ -6,7 +6,7 @@ use polars_io::SerReader;
 use polars_io::csv::read::CsvReadOptions;
 use polars_io::parquet::read::ParquetReader;
 use std::fs::File;
-use stiction::record::{
+use stiction::results::{
     Comparison, NUMERIC_COLUMNS, ParamValue, Shown, SummaryRow, metric, table, verdicts, write_summary,
 };
 use stiction::sim::Outcome;

@@ -6,7 +6,7 @@ use prost::Message as _;
 use prost_types::FileDescriptorSet;
 use prost_types::field_descriptor_proto::Type;
 use std::collections::{BTreeMap, BTreeSet};
-use stiction::record::{Topics, messages};
+use stiction::log::{Topics, messages};
 use stiction::sim::Snapshot;
 
 /// Takes the first `n` bytes.

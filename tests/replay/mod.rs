@@ -210,7 +210,7 @@ fn another_build_is_named_and_the_bits_are_compared_all_the_same() {
         own = record["timing"]["build"].as_str().unwrap().to_owned();
         record["timing"]["build"] = "0123456789abcdef".into();
     });
-    assert!(own.len() == 16 && own == stiction::record::BUILD, "{own}");
+    assert!(own.len() == 16 && own == stiction::results::BUILD, "{own}");
     let said = place.runner(&["replay", &folder]).exits(0);
     says(&said, &format!("it was run by another build of this version, 0123456789abcdef, this is {own}"));
     says(&said, "same bits (run.json and log.mcap)");

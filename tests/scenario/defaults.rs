@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use stiction::contact::penalty::PenaltyParameters;
+use stiction::contact::methods::penalty::PenaltyParameters;
 use stiction::scenario::{
     ContactMethod, Estimator, EventHandling, ForceFrame, ForceSpec, Friction, IntegratorMethod, JointLimits, JointMode,
     LogTopic, Profile, TaskSpec,

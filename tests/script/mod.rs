@@ -8,8 +8,9 @@ mod tasks;
 
 use std::fs;
 use std::sync::atomic::AtomicBool;
+use stiction::assemble;
 use stiction::scenario::Diagnostics;
-use stiction::sim::{Blind, Observer, Outcome, Simulation, build};
+use stiction::sim::{Blind, Observer, Outcome, Simulation};
 use stiction::{robot, scenario};
 use tempfile::TempDir;
 
@@ -28,7 +29,7 @@ impl Beside {
     fn build(&self) -> Result<Simulation, Diagnostics> {
         let runs = scenario::load(&self.0.path().join("s.toml"))?.expand(&[])?;
         let robot = robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).expect("the robot is sound");
-        Ok(Simulation::new(build::setup(&runs[0], &robot)?).expect("it can be simulated"))
+        Ok(Simulation::new(assemble::setup(&runs[0], &robot)?).expect("it can be simulated"))
     }
 
     fn simulation(&self) -> Simulation {

@@ -1,7 +1,8 @@
 //! Footstep plan, Riccati equation and preview control.
 
 use nalgebra::{Matrix4, Vector3, Vector4};
-use stiction::task::gait::{Footsteps, Preview, Stride, riccati};
+use stiction::linalg::riccati;
+use stiction::task::gait::{Footsteps, Preview, Stride};
 
 #[test]
 fn the_riccati_solution_has_its_closed_form() {

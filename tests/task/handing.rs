@@ -1,9 +1,9 @@
 //! What tasks hand over to one another: modes, efforts, positions, and the instants at which they begin and end.
 
 use super::super::motion::{Folder, robot_of};
+use stiction::assemble;
 use stiction::dynamics::State;
 use stiction::robot::DriveMode;
-use stiction::sim::build;
 use stiction::task::server::Situation;
 use stiction::task::{Command, Sensed};
 
@@ -18,7 +18,7 @@ type Told = Vec<(f64, Command)>;
 /// What the joints are asked at ticks up to `end` seconds, and when which task ended. The robot stays where it starts.
 fn ticks(folder: &Folder, text: &str, end: f64) -> (Told, Vec<(String, f64)>) {
     let run = folder.run(text).unwrap_or_else(|e| panic!("{e}"));
-    let mut setup = build::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
+    let mut setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let mut state = State::home(&setup.model);
     (state.position, state.rotation) = (setup.start.position, setup.start.rotation);
     state.joints.copy_from_slice(&setup.start.joints);

@@ -1,9 +1,10 @@
 //! Without a floor: flight, tops, a double pendulum.
 
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use stiction::assemble;
 use stiction::dynamics::body;
 use stiction::robot::load;
-use stiction::sim::{Simulation, build};
+use stiction::sim::Simulation;
 
 use super::case::{Case, cases};
 use crate::analytic::body::G;
@@ -31,7 +32,7 @@ fn the_drift_allowed_in_flight_is_a_small_part_of_the_angular_momentum() {
         for case in cases(name) {
             let robot = load(&case.run.resolve(&case.run.scenario.robot.model))
                 .unwrap_or_else(|e| panic!("{}", e.render(false)));
-            let setup = build::setup(&case.run, &robot).unwrap_or_else(|e| panic!("{e}"));
+            let setup = assemble::setup(&case.run, &robot).unwrap_or_else(|e| panic!("{e}"));
             let start = Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"));
             let spin = body::momentum(&start.plant().ws).angular.norm();
             let drift = |e: &&stiction::scenario::Expect| e.metric.as_deref() == Some("max_flight_spin_drift_Nms");

@@ -3,7 +3,7 @@
 use crate::record::sample;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde_json::Value;
-use stiction::record::Topics;
+use stiction::log::Topics;
 use stiction::sim::Snapshot;
 use stiction::view::{Packed, Replay, ViewError, pack};
 

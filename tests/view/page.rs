@@ -3,7 +3,7 @@
 use crate::record::sample;
 use base64::Engine as _;
 use std::io::Read;
-use stiction::record::Topics;
+use stiction::log::Topics;
 use stiction::view::{Replay, file_page, pack, served_page};
 
 fn between<'a>(page: &'a str, begin: &str, end: &str) -> &'a str {

@@ -4,7 +4,7 @@ use crate::record::sample;
 use std::io::{Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::thread::JoinHandle;
-use stiction::record::Topics;
+use stiction::log::Topics;
 use stiction::view::{Replay, Runs, Server, Stopper, pack};
 use tempfile::TempDir;
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use crate::record::ParamValue;
+use crate::results::ParamValue;
 
 /// An expression over one run.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::expression::{Comparison, Expression, Relation, Subject};
-use crate::record::ParamValue;
+use crate::results::ParamValue;
 use crate::scenario::Diagnostic;
 
 /// Brackets and negations inside each other; more would be a mistake, and the stack is not endless.

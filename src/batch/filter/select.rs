@@ -6,8 +6,9 @@ use super::Filter;
 use super::expression::{Comparison, Subject};
 use super::parse::kind;
 use super::value::{Answer, Seen, refusal};
-use crate::record::ParamValue;
-use crate::scenario::{Diagnostic, Run, suggest};
+use crate::results::ParamValue;
+use crate::scenario::{Diagnostic, Run};
+use crate::text::suggest;
 
 /// Selects runs, and remembers for each comparison what it met.
 pub struct Selection<'a> {

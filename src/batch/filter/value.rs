@@ -1,9 +1,9 @@
 //! What a run has at a path, and whether that is as wanted.
 
 use super::expression::{Comparison, Relation, Subject};
-use crate::pattern::matches;
-use crate::record::ParamValue;
+use crate::results::ParamValue;
 use crate::scenario::{Diagnostic, Run, parse, segment};
+use crate::text::pattern::matches;
 
 /// What came of one comparison with one run.
 pub(super) enum Answer {

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use schemars::{JsonSchema, Schema, json_schema};
 use serde::Serialize;
 
-use crate::record::{Measure, ParamValue, Verdict};
+use crate::results::{Measure, ParamValue, Verdict};
 use crate::sim::Outcome;
 
 /// Version of the messages.

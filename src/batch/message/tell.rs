@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::{BatchFinished, BatchStarted, Message, RunFinished, RunMessage, RunSlow};
 use crate::batch::{Finished, Job, Listener, Options, Plan, Report, Role, is_slow};
-use crate::record::{NUMERIC_COLUMNS, PROGRAM, measure, truth_columns};
+use crate::results::{NUMERIC_COLUMNS, PROGRAM, measure, truth_columns};
 
 /// Turns what it hears into lines and hands them on.
 pub struct Teller<F: FnMut(String)> {

@@ -9,7 +9,7 @@ use rustyline::completion::{Completer, FilenameCompleter, Pair};
 use rustyline::error::ReadlineError;
 use rustyline::history::FileHistory;
 use rustyline::{Config, Context, Editor, ExternalPrinter, Helper};
-use stiction::link::console::{Names, Session, complete};
+use stiction::console::{Names, Session, complete};
 
 use super::super::terminal::{complain, complain_of};
 use super::super::{Exit, colour};

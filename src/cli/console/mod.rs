@@ -11,9 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueHint};
 use stiction::batch::Severity;
-use stiction::link::Pace;
-use stiction::link::console::{ConsoleError, Session};
-use stiction::record::{Made, may_replace};
+use stiction::console::{ConsoleError, Session};
+use stiction::files::{Made, may_replace};
+use stiction::remote::Pace;
 
 use super::live::Live;
 use super::machine::MessageFormat;
@@ -138,7 +138,7 @@ fn exit_of(error: &ConsoleError) -> Exit {
         ConsoleError::Expectation(_) => Exit::Failed,
         ConsoleError::Over { .. } => Exit::Unfinished,
         ConsoleError::Record(cause) => Exit::of_writing(cause),
-        ConsoleError::Export(stiction::record::export::ExportError::Record(cause)) => Exit::of_writing(cause),
+        ConsoleError::Export(stiction::export::ExportError::Record(cause)) => Exit::of_writing(cause),
         ConsoleError::Io { source, .. } => Exit::of_writing(source),
         ConsoleError::Usage(_) | ConsoleError::Scenario(_) | ConsoleError::Log(_) | ConsoleError::Export(_) => {
             Exit::Invalid

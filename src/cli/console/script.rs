@@ -4,7 +4,7 @@ use std::io::{self, BufRead};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
-use stiction::link::console::{ConsoleError, Session};
+use stiction::console::{ConsoleError, Session};
 
 use super::super::terminal::{complain, complain_drawn, complain_of, print};
 use super::super::{Exit, colour};

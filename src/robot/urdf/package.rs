@@ -8,7 +8,7 @@
 use std::path::{Path, PathBuf};
 
 use super::xml::crowded;
-use crate::input_file;
+use crate::files::input;
 
 /// The file a mesh name of a URDF in `folder` stands for; the error lists the places searched.
 pub(super) fn resolve(folder: &Path, filename: &str) -> Result<PathBuf, String> {
@@ -55,7 +55,7 @@ fn as_written(folder: &Path, filename: &str) -> Result<PathBuf, String> {
 
 /// Is the folder the ROS package of that name?
 fn is_package(folder: &Path, name: &str) -> bool {
-    let manifest = || input_file::read_text(&folder.join("package.xml"), input_file::MOST_TEXT).ok();
+    let manifest = || input::read_text(&folder.join("package.xml"), input::MOST_TEXT).ok();
     let says = |text: String| {
         if crowded(&text).is_some() {
             return None;

@@ -8,7 +8,7 @@ use roxmltree::Node;
 
 use super::xml::{Xml, describe};
 use super::{mesh, package};
-use crate::input_file;
+use crate::files::input;
 use crate::robot::model::{Geometry, Shape};
 use crate::robot::notice::Notices;
 
@@ -103,7 +103,7 @@ impl<'a> Shapes<'a> {
         let folder = self.xml.source.path().parent().unwrap_or(Path::new("."));
         let path = package::resolve(folder, filename)?;
         if !self.decoded.contains_key(&path) {
-            let bytes = input_file::read(&path, input_file::MOST_DATA).map_err(|e| e.to_string())?;
+            let bytes = input::read(&path, input::MOST_DATA).map_err(|e| e.to_string())?;
             self.decoded.insert(path.clone(), mesh::decode(&bytes, &path));
             self.files.push((path.clone(), bytes));
         }

@@ -1,7 +1,7 @@
 //! Rules for `[[event]]`.
 
 use super::Check;
-use crate::scenario::spec::event::EventSpec;
+use crate::scenario::format::event::EventSpec;
 
 /// After each event the whole scenario is kept as it is then.
 const MOST_EVENTS: usize = 1000;

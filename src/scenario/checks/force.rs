@@ -1,7 +1,7 @@
 //! Rules for `[[force]]`.
 
 use super::{Check, Path};
-use crate::scenario::spec::force::{AnchorSpec, ForceSpec, Grip, Profile, RandomPushes};
+use crate::scenario::format::force::{AnchorSpec, ForceSpec, Grip, Profile, RandomPushes};
 
 impl Check<'_> {
     /// `path` is the entry's, `end` the run's, s.

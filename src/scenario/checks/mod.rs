@@ -4,20 +4,16 @@ mod event;
 mod force;
 mod task;
 
-use super::{
-    diagnostic::Findings,
-    path::Path,
-    polygon,
-    scenario::Scenario,
-    source::Span,
-    spec::{
-        compare::{COMPARED, CompareSpec},
-        expect::{Expect, METRICS},
-        floor::Friction,
-        robot::{PayloadSpec, SoleSpec},
-    },
-    tree::Node,
-};
+use super::diagnostic::Findings;
+use super::path::Path;
+use super::polygon;
+use super::scenario::Scenario;
+use super::source::Span;
+use super::tree::Node;
+use crate::scenario::format::compare::{COMPARED, CompareSpec};
+use crate::scenario::format::expect::{Expect, METRICS};
+use crate::scenario::format::floor::Friction;
+use crate::scenario::format::robot::{PayloadSpec, SoleSpec};
 
 /// Most readings of a sensor that are kept until they are seen.
 const MOST_READINGS: f64 = 1e5;

@@ -1,11 +1,11 @@
 //! Rules for `[[task]]`.
 
 use super::{Check, Path};
-use crate::scenario::spec::change::ChangeSpec;
-use crate::scenario::spec::task::{
+use crate::scenario::format::change::ChangeSpec;
+use crate::scenario::format::task::{
     BalanceControl, BalanceTask, ForceBalance, MocapTask, PositionBalance, SineTask, TaskSpec, WalkTask,
 };
-use crate::scenario::suggest;
+use crate::text::suggest;
 
 /// Shortest step of a walk, s: some samples of its pattern.
 const SHORTEST_STEP: f64 = 0.05;

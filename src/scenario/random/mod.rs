@@ -4,12 +4,10 @@
 mod draw;
 mod normal;
 
-use super::{
-    axis::alike,
-    path::Path,
-    spec::random::{Distribution, RandomSpec, Sampling},
-    tree::{Node, Value},
-};
+use super::axis::alike;
+use super::path::Path;
+use super::tree::{Node, Value};
+use crate::scenario::format::random::{Distribution, RandomSpec, Sampling};
 
 /// Most samples and keys of a Sobol sequence: what its table of direction numbers holds.
 pub const SOBOL_SAMPLES: u32 = 1 << 16;

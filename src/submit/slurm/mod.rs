@@ -6,7 +6,8 @@ mod script;
 
 use super::tool::{Tool, ended};
 use super::{Jobs, SUBMIT_SCHEMA, SubmitError, Sweep};
-use crate::record::{PROGRAM, RecordError, atomic};
+use crate::files::{RecordError, atomic};
+use crate::results::PROGRAM;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::PathBuf;
 use std::process::Stdio;

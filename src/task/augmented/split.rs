@@ -4,16 +4,16 @@
 //! min sum N_i^2   with   sum N_i = F_z,  sum N_i (x_i, y_i) = F_z c,  N_i >= 0        c the centre of pressure
 //! ```
 //!
-//! The rule of the floor's own simulation for a face at rest ([`crate::contact::pressure`]): the split of a load over
+//! The rule of the floor's own simulation for a face at rest ([`crate::contact::model::pressure`]): the split of a load over
 //! more than three vertices is indeterminate, and this one is the most even. Tangential forces are proportional to the
 //! normal ones times the translation and rotation that carry the rest of the wrench. A centre of pressure that errors of
 //! the sensor put outside the sole is moved to the nearest point of its outline, whose two ends then share the load.
 
 use super::contacts::NOTHING;
 use super::soles::SoleData;
-use crate::contact::candidate::share_tangent;
-use crate::contact::pressure;
-use crate::contact::problem::{SoleProblem, Vertex};
+use crate::contact::model::pressure;
+use crate::contact::model::problem::{SoleProblem, Vertex};
+use crate::contact::search::candidate::share_tangent;
 use crate::geometry::Plane;
 use crate::robot::{Model, Sole};
 use crate::task::sensed::SoleLoad;

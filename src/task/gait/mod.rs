@@ -2,7 +2,6 @@
 
 pub mod footsteps;
 pub mod preview;
-pub mod riccati;
 
 pub use footsteps::{Footsteps, Stride};
 pub use preview::{Preview, Sample};

@@ -20,7 +20,7 @@
 //!
 //! Symbols: c centre of mass in one horizontal direction, p zero-moment point, h its height over the floor, g gravity.
 
-use super::riccati;
+use crate::linalg::riccati;
 use nalgebra::{Matrix3, Matrix4, RowVector3, Vector3, Vector4};
 
 /// Weight of the jerk's change against that of the error, `R / Q`, m^2 over (m/s^3)^2; Kajita's.

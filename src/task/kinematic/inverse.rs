@@ -14,9 +14,9 @@
 //! The base's velocities are unknowns like the joints': what soles and centre of mass ask of the root comes out of the
 //! same equations.
 
-use super::cholesky::Symmetric;
 use super::{Figure, Goal, Rates};
 use crate::dynamics::{Motion, crba, jacobian};
+use crate::linalg::cholesky::Symmetric;
 use crate::robot::Model;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 

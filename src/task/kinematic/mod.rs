@@ -3,7 +3,6 @@
 //! A task keeps a [`Figure`]: the robot as it wants it, a state and workspace of its own. [`Inverse`] moves the figure until
 //! its soles, its centre of mass and its root are where the task's [`Goal`] says. Nothing here allocates after `new`.
 
-pub mod cholesky;
 pub mod feed_forward;
 pub mod figure;
 pub mod goal;

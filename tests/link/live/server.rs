@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use stiction::link::live::Live;
-use stiction::record::{ChannelInfo, LogWriter, Outlet, Topics};
+use stiction::live::Live;
+use stiction::log::{ChannelInfo, LogWriter, Outlet, Topics};
 use stiction::sim::Observer;
 
 use super::viewer::{Said, Viewer};

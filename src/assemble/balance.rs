@@ -1,0 +1,141 @@
+//! Tasks that balance, from their entries.
+
+use crate::assemble::{names, planned};
+use crate::robot::{Base, JointId, Model, SoleId};
+use crate::scenario::{BalanceControl, BalanceTask, Contacts, Diagnostic, GravityCompensationTask, Run};
+use crate::task::Task;
+use crate::task::balance::force::{Change, ForceBalance, Gains, Settings};
+use crate::task::balance::position::{self, PositionBalance};
+use crate::task::kinematic::figure;
+use nalgebra::{Vector2, Vector3};
+
+/// The task of the entry at `path`; none, with an error, for a robot that it cannot stand.
+pub(super) fn balance(
+    run: &Run,
+    model: &Model,
+    path: &str,
+    spec: &BalanceTask,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<Box<dyn Task>> {
+    let soles = footing(run, model, path, spec.soles.as_deref(), errors);
+    let task: Box<dyn Task> = match spec.control {
+        BalanceControl::Force => {
+            let (s, rate) = (&spec.force, run.scenario.control.rate);
+            let gains = |g: crate::scenario::Gains| Gains { kp: g.kp, kd: g.kd };
+            let settings = Settings {
+                duration: spec.duration.unwrap_or(f64::INFINITY),
+                com: gains(s.com),
+                orientation: s.orientation.map_or_else(|| held(100.0, 20.0, rate / 50.0), gains),
+                joints: s.joints.map_or_else(|| held(25.0, 10.0, rate / 100.0), gains),
+                offset: s.offset.into(),
+                approach: s.approach,
+                friction: s.friction,
+                margin: s.margin,
+                sensed: s.contacts == Contacts::Sensed,
+            };
+            let changes = spec.change.iter().filter_map(|c| Some((c.at, c.force.as_ref()?))).map(|(at, c)| {
+                let change = Change {
+                    com: c.com.map(gains),
+                    orientation: c.orientation.map(gains),
+                    joints: c.joints.map(gains),
+                    offset: c.offset.map(Vector3::from),
+                    approach: c.approach,
+                    friction: c.friction,
+                    margin: c.margin,
+                };
+                (at, change)
+            });
+            Box::new(ForceBalance::new("balance", model, soles, settings, changes.collect()))
+        }
+        BalanceControl::Position => {
+            planned::plannable(run, path, "a foot", figure::check(model), errors)?;
+            let s = &spec.position;
+            let mut mobility = vec![0.0; model.nj()];
+            figure::carrying_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
+            for (JointId(j), w) in
+                names::joints(model, run, &format!("{path}.position.mobility"), s.mobility.iter(), errors)
+            {
+                mobility[j] = w;
+            }
+            let settings = position::Settings {
+                duration: spec.duration.unwrap_or(f64::INFINITY),
+                proportional: s.proportional,
+                damping: s.damping,
+                integral: s.integral,
+                leaning: s.leaning,
+                reach: s.reach,
+                posture: s.posture,
+                approach: s.approach,
+                offset: s.offset.into(),
+                mobility,
+                feed_forward: s.feed_forward,
+            };
+            let changes = spec.change.iter().filter_map(|c| Some((c.at, c.position.as_ref()?))).map(|(at, c)| {
+                let change = position::Change {
+                    proportional: c.proportional,
+                    damping: c.damping,
+                    integral: c.integral,
+                    leaning: c.leaning,
+                    posture: c.posture,
+                    offset: c.offset.map(Vector2::from),
+                    approach: c.approach,
+                };
+                (at, change)
+            });
+            Box::new(PositionBalance::new(model, soles, settings, changes.collect()))
+        }
+    };
+    Some(task)
+}
+
+/// Default gains whose damping is at most `most`: efforts are held between ticks, and so are oscillations if they damp faster
+/// than that. Without the damping that it takes a spring is no default either: it stays critically damped or better.
+fn held(kp: f64, kd: f64, most: f64) -> Gains {
+    let kd = kd.min(most);
+    Gains { kp: kp.min(0.25 * kd * kd), kd }
+}
+
+/// The task of the entry at `path`.
+pub(super) fn gravity_compensation(
+    run: &Run,
+    model: &Model,
+    path: &str,
+    spec: &GravityCompensationTask,
+    errors: &mut Vec<Diagnostic>,
+) -> Box<dyn Task> {
+    let soles = footing(run, model, path, spec.soles.as_deref(), errors);
+    let settings = Settings {
+        duration: spec.duration.unwrap_or(f64::INFINITY),
+        com: Gains::default(),
+        orientation: Gains::default(),
+        joints: Gains { kp: 0.0, kd: spec.damping },
+        offset: Vector3::zeros(),
+        approach: 0.0,
+        friction: spec.friction,
+        margin: spec.margin,
+        sensed: false,
+    };
+    let changes = spec.change.iter().map(|c| {
+        let joints = c.damping.map(|kd| Gains { kp: 0.0, kd });
+        (c.at, Change { joints, friction: c.friction, margin: c.margin, ..Change::default() })
+    });
+    Box::new(ForceBalance::new("gravity-compensation", model, soles, settings, changes.collect()))
+}
+
+/// The soles that the entry at `path` stands on; unknown ones are errors, and none under a free robot.
+fn footing(
+    run: &Run,
+    model: &Model,
+    path: &str,
+    named: Option<&[String]>,
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<SoleId> {
+    if model.soles.is_empty() && model.base == Base::Floating {
+        let message = format!("the robot `{}` has no soles to stand on", model.name);
+        errors.push(run.error_at(&format!("{path}.type"), message, Some("give it `robot.soles`".into())));
+    }
+    match named {
+        None => (0..model.soles.len()).map(SoleId).collect(),
+        Some(named) => names::soles(model, run, &format!("{path}.soles"), named, errors),
+    }
+}

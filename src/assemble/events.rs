@@ -1,0 +1,133 @@
+//! What the events of a run do, from what its scenario is after each of them.
+
+use crate::assemble::{floor, forces, model, pairing};
+use crate::robot::{Model, Robot};
+use crate::scenario::{Diagnostic, Event, ForceSpec, Run, ScriptForce};
+use crate::sim::change::Change;
+use std::sync::Arc;
+
+/// The changes in the order in which they happen, and how many states are saved. `model` is the robot at the start. Stops
+/// at the first event that does not fit the robot.
+pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<Diagnostic>) -> (Vec<Change>, usize) {
+    // In the order in which they are saved: what comes later changes no number.
+    let mut names: Vec<&str> = Vec::new();
+    for name in run.events.iter().filter_map(|e| e.save.as_deref()) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let slot = |name: &Option<String>| name.as_ref().and_then(|name| names.iter().position(|n| n == name));
+    let mut model = Arc::new(model.clone());
+    let mut changes = Vec::with_capacity(run.events.len());
+    for (k, event) in run.events.iter().enumerate() {
+        let after = &event.after;
+        let touches = |part: &str| event.set.iter().any(|key| key.starts_with(part));
+        let mut change = Change {
+            at: event.at,
+            words: words(event),
+            end_tasks: event.end_tasks.clone(),
+            save: slot(&event.save),
+            restore: slot(&event.restore),
+            gravity: touches("gravity").then(|| after.scenario.gravity.into()),
+            restitution: touches("contact.").then_some(after.scenario.contact.restitution),
+            floor: touches("floor.").then(|| floor(after, errors)),
+            ..Change::default()
+        };
+        if change.restitution.is_some() {
+            pairing::check_restitution(after, errors);
+        }
+        if touches("robot.") {
+            let changed = Arc::new(changed(&model, after, robot, errors));
+            change.gains = gains(&model, &changed);
+            change.model = Some(changed.clone());
+            model = changed;
+        }
+        let mut touched: Vec<usize> = event.set.iter().filter_map(|key| number(key)).collect();
+        touched.sort_unstable();
+        touched.dedup();
+        for i in &touched {
+            if let Some(ForceSpec::CarriedObject(_)) = after.scenario.force.get(*i) {
+                let message = format!("`force.{i}` is a carried object, which does not change while the run goes on");
+                let help = Some("write one object more, with times of its own".to_owned());
+                errors.push(after.error_at(&format!("force.{i}"), message, help));
+            }
+        }
+        if !touched.is_empty() {
+            let made = forces::forces(&present(&run.events[..=k]), &model, errors).into_iter().enumerate();
+            change.forces = made.filter(|(i, _)| touched.binary_search(i).is_ok()).collect();
+        }
+        if !errors.is_empty() {
+            break;
+        }
+        changes.push(change);
+    }
+    (changes, names.len())
+}
+
+/// Number of the force that a path leads into.
+fn number(key: &str) -> Option<usize> {
+    key.strip_prefix("force.")?.split('.').next()?.parse().ok()
+}
+
+/// The run after the last of these events, its scripts' parameters as they are then.
+fn present(events: &[Event]) -> Run {
+    let last = events.last().expect("there is the one in question");
+    let mut run = (*last.after).clone();
+    for (i, force) in run.scenario.force.iter_mut().enumerate() {
+        if let ForceSpec::Script(script) = force {
+            pass_changes(script, &format!("force.{i}.params"), events, last.at);
+        }
+    }
+    run
+}
+
+/// Takes a script's changes up to a time into its parameters. Those that an event has given later than a change stay.
+fn pass_changes(script: &mut ScriptForce, path: &str, events: &[Event], time: f64) {
+    let sets = |event: &Event, name: &str| {
+        let into = |key: &String| key.strip_prefix(path).is_some_and(|rest| leads_to(rest, name));
+        event.set.iter().any(into)
+    };
+    let over = script.change.iter().take_while(|change| change.at <= time).count();
+    for change in script.change.drain(..over) {
+        let given = |name: &String| events.iter().any(|event| event.at >= change.at && sets(event, name));
+        script.params.extend(change.params.into_iter().filter(|(name, _)| !given(name)));
+    }
+}
+
+/// Does the rest of a path behind `params` lead to all of them, or to this one or into it?
+fn leads_to(rest: &str, name: &str) -> bool {
+    let inner = rest.strip_prefix('.').and_then(|rest| rest.strip_prefix(name));
+    rest.is_empty() || inner.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+}
+
+/// The robot after an event. Drives keep their modes, and a gain that the joint's own table does not give beside the other
+/// one: a joint that had both of `joint_default` would else have none.
+fn changed(before: &Model, after: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -> Model {
+    let mut after = after.clone();
+    for (name, joint) in &mut after.scenario.robot.joint {
+        let Some(id) = before.joint(name).filter(|_| joint.kp.is_some() != joint.kd.is_some()) else { continue };
+        let drive = &before.joints[id.0].drive;
+        joint.kp.get_or_insert(drive.kp);
+        joint.kd.get_or_insert(drive.kd);
+    }
+    let mut model = model::adjusted(&after, robot, errors);
+    model.joints.iter_mut().zip(&before.joints).for_each(|(joint, old)| joint.drive.mode = old.drive.mode);
+    model
+}
+
+/// Gains that differ.
+fn gains(before: &Model, after: &Model) -> Vec<(usize, f64, f64)> {
+    let joints = before.joints.iter().zip(&after.joints).enumerate();
+    joints
+        .filter(|(_, (a, b))| (a.drive.kp, a.drive.kd) != (b.drive.kp, b.drive.kd))
+        .map(|(j, (_, b))| (j, b.drive.kp, b.drive.kd))
+        .collect()
+}
+
+fn words(event: &Event) -> String {
+    let state = [("saves", &event.save), ("restores", &event.restore)];
+    let state = state.into_iter().filter_map(|(does, name)| name.as_ref().map(|name| format!("{does} state {name}")));
+    let ends = event.end_tasks.iter().map(|number| format!("ends task {number}"));
+    let set = (!event.words.is_empty()).then(|| event.words.clone());
+    state.chain(ends).chain(set).collect::<Vec<_>>().join(", ")
+}

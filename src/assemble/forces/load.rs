@@ -1,0 +1,41 @@
+//! `carried-object` from its entry.
+
+use crate::assemble::forces::Held;
+use crate::robot::Model;
+use crate::robot::adjust;
+use crate::scenario::{CarriedObject, Diagnostic, ForceSpec, Run};
+use crate::sim::Load;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+
+/// The objects that are carried; what does not fit the robot is an error at its place.
+pub(in crate::assemble) fn loads(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Vec<Load> {
+    let entries = run.scenario.force.iter().enumerate();
+    let object = |(i, spec): (usize, &ForceSpec)| match spec {
+        ForceSpec::CarriedObject(object) => {
+            let held = crate::assemble::forces::names::held(model, run, i, spec, errors)?;
+            load(run, i, held, object, errors)
+        }
+        _ => None,
+    };
+    entries.filter_map(object).collect()
+}
+
+fn load(run: &Run, i: usize, held: Held, spec: &CarriedObject, errors: &mut Vec<Diagnostic>) -> Option<Load> {
+    let [roll, pitch, yaw] = spec.rpy;
+    let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    let pose = Isometry3::from_parts(Translation3::from(spec.position), rotation);
+    match adjust::load_in(&held.pose, &held.name, spec.mass, pose, spec.inertia) {
+        Ok(body) => Some(Load {
+            name: held.name,
+            link: held.link,
+            body,
+            velocity: spec.velocity.map(Into::into),
+            from: spec.start,
+            to: spec.duration.map_or(f64::INFINITY, |d| spec.start + d),
+        }),
+        Err(error) => {
+            errors.push(run.error_at(&format!("force.{i}"), error.to_string(), None));
+            None
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! `spring` from its entry.
+
+use crate::assemble::forces::Held;
+use crate::force::Force;
+use crate::force::anchor::{Anchor, Path};
+use crate::force::spring::{Hold, Spring};
+use crate::scenario::{AnchorSpec, PathShape, SpringForce};
+use nalgebra::Point3;
+
+/// The spring that is attached there.
+pub(super) fn spring(held: Held, spec: &SpringForce) -> Box<dyn Force> {
+    let hold = Hold {
+        point: (held.pose * Point3::from(spec.point)).coords,
+        name: held.name,
+        link: held.link,
+        stiffness: spec.stiffness,
+        damping: spec.damping,
+        rest_length: spec.rest_length,
+    };
+    let AnchorSpec { position, waypoints, .. } = &spec.anchor;
+    let anchor = Anchor { origin: position.unwrap_or_default().into(), start: spec.start, path: path(&spec.anchor) };
+    let from_point = position.is_none() && waypoints.is_empty();
+    Box::new(Spring::new(hold, anchor, from_point, spec.start, spec.duration.unwrap_or(f64::INFINITY)))
+}
+
+fn path(spec: &AnchorSpec) -> Path {
+    if let Some(velocity) = spec.velocity {
+        return Path::Line(velocity.into());
+    }
+    if let Some(sine) = spec.sine {
+        return Path::Sine { amplitude: sine.amplitude.into(), frequency: sine.frequency, phase: sine.phase };
+    }
+    if spec.waypoints.is_empty() {
+        return Path::Still;
+    }
+    let knots = spec.waypoints.iter().map(|w| (w.at, w.position.into())).collect();
+    Path::Waypoints { knots, smooth: spec.path == PathShape::MinimumJerk }
+}

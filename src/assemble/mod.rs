@@ -1,0 +1,207 @@
+//! From a scenario's run and a loaded robot to a [`Setup`]: the place where names meet what they name.
+
+mod balance;
+mod events;
+mod forces;
+mod mocap;
+mod model;
+mod names;
+mod pairing;
+mod planned;
+mod playback;
+mod script;
+mod self_contact;
+mod sensors;
+mod start;
+mod tasks;
+
+use crate::contact::methods::lcp::LcpParameters;
+use crate::contact::methods::method::Parameters;
+use crate::contact::methods::ncp::NcpParameters;
+use crate::contact::methods::penalty::PenaltyParameters;
+use crate::contact::model::problem::Tolerances;
+use crate::contact::model::state::SoleState;
+use crate::integrate::{BS23, DOPRI5, RK4};
+use crate::robot::{Model, Robot};
+use crate::scenario::{
+    ContactMethod, ContactSpec, Diagnostic, Diagnostics, EventHandling, FloorSpec, IntegratorMethod, IntegratorSpec,
+    JointLimits, PatchSpec, Run,
+};
+use crate::sim::patch::Patch;
+use crate::sim::setup::{ContactSetup, Floor, Forced, IntegratorSetup, Setup};
+use crate::text::suggest;
+use nalgebra::{Rotation3, Vector3};
+use std::sync::Arc;
+
+/// Builds the setup of a run.
+///
+/// # Errors
+/// Every joint, link, sole or value of the scenario that does not fit the robot, each at its place in the file.
+pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
+    let (mut notes, mut errors) = (Vec::new(), Vec::new());
+    let model = model::adjusted(run, robot, &mut errors);
+    let s = &run.scenario;
+    let floor = floor(run, &mut errors);
+    let start = start::start(run, &model, &floor, &mut errors);
+    let forces = forces::forces(run, &model, &mut errors);
+    let loads = forces::loads(run, &model, &mut errors);
+    let tasks = tasks::tasks(run, &model, &start, &mut notes, &mut errors);
+    let self_contact = self_contact::self_contact(run, robot, &model, &start, &mut notes, &mut errors);
+    let contact = ContactSetup {
+        method: s.contact.method.name().to_owned(),
+        parameters: parameters(&s.contact),
+        tolerances: Tolerances {
+            distance: s.contact.distance_tolerance,
+            velocity: s.contact.velocity_tolerance,
+            acceleration: s.contact.acceleration_tolerance,
+            rest: rest_speed(run),
+        },
+        restitution: s.contact.restitution,
+        locate: s.contact.events == EventHandling::Locate,
+        forced: forced(run, &model, &mut errors),
+    };
+    let integrator = integrator(&s.integrator);
+    let imu = sensors::imu(run, &model, &mut errors);
+    let estimator = sensors::estimator(run, &model, &mut errors);
+    pairing::check(run, &mut errors);
+    pairing::check_soles(run, &model, &mut errors);
+    facets(run, &model, &mut errors);
+    // What is wrong at the start would be told again for every event.
+    let (changes, saved_states) =
+        if errors.is_empty() { events::changes(run, robot, &model, &mut errors) } else { Default::default() };
+    if !errors.is_empty() {
+        return Err(Diagnostics(names::first(errors)));
+    }
+    Ok(Setup {
+        changes,
+        saved_states,
+        model: Arc::new(model),
+        gravity: s.gravity.into(),
+        floor,
+        contact,
+        integrator,
+        start,
+        joint_stops: s.robot.joint_limits == JointLimits::Stop,
+        tasks,
+        commander: None,
+        forces,
+        loads,
+        sensors: sensors::errors(&s.sensors),
+        imu,
+        estimator,
+        self_contact,
+        seed: s.seed,
+        duration: s.end(),
+        log_rate: s.log.rate,
+        fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
+        notes,
+    })
+}
+
+fn floor(run: &Run, errors: &mut Vec<Diagnostic>) -> Floor {
+    let spec = &run.scenario.floor;
+    let rotation = Rotation3::from_euler_angles(spec.rpy[0], spec.rpy[1], spec.rpy[2]);
+    let floor = Floor {
+        rotation: *rotation.matrix(),
+        point: Vector3::new(0.0, 0.0, spec.height),
+        mu_s: spec.friction.static_,
+        mu_k: spec.friction.kinetic,
+        patches: patches(spec),
+    };
+    if !floor.patches.is_empty() && floor.rotation[(2, 2)].abs() < STEEPEST {
+        let message = "`floor.patches` are seen from above, and this floor stands upright: see `floor.rpy`";
+        errors.push(run.error_at("floor.patches", message, None));
+    }
+    floor
+}
+
+fn parameters(spec: &ContactSpec) -> Parameters {
+    let springs = &spec.penalty;
+    Parameters {
+        penalty: PenaltyParameters {
+            stiffness: springs.stiffness,
+            damping: springs.damping,
+            slip_velocity: springs.slip_velocity,
+        },
+        lcp: LcpParameters { facets: spec.lcp.facets },
+        ncp: NcpParameters { iterations: spec.ncp.iterations, tolerance: spec.ncp.tolerance },
+    }
+}
+
+/// Unknowns of an `lcp` problem beyond which its dictionary (8 bytes times their square) takes too much memory.
+const MOST_UNKNOWNS: usize = 4096;
+
+/// Refuses more facets than memory holds.
+fn facets(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
+    let contact = &run.scenario.contact;
+    let vertices = model.soles.iter().map(|s| s.vertices.len()).sum();
+    let unknowns = parameters(contact).lcp.unknowns(vertices);
+    if contact.method == ContactMethod::Lcp && unknowns > MOST_UNKNOWNS {
+        let message = format!(
+            "`contact.lcp.facets` = {} makes {unknowns} unknowns of the {vertices} vertices of the robot's soles; at \
+             most {MOST_UNKNOWNS} are allowed",
+            contact.lcp.facets
+        );
+        errors.push(run.error_at("contact.lcp.facets", message, None));
+    }
+}
+
+/// Cosine of the tilt from which on nothing can be projected onto the floor from above.
+const STEEPEST: f64 = 1e-6;
+
+fn patches(floor: &FloorSpec) -> Vec<Patch> {
+    let patch = |p: &PatchSpec| Patch {
+        corners: p.polygon.iter().map(|&c| c.into()).collect(),
+        mu_s: p.friction.static_,
+        mu_k: p.friction.kinetic,
+    };
+    floor.patches.iter().map(patch).collect()
+}
+
+fn integrator(spec: &IntegratorSpec) -> IntegratorSetup {
+    let controlled = |pair| IntegratorSetup::Controlled {
+        pair,
+        relative: spec.relative_tolerance,
+        absolute: spec.absolute_tolerance,
+        max_step: spec.max_step,
+    };
+    match spec.method {
+        IntegratorMethod::Dopri5 => controlled(&DOPRI5),
+        IntegratorMethod::Bs23 => controlled(&BS23),
+        IntegratorMethod::Rk4 => IntegratorSetup::Stepped { method: &RK4, step: spec.step },
+        IntegratorMethod::SemiImplicit => IntegratorSetup::SemiImplicit { step: spec.step },
+    }
+}
+
+/// Slip speeds that the integrator cannot tell from rest: ten times its absolute tolerance; for steps h without control
+/// 1e3 h^4, the error of order 4 in velocities that change within some tenths of a second. Velocity-level steps
+/// resolve zero itself, because friction there is an impulse that may stop a vertex within the step.
+fn rest_speed(run: &Run) -> f64 {
+    let spec = &run.scenario.integrator;
+    let unresolved = match spec.method {
+        IntegratorMethod::Dopri5 | IntegratorMethod::Bs23 => 10.0 * spec.absolute_tolerance,
+        IntegratorMethod::Rk4 => 1e3 * spec.step.powi(4),
+        IntegratorMethod::SemiImplicit => return 1e-9,
+    };
+    unresolved.clamp(1e-10, 1e-4)
+}
+
+fn forced(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Vec<Forced> {
+    let mut forced = Vec::new();
+    for (i, spec) in run.scenario.contact.forced.iter().enumerate() {
+        let Some(sole) = model.soles.iter().position(|s| s.name == spec.sole) else {
+            let help = suggest(&spec.sole, model.soles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>());
+            let message = format!("the robot `{}` has no sole `{}`", model.name, spec.sole);
+            errors.push(run.error_at(&format!("contact.forced.{i}.sole"), message, Some(help)));
+            continue;
+        };
+        let k = model.soles[sole].vertices.len();
+        let Some(state) = SoleState::all(k).find(|s| s.to_string() == spec.state) else {
+            let message = format!("sole `{}` with {k} vertices has no state `{}`", spec.sole, spec.state);
+            errors.push(run.error_at(&format!("contact.forced.{i}.state"), message, None));
+            continue;
+        };
+        forced.push(Forced { sole, state, from: spec.from, to: spec.to.unwrap_or(f64::INFINITY) });
+    }
+    forced
+}

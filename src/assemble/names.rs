@@ -1,0 +1,185 @@
+//! Where names of a scenario meet what the robot has.
+
+use crate::robot::{Base, DriveMode, JointId, JointKind, LinkId, Model, SoleId};
+use crate::scenario::{BalanceControl, Diagnostic, ForceSpec, JointLimits, Run, TaskSpec, segment};
+use crate::text::suggest;
+use nalgebra::Isometry3;
+
+/// Errors of one run that are told.
+pub(super) const MOST_ERRORS: usize = 50;
+
+/// The first errors, and how many there are besides.
+pub(super) fn first(mut errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    if errors.len() > MOST_ERRORS {
+        let more = format!("there are {} more errors", errors.len() - MOST_ERRORS);
+        errors.truncate(MOST_ERRORS);
+        let file = errors[0].file.clone();
+        errors.push(Diagnostic::unreadable(file, more));
+    }
+    errors
+}
+
+/// Joint numbers of named values; unknown names are errors at their keys under `path`.
+pub(super) fn joints<'a>(
+    model: &Model,
+    run: &Run,
+    path: &str,
+    named: impl Iterator<Item = (&'a String, &'a f64)>,
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<(JointId, f64)> {
+    let mut found = Vec::new();
+    for (name, &value) in named {
+        match model.joint(name) {
+            Some(id) => found.push((id, value)),
+            None => {
+                let help = suggest(name, model.joints.iter().map(|j| j.name.as_str()));
+                let message = format!("the robot `{}` has no joint `{name}`", model.name);
+                errors.push(run.error_at_key(&format!("{path}.{}", segment(name)), message, Some(help)));
+            }
+        }
+    }
+    found
+}
+
+/// Refuses to ask a joint for a position outside its range, at `key`: `what` reaches from `low` to `high`.
+pub(super) fn in_range(
+    run: &Run,
+    model: &Model,
+    key: &str,
+    JointId(j): JointId,
+    (what, low, high): (&str, f64, f64),
+    errors: &mut Vec<Diagnostic>,
+) {
+    let joint = &model.joints[j];
+    let limited = run.scenario.robot.joint_limits == JointLimits::Stop && joint.kind != JointKind::Continuous;
+    // A goal at a limit that is written in degrees may lie a rounding beyond it.
+    let rounding = 1e-9;
+    if limited && (low < joint.lower - rounding || high > joint.upper + rounding) {
+        let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+        let worst = if low < joint.lower - rounding { low } else { high };
+        let (name, lower, upper) = (&joint.name, joint.lower, joint.upper);
+        let message =
+            format!("{what} `{name}` = {worst:.4} {unit} is outside its range, {lower:.4} to {upper:.4} {unit}");
+        let help = "`robot.joint_limits = \"ignore\"` takes the end stops away".to_owned();
+        errors.push(run.error_at(key, message, Some(help)));
+    }
+}
+
+/// Notes joints that tasks ask for positions while their drives do not follow any.
+pub(super) fn heard(run: &Run, model: &Model, path: &str, joints: &[JointId], notes: &mut Vec<String>) {
+    let commands = |task: &TaskSpec| match task {
+        TaskSpec::Script(_) => true,
+        TaskSpec::Balance(balance) => balance.control == BalanceControl::Force,
+        _ => false,
+    };
+    let sprung = run.scenario.task.iter().any(commands);
+    for &JointId(j) in joints {
+        let joint = &model.joints[j];
+        let word = match joint.drive.mode {
+            DriveMode::Passive => "passive",
+            DriveMode::Force if !sprung => "force",
+            _ => continue,
+        };
+        notes.push(format!("{path}: `{}` is in mode `{word}` and does not follow positions", joint.name));
+    }
+}
+
+/// The link that stands at `path`, with the pose of its URDF frame in the carrying link's internal frame; an unknown one
+/// is an error there.
+pub(super) fn link(
+    model: &Model,
+    run: &Run,
+    path: &str,
+    name: &str,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<(LinkId, Isometry3<f64>)> {
+    let found = model.link(name);
+    if found.is_none() {
+        let help = suggest(name, crate::script::links(model).map(|(name, ..)| name).collect::<Vec<_>>());
+        let message = format!("the robot `{}` has no link `{name}`", model.name);
+        errors.push(run.error_at(path, message, Some(help)));
+    }
+    found
+}
+
+/// A frame that a force acts in.
+pub(super) struct Held {
+    /// Name of its link or end effector.
+    pub name: String,
+    /// The carrying link.
+    pub link: LinkId,
+    /// Its pose in the carrying link's internal frame.
+    pub pose: Isometry3<f64>,
+}
+
+/// The frame of the link or end effector that the force entry `i` names; an unknown one is an error at its place.
+pub(super) fn held(model: &Model, run: &Run, i: usize, spec: &ForceSpec, errors: &mut Vec<Diagnostic>) -> Option<Held> {
+    let grip = spec.grip()?;
+    if let Some(name) = grip.link {
+        let (link, pose) = moving_link(model, run, &format!("force.{i}.link"), name, errors)?;
+        return Some(Held { name: name.to_owned(), link, pose });
+    }
+    let name = grip.end_effector?;
+    let found = model.end_effectors.iter().find(|e| e.name == name);
+    if found.is_none() {
+        let help = match model.end_effectors.is_empty() {
+            true => "its robot file gives none: see `[[end_effector]]` there".to_owned(),
+            false => suggest(name, model.end_effectors.iter().map(|e| e.name.as_str())),
+        };
+        let message = format!("the robot `{}` has no end effector `{name}`", model.name);
+        errors.push(run.error_at(&format!("force.{i}.end_effector"), message, Some(help)));
+    }
+    let found = found?;
+    moves(model, run, &format!("force.{i}.end_effector"), name, found.link, errors)?;
+    Some(Held { name: name.to_owned(), link: found.link, pose: found.pose })
+}
+
+/// As [`link`], of one that a force can move: not the root of a robot that is fixed, nor what is welded to it.
+pub(super) fn moving_link(
+    model: &Model,
+    run: &Run,
+    path: &str,
+    name: &str,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<(LinkId, Isometry3<f64>)> {
+    let found = link(model, run, path, name, errors)?;
+    moves(model, run, path, name, found.0, errors)?;
+    Some(found)
+}
+
+/// None, and an error at `path`, if the link that carries what is called `name` is fixed.
+fn moves(model: &Model, run: &Run, path: &str, name: &str, link: LinkId, errors: &mut Vec<Diagnostic>) -> Option<()> {
+    if model.base == Base::Fixed && link == LinkId(0) {
+        let message = format!("`{name}` of the robot `{}` is fixed: nothing here could move it", model.name);
+        let names = crate::script::links(model).filter(|(_, id, _)| *id != LinkId(0)).map(|(name, ..)| name);
+        let help = format!("links that move: {}", names.collect::<Vec<_>>().join(", "));
+        errors.push(run.error_at(path, message, Some(help)));
+        return None;
+    }
+    Some(())
+}
+
+/// Numbers of named soles; unknown and repeated names are errors at their places under `path`.
+pub(super) fn soles(
+    model: &Model,
+    run: &Run,
+    path: &str,
+    named: &[String],
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<SoleId> {
+    let mut found = Vec::new();
+    for (i, name) in named.iter().enumerate() {
+        match model.soles.iter().position(|s| s.name == *name).map(SoleId) {
+            Some(id) if found.contains(&id) => {
+                errors.push(run.error_at(&format!("{path}.{i}"), format!("the sole `{name}` is named twice"), None));
+            }
+            Some(id) => found.push(id),
+            None => {
+                let help = suggest(name, model.soles.iter().map(|s| s.name.as_str()));
+                let message = format!("the robot `{}` has no sole `{name}`", model.name);
+                errors.push(run.error_at(&format!("{path}.{i}"), message, Some(help)));
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,75 @@
+//! Tasks that plan with positions, from their entries.
+
+use crate::robot::Model;
+use crate::scenario::{Diagnostic, Run, SquatTask, WalkTask};
+use crate::task::Task;
+use crate::task::gait::Stride;
+use crate::task::kinematic::{NotPlannable, figure};
+use crate::task::squat::{Shape, Squat};
+use crate::task::walk::Walk;
+use crate::text::suggest;
+
+/// A squat of the entry at `path`; none, with an error, for a robot without what it takes.
+pub(super) fn squat(
+    run: &Run,
+    model: &Model,
+    path: &str,
+    spec: &SquatTask,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<Box<dyn Task>> {
+    plannable(run, path, "a foot", figure::check(model), errors)?;
+    let shape = Shape { depth: spec.depth, period: spec.period, repetitions: spec.repetitions, settle: spec.settle };
+    Some(Box::new(Squat::new(model, shape, spec.feed_forward)))
+}
+
+/// A walk, in the same way.
+pub(super) fn walk(
+    run: &Run,
+    model: &Model,
+    path: &str,
+    spec: &WalkTask,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<Box<dyn Task>> {
+    plannable(run, path, "two feet", figure::check_biped(model), errors)?;
+    let first = match &spec.first {
+        None => 0,
+        Some(name) => first_foot(run, model, path, name, errors)?,
+    };
+    let until = run.scenario.duration - spec.start;
+    let stride = Stride {
+        steps: spec.steps as usize,
+        length: spec.step_length,
+        time: spec.step_time,
+        double_support: spec.double_support,
+        height: spec.step_height,
+        wait: spec.wait,
+        first,
+    };
+    Some(Box::new(Walk::new(model, stride, spec.com_height, spec.settle, spec.feed_forward, until)))
+}
+
+/// Reports why a robot cannot be planned.
+pub(super) fn plannable(
+    run: &Run,
+    path: &str,
+    feet: &str,
+    result: Result<(), NotPlannable>,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<()> {
+    if let Err(e) = result {
+        errors.push(run.error_at(&format!("{path}.type"), format!("this task needs {feet} it can place: {e}"), None));
+        return None;
+    }
+    Some(())
+}
+
+/// Number of the sole that swings first; an unknown name is an error.
+fn first_foot(run: &Run, model: &Model, path: &str, name: &str, errors: &mut Vec<Diagnostic>) -> Option<usize> {
+    let found = model.soles.iter().position(|s| s.name == name);
+    if found.is_none() {
+        let help = suggest(name, model.soles.iter().map(|s| s.name.as_str()));
+        let message = format!("the robot `{}` has no sole `{name}`", model.name);
+        errors.push(run.error_at(&format!("{path}.first"), message, Some(help)));
+    }
+    found
+}

@@ -1,0 +1,186 @@
+//! `playback` from its entry: the motion is read, met with the robot's joints and their ranges, and joined by curves.
+
+use crate::assemble::names;
+use crate::log::Trajectory;
+use crate::motion::spline::{Ends, Spline};
+use crate::motion::{Fault, Knot, Motion, Track, columns, postures};
+use crate::robot::{Joint, JointId, JointKind, Model};
+use crate::scenario::{Diagnostic, Ends as EndsSpec, Input, JointLimits, PlaybackTask, Recorded, Run};
+use crate::task::playback::Playback;
+use crate::text::suggest;
+use std::ops::Range;
+
+/// Between knots a curve may leave a joint's range by this part of it: what an end stop's own give hides.
+const OVERSHOOT: f64 = 1e-3;
+
+/// A motion file: what it says, and its text to show errors in; a log has none.
+struct Source<'a> {
+    run: &'a Run,
+    path: &'a str,
+    input: &'a Input,
+    text: Option<&'a str>,
+}
+
+impl Source<'_> {
+    /// An error at a piece of the text, or at the key that names the file.
+    fn error(&self, piece: Range<usize>, message: String, help: Option<String>) -> Box<Diagnostic> {
+        let name = self.input.path.display().to_string();
+        Box::new(match self.text {
+            Some(text) => Diagnostic::in_text(&name, text, piece, message, help),
+            None => self.run.error_at(&format!("{}.file", self.path), format!("{name}: {message}"), help),
+        })
+    }
+}
+
+/// The task at `path`; none when something is wrong, which then is among the errors.
+pub(super) fn playback(
+    run: &Run,
+    model: &Model,
+    path: &str,
+    spec: &PlaybackTask,
+    notes: &mut Vec<String>,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<Playback> {
+    let input = run.input(&format!("{path}.file"))?;
+    let source = Source { run, path, input, text: text(input) };
+    let motion = match read(&source, spec.recorded) {
+        Ok(motion) => motion,
+        Err(error) => {
+            errors.push(*error);
+            return None;
+        }
+    };
+    let before = errors.len();
+    for (i, name) in spec.joints.iter().enumerate() {
+        let place = format!("{path}.joints.{i}");
+        if spec.joints[..i].contains(name) {
+            errors.push(run.error_at(&place, format!("`{name}` stands here twice"), None));
+        } else if motion.track(name).is_none() {
+            let help = suggest(name, motion.tracks.iter().map(|t| t.name.as_str()).collect::<Vec<_>>());
+            let message = format!("the motion {} does not move `{name}`", input.path.display());
+            errors.push(run.error_at(&place, message, Some(help)));
+        }
+    }
+    let played = motion.tracks.iter().filter(|t| spec.joints.is_empty() || spec.joints.contains(&t.name));
+    let mut joints = Vec::new();
+    for track in played {
+        match curve(&source, model, spec, track, motion.span()?) {
+            Ok(joint) => joints.push(joint),
+            Err(error) => errors.push(*error),
+        }
+        // Each shows the whole file.
+        if errors.len() > before + names::MOST_ERRORS {
+            break;
+        }
+    }
+    let ids: Vec<_> = joints.iter().map(|(id, _)| *id).collect();
+    names::heard(run, model, path, &ids, notes);
+    let changes = spec.change.iter().map(|c| (c.at, c.speed)).collect();
+    (errors.len() == before).then(|| Playback::new(joints, spec.speed, spec.repeat, spec.blend, changes))
+}
+
+/// Has the file this ending?
+fn ends_in(input: &Input, ending: &str) -> bool {
+    input.path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending))
+}
+
+/// The text of a file that should have one.
+pub(super) fn text(input: &Input) -> Option<&str> {
+    if ends_in(input, "mcap") { None } else { std::str::from_utf8(&input.bytes).ok() }
+}
+
+/// What is wrong with a text file, shown in it.
+pub(super) fn shown(input: &Input, text: &str, fault: Fault) -> Diagnostic {
+    Diagnostic::in_text(&input.path.display().to_string(), text, fault.place, fault.message, fault.help)
+}
+
+fn read(source: &Source, recorded: Recorded) -> Result<Motion, Box<Diagnostic>> {
+    let input = source.input;
+    if ends_in(input, "mcap") {
+        return logged(source, recorded);
+    }
+    let Some(text) = source.text else {
+        return Err(source.error(0..0, "the file is not UTF-8".into(), None));
+    };
+    let read = if ends_in(input, "csv") { columns::read(text) } else { postures::read(text) };
+    read.map_err(|fault| Box::new(shown(input, text, fault)))
+}
+
+/// The joints of a run's log.
+fn logged(source: &Source, recorded: Recorded) -> Result<Motion, Box<Diagnostic>> {
+    let key = format!("{}.file", source.path);
+    let wrong = |message: String| Box::new(source.run.error_at(&key, message, None));
+    let log = Trajectory::from_bytes(&source.input.path, &source.input.bytes).map_err(|e| wrong(e.to_string()))?;
+    let name = source.input.path.display();
+    let motion = log.motion.ok_or_else(|| wrong(format!("{name}: the log has no topic `state`")))?;
+    if log.times.is_empty() || motion.joints.is_empty() {
+        return Err(wrong(format!("{name}: the log holds no joint positions")));
+    }
+    let track = |joint: &crate::log::JointSeries| {
+        let values = match recorded {
+            Recorded::Desired => &joint.desired_position,
+            Recorded::Actual => &joint.position,
+        };
+        let knot = |(time, value): (&f64, &f64)| Knot { time: *time, value: *value, place: 0..0 };
+        Track { name: joint.name.clone(), place: 0..0, knots: log.times.iter().zip(values).map(knot).collect() }
+    };
+    Ok(Motion { tracks: motion.joints.iter().map(track).collect() })
+}
+
+/// The curve of one joint, which must stay in the joint's range if the scenario has end stops.
+fn curve(
+    source: &Source,
+    model: &Model,
+    spec: &PlaybackTask,
+    track: &Track,
+    (first, last): (f64, f64),
+) -> Result<(JointId, Spline), Box<Diagnostic>> {
+    let name = &track.name;
+    let Some(id) = model.joint(name) else {
+        let help = suggest(name, model.joints.iter().map(|j| j.name.as_str()).collect::<Vec<_>>());
+        let message = format!("the robot `{}` has no joint `{name}`", model.name);
+        return Err(source.error(track.place.clone(), message, Some(help)));
+    };
+    let joint = &model.joints[id.0];
+    let limited = source.run.scenario.robot.joint_limits == JointLimits::Stop && joint.kind != JointKind::Continuous;
+    let (lower, upper) = if limited { (joint.lower, joint.upper) } else { (f64::NEG_INFINITY, f64::INFINITY) };
+    if let Some(knot) = track.knots.iter().find(|k| !(lower..=upper).contains(&k.value)) {
+        let message = format!("`{name}` = {} at {} s is {}", knot.value, knot.time, outside(joint));
+        return Err(source.error(knot.place.clone(), message, None));
+    }
+    let (start, end) = (&track.knots[0], &track.knots[track.knots.len() - 1]);
+    if spec.repeat {
+        let fault = if start.time != first || end.time != last {
+            Some(format!("`{name}` has no value at {first} s or none at {last} s, where the motion goes round"))
+        } else if start.value != end.value {
+            let (from, to) = (start.value, end.value);
+            Some(format!("`{name}` = {to} at {last} s is not {from} as at {first} s, where the motion goes round"))
+        } else {
+            None
+        };
+        if let Some(message) = fault {
+            let help = "with `loop` a motion ends in the posture it begins with".to_owned();
+            return Err(source.error(end.place.clone(), message, Some(help)));
+        }
+    }
+    let ends = match (spec.repeat, spec.ends.unwrap_or_default()) {
+        (true, _) => Ends::Periodic,
+        (false, EndsSpec::Natural) => Ends::Natural,
+        (false, EndsSpec::Clamped) => Ends::Clamped,
+    };
+    let (times, values): (Vec<f64>, Vec<f64>) = track.knots.iter().map(|k| (k.time, k.value)).unzip();
+    let spline = Spline::new(times, &values, ends)
+        .map_err(|why| source.error(track.place.clone(), format!("`{name}`: {why}"), None))?;
+    let slack = OVERSHOOT * (upper - lower);
+    if let Some((t, q)) = spline.extremes().into_iter().find(|(_, q)| *q < lower - slack || *q > upper + slack) {
+        let message = format!("the curve of `{name}` reaches {q:.4} at {t:.3} s, {}", outside(joint));
+        let help = "one more posture near that time, or postures farther from the limit, keep it inside";
+        return Err(source.error(track.place.clone(), message, Some(help.into())));
+    }
+    Ok((id, spline))
+}
+
+fn outside(joint: &Joint) -> String {
+    let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+    format!("outside its range, {:.4} to {:.4} {unit}", joint.lower, joint.upper)
+}

@@ -1,0 +1,74 @@
+//! Sensors and estimators.
+
+use crate::robot::{Base, Model};
+use crate::scenario::{AccelerationSource, Diagnostic, Estimator, OrientationError, Run, SensorError, SensorsSpec};
+use crate::sim::estimate::EstimatorSetup;
+use crate::sim::imu::Imu;
+use crate::sim::sensors::{ChannelError, SensorErrors, TurnError};
+use crate::text::suggest;
+
+/// The IMU that is read: the one the scenario names, or the robot's first.
+pub(super) fn imu(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Imu {
+    let imus = &model.sensors.imu;
+    let Some(name) = &run.scenario.sensors.imu else { return Imu(imus.first().map(|imu| imu.mount)) };
+    let found = imus.iter().find(|imu| imu.name == *name);
+    if found.is_none() {
+        let help = match imus.is_empty() {
+            true => "its robot file gives none: see `[sensors]` there".to_owned(),
+            false => suggest(name, imus.iter().map(|imu| imu.name.as_str())),
+        };
+        errors.push(run.error_at("sensors.imu", format!("the robot `{}` has no IMU `{name}`", model.name), Some(help)));
+    }
+    Imu(found.map(|imu| imu.mount))
+}
+
+/// Errors of the sensors; none when the scenario says nothing of them.
+pub(super) fn errors(spec: &SensorsSpec) -> Option<SensorErrors> {
+    if spec.is_none() {
+        return None;
+    }
+    let channel =
+        |e: &SensorError| ChannelError { noise: e.noise, bias: e.bias, resolution: e.resolution, delay: e.delay };
+    let turn = |e: &OrientationError| TurnError { noise: e.noise, bias: e.bias.into(), delay: e.delay };
+    Some(SensorErrors {
+        joint_position: channel(&spec.joint_position),
+        joint_velocity: channel(&spec.joint_velocity),
+        joint_load: channel(&spec.joint_load),
+        orientation: turn(&spec.orientation),
+        gyroscope: channel(&spec.gyroscope),
+        accelerometer: channel(&spec.accelerometer),
+        sole_force: channel(&spec.sole_force),
+        sole_moment: channel(&spec.sole_moment),
+    })
+}
+
+/// The estimator; a fixed base needs none and soles must be the robot's.
+pub(super) fn estimator(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> EstimatorSetup {
+    let control = &run.scenario.control;
+    if control.estimator != Estimator::Truth && model.base == Base::Fixed {
+        let message = format!("the base of the robot `{}` is fixed: there is nothing to estimate", model.name);
+        errors.push(run.error_at("control.estimator", message, Some("leave it out".to_owned())));
+    }
+    match control.estimator {
+        Estimator::Truth => EstimatorSetup::Truth,
+        Estimator::Kinematic => {
+            let names = || model.soles.iter().map(|s| s.name.as_str());
+            for (i, name) in control.kinematic.static_soles.iter().flatten().enumerate() {
+                if !names().any(|n| n == name) {
+                    let message = format!("the robot `{}` has no sole `{name}`", model.name);
+                    let path = format!("control.kinematic.static_soles.{i}");
+                    errors.push(run.error_at(&path, message, Some(suggest(name, names()))));
+                }
+            }
+            let weight = model.mass() * nalgebra::Vector3::from(run.scenario.gravity).norm();
+            let imposed = |list: &Vec<String>| names().map(|n| list.iter().any(|l| l == n)).collect();
+            EstimatorSetup::Kinematic {
+                load: control.kinematic.threshold * weight,
+                soles: control.kinematic.static_soles.as_ref().map(imposed),
+            }
+        }
+        Estimator::Inertial => {
+            EstimatorSetup::Inertial { by_soles: control.inertial.acceleration == AccelerationSource::Soles }
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The task server with its tasks from their entries.
+
+use crate::assemble::{balance, mocap, names, planned, playback, script};
+use crate::robot::{JointId, Model};
+use crate::scenario::{Diagnostic, JointLimits, Run, SineTask, TaskSpec};
+use crate::sim::setup::Start;
+use crate::task::posture::Posture;
+use crate::task::sine::{Sine, Swing, SwingChange};
+use crate::task::{Command, Task, TaskServer};
+
+/// Tasks in file order; those that do not fit the robot are errors at their places.
+pub(super) fn tasks(
+    run: &Run,
+    model: &Model,
+    start: &Start,
+    notes: &mut Vec<String>,
+    errors: &mut Vec<Diagnostic>,
+) -> TaskServer {
+    let mut server = TaskServer::new(run.scenario.control.rate, model, Command::hold(model, &start.joints));
+    if run.scenario.control.idle_ticks {
+        server.tick_always();
+    }
+    for (i, spec) in run.scenario.task.iter().enumerate() {
+        let path = format!("task.{i}");
+        let (start, task): (f64, Option<Box<dyn Task>>) = match spec {
+            TaskSpec::Posture(posture) => {
+                let targets = names::joints(model, run, &format!("{path}.joints"), posture.joints.iter(), errors);
+                for &(id, q) in &targets {
+                    let key = format!("{path}.joints.{}", model.joints[id.0].name);
+                    names::in_range(run, model, &key, id, ("the goal", q, q), errors);
+                }
+                let joints: Vec<_> = targets.iter().map(|t| t.0).collect();
+                names::heard(run, model, &path, &joints, notes);
+                (posture.start, Some(Box::new(Posture::new(targets, posture.duration))))
+            }
+            TaskSpec::Sine(spec) => (spec.start, Some(Box::new(sine(run, model, &path, spec, notes, errors)))),
+            TaskSpec::Playback(spec) => {
+                let task = playback::playback(run, model, &path, spec, notes, errors);
+                (spec.start, task.map(|task| Box::new(task) as _))
+            }
+            TaskSpec::Mocap(spec) => {
+                let task = mocap::mocap(run, model, &path, spec, notes, errors);
+                (spec.start, task.map(|task| Box::new(task) as _))
+            }
+            TaskSpec::Balance(spec) => (spec.start, balance::balance(run, model, &path, spec, errors)),
+            TaskSpec::GravityCompensation(spec) => {
+                (spec.start, Some(balance::gravity_compensation(run, model, &path, spec, errors)))
+            }
+            TaskSpec::Script(spec) => (spec.start, script::task(run, model, i, spec, errors)),
+            TaskSpec::Squat(spec) => (spec.start, planned::squat(run, model, &path, spec, errors)),
+            TaskSpec::Walk(spec) => (spec.start, planned::walk(run, model, &path, spec, errors)),
+        };
+        // One that could not be made has left an error.
+        if let Some(task) = task {
+            server.add(start, task);
+        }
+    }
+    server
+}
+
+fn sine(
+    run: &Run,
+    model: &Model,
+    path: &str,
+    spec: &SineTask,
+    notes: &mut Vec<String>,
+    errors: &mut Vec<Diagnostic>,
+) -> Sine {
+    let named = spec.joints.iter().map(|(name, joint)| (name, &joint.amplitude));
+    names::joints(model, run, &format!("{path}.joints"), named, errors);
+    let known = || spec.joints.iter().filter_map(|(name, joint)| Some((name, model.joint(name)?, joint)));
+    let joints = known().map(|(_, id, joint)| {
+        let swing =
+            Swing { amplitude: joint.amplitude, frequency: joint.frequency, phase: joint.phase, offset: joint.offset };
+        (id, swing)
+    });
+    let ids: Vec<_> = known().map(|(_, id, _)| id).collect();
+    names::heard(run, model, path, &ids, notes);
+    known().for_each(|(name, id, _)| swings(run, model, (path, name), id, spec, (notes, errors)));
+    let change = |(number, name): (usize, &String), change: &crate::scenario::SineChange| {
+        let new = change.joints.get(name)?;
+        Some(SwingChange { joint: number, amplitude: new.amplitude, frequency: new.frequency, offset: new.offset })
+    };
+    let changes = spec.change.iter().map(|at| {
+        let joints = known().map(|(name, ..)| name).enumerate();
+        (at.at, joints.filter_map(|joint| change(joint, at)).collect())
+    });
+    let limited = run.scenario.robot.joint_limits == JointLimits::Stop;
+    Sine::new(joints.collect(), spec.duration.unwrap_or(f64::INFINITY), spec.ramp, changes.collect(), limited)
+}
+
+/// Refuses what takes a joint out of its range, now or after a change, and notes what ticks are too few for. Between two sets
+/// of parameters amplitude and middle go over together, so nothing goes farther than either.
+fn swings(
+    run: &Run,
+    model: &Model,
+    (path, name): (&str, &str),
+    id: JointId,
+    spec: &SineTask,
+    (notes, errors): (&mut Vec<String>, &mut Vec<Diagnostic>),
+) {
+    let first = &spec.joints[name];
+    let joint = &model.joints[id.0];
+    let (mut amplitude, mut offset) = (first.amplitude.abs(), first.offset);
+    let changes = spec.change.iter().enumerate().filter_map(|(i, c)| Some((i, c.joints.get(name)?)));
+    let mut stages = vec![(format!("{path}.joints.{name}.amplitude"), amplitude, offset, Some(first.frequency))];
+    for (i, new) in changes {
+        amplitude = new.amplitude.map_or(amplitude, f64::abs);
+        offset = new.offset.or(offset);
+        stages.push((format!("{path}.change.{i}.joints.{name}"), amplitude, offset, new.frequency));
+    }
+    let half = 0.5 * run.scenario.control.rate;
+    for (key, amplitude, offset, frequency) in stages {
+        // Where the middle is known only when the task begins, the range must at least be wide enough.
+        let middle = offset.unwrap_or(0.5 * (joint.lower + joint.upper));
+        names::in_range(run, model, &key, id, ("the swing of", middle - amplitude, middle + amplitude), errors);
+        if let Some(f) = frequency.filter(|f| f.abs() >= half) {
+            notes.push(format!("{key}: {f} Hz is not below half of `control.rate`, {half} Hz: ticks cannot show it"));
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Going to a time or an event of a recording: `jump`.
+
+use crate::console::error::ConsoleError;
+use crate::console::recording::Recording;
+use crate::console::session::Session;
+use crate::console::words::Words;
+use crate::export::{self, Selection, Values};
+use crate::log::{LoggedEvent, Trajectory};
+
+/// An instant of the recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cursor {
+    /// Its time, s: that of the event or the one asked for.
+    pub time: f64,
+    /// The instant of the log that is shown: the last one that is not after the time.
+    pub tick: usize,
+}
+
+impl Cursor {
+    pub fn at(log: &Trajectory, time: f64) -> Self {
+        let after = log.times.partition_point(|t| *t <= time + 1e-9);
+        Cursor { time, tick: after.saturating_sub(1) }
+    }
+}
+
+impl Session {
+    pub(super) fn jump(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
+        let was = self.cursor.map(|cursor| cursor.time);
+        let recording = self.finished_recording()?;
+        let (first, last) = recording.span();
+        let now = was.unwrap_or(first);
+        let mut told = String::new();
+        let word = words.need("a time, `start`, `end`, `next`, `previous`, `event` or `when`")?.to_owned();
+        let time = match word.as_str() {
+            "start" => first,
+            "end" => last,
+            "next" | "previous" => {
+                let event = seek(recording, now, word == "next", was.is_none(), words)?;
+                told = line(event);
+                event.time
+            }
+            "event" => {
+                let number = words.number("the number of an event")?;
+                let events = &recording.log.events;
+                let event = Some(number).filter(|n| n.fract() == 0.0 && *n >= 0.0).and_then(|n| events.get(n as usize));
+                let event = event.ok_or_else(|| {
+                    ConsoleError::usage(format!(
+                        "there is no event {number}; the recording has {} from 0",
+                        events.len()
+                    ))
+                })?;
+                told = line(event);
+                event.time
+            }
+            "when" => when(recording, now, was.is_none(), words)?,
+            text => relative(text, now)?,
+        };
+        words.done()?;
+        if !(first - 1e-9..=last + 1e-9).contains(&time) {
+            return Err(ConsoleError::usage(format!("{time} s is outside of the recording, {first} s to {last} s")));
+        }
+        let cursor = Cursor::at(&recording.log, time);
+        told += &format!("recording at {} s", recording.log.times[cursor.tick]);
+        self.player = None;
+        self.cursor = Some(cursor);
+        Ok(told + "\n")
+    }
+
+    pub(super) fn now(&mut self) -> String {
+        (self.cursor, self.player) = (None, None);
+        format!("simulation at {} s\n", self.time())
+    }
+}
+
+/// `2.5`, `+0.1` or `-0.1`.
+fn relative(text: &str, now: f64) -> Result<f64, ConsoleError> {
+    let number = text.parse().ok().filter(|time: &f64| time.is_finite());
+    let number = number.ok_or_else(|| ConsoleError::usage(format!("`{text}` is no time")))?;
+    Ok(if text.starts_with(['+', '-']) { now + number } else { number })
+}
+
+fn line(event: &LoggedEvent) -> String {
+    let words = [event.kind.as_str(), &event.subject, &event.message];
+    let words: Vec<_> = words.into_iter().filter(|word| !word.is_empty()).collect();
+    format!("{} {}\n", event.time, words.join(" "))
+}
+
+/// `next KIND [SUBJECT]`: the next or the last event of a kind; any when no kind is said.
+fn seek<'a>(
+    recording: &'a Recording,
+    now: f64,
+    forward: bool,
+    at_start: bool,
+    words: &mut Words,
+) -> Result<&'a LoggedEvent, ConsoleError> {
+    let kind = words.next().map(str::to_owned);
+    let subject = words.next().map(str::to_owned);
+    let meant = |e: &&LoggedEvent| {
+        kind.as_ref().is_none_or(|kind| *kind == e.kind) && subject.as_ref().is_none_or(|s| *s == e.subject)
+    };
+    let mut all = recording.log.events.iter();
+    let beyond = |time: f64| time > now + 1e-9 || at_start && time >= now;
+    let found =
+        if forward { all.find(|e| beyond(e.time) && meant(e)) } else { all.rfind(|e| e.time < now - 1e-9 && meant(e)) };
+    let what = [kind.as_deref().unwrap_or("event"), subject.as_deref().unwrap_or("")].join(" ");
+    let way = if forward { "after" } else { "before" };
+    found.ok_or_else(|| ConsoleError::usage(format!("no {} {way} {now} s", what.trim())))
+}
+
+/// `when COLUMN < VALUE`: the next instant at which this is so and was not before.
+fn when(recording: &Recording, now: f64, at_start: bool, words: &mut Words) -> Result<f64, ConsoleError> {
+    let column = words.need("a column")?.to_owned();
+    let sign = words.need("`<`, `>` or `=`")?.to_owned();
+    let wanted = words.need("a value")?.to_owned();
+    let log = &recording.log;
+    let table = export::series(log, &Selection { columns: vec![column.clone()], ..Selection::default() })?;
+    let values = table.column(&column).ok_or_else(|| ConsoleError::usage(format!("`{column}` is a pattern")))?;
+    let number = wanted.parse::<f64>().ok();
+    let holds = |i: usize| -> Result<bool, ConsoleError> {
+        let real = match values {
+            Values::Real(values) => values[i],
+            Values::Flag(values) => Some(f64::from(u8::from(values[i]))),
+            Values::Text(values) if sign == "=" => return Ok(values[i] == wanted),
+            Values::Text(_) => {
+                return Err(ConsoleError::usage(format!("`{column}` is a word: only `=` is known for it")));
+            }
+        };
+        let Some(limit) = number else { return Err(ConsoleError::usage(format!("`{wanted}` is no number"))) };
+        match sign.as_str() {
+            "<" => Ok(real.is_some_and(|x| x < limit)),
+            ">" => Ok(real.is_some_and(|x| x > limit)),
+            "=" => Ok(real == Some(limit)),
+            _ => Err(ConsoleError::usage(format!("`<`, `>` or `=` is wanted, not `{sign}`"))),
+        }
+    };
+    let here = Cursor::at(log, now).tick;
+    let mut before = !at_start && holds(here)?;
+    for i in if at_start { here } else { here + 1 }..log.times.len() {
+        let is = holds(i)?;
+        if is && !before {
+            return Ok(log.times[i]);
+        }
+        before = is;
+    }
+    Err(ConsoleError::usage(format!("`{column} {sign} {wanted}` does not come true after {now} s")))
+}

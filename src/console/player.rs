@@ -1,0 +1,123 @@
+//! Playing a recording back: lines with chosen columns, at any rate.
+
+use std::time::{Duration, Instant};
+
+use crate::console::cursor::Cursor;
+use crate::console::error::ConsoleError;
+use crate::console::session::Session;
+use crate::console::shown::columns_at;
+use crate::console::words::Words;
+
+/// Columns that are shown when none are named.
+const USUAL: [&str; 4] = ["base_x_m", "base_z_m", "base_pitch_rad", "sole.*.state"];
+
+/// A recording that is being played.
+#[derive(Clone, Debug)]
+pub struct Player {
+    columns: Vec<String>,
+    /// Recorded seconds per second; below 0: backwards; none: without waiting.
+    speed: Option<f64>,
+    /// Recorded time between lines, s.
+    period: f64,
+    /// Where it began, and when.
+    begun: (f64, Instant),
+    /// Where it ends, s.
+    to: f64,
+    /// Lines shown.
+    lines: u64,
+}
+
+impl Player {
+    /// The recorded time of the next line, s.
+    fn next(&self) -> f64 {
+        let way = self.lines as f64 * self.period;
+        self.begun.0 + if self.backwards() { -way } else { way }
+    }
+
+    fn backwards(&self) -> bool {
+        self.speed.is_some_and(|speed| speed < 0.0) || self.to < self.begun.0
+    }
+
+    fn over(&self) -> bool {
+        let next = self.next();
+        if self.backwards() { next < self.to - 1e-9 } else { next > self.to + 1e-9 }
+    }
+
+    /// How long until the next line.
+    pub fn due(&self) -> Duration {
+        let Some(speed) = self.speed else { return Duration::ZERO };
+        let at = (self.next() - self.begun.0).abs() / speed.abs();
+        Duration::try_from_secs_f64(at).unwrap_or(Duration::MAX).saturating_sub(self.begun.1.elapsed())
+    }
+}
+
+impl Session {
+    /// `play [SPEED|free] [COLUMN ...] [rate=HZ] [from=S] [to=S]`
+    pub(super) fn play(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
+        self.hold();
+        let mut speed = Some(1.0);
+        if words.take("free") {
+            speed = None;
+        } else if let Some(number) = words.some_number() {
+            if number == 0.0 {
+                return Err(ConsoleError::usage("at speed 0 nothing would move: `jump` shows an instant"));
+            }
+            speed = Some(number);
+        }
+        let (mut columns, mut rate, mut from, mut to) = (Vec::new(), 10.0, None, None);
+        for word in words.rest() {
+            let Some((key, value)) = word.split_once('=') else {
+                columns.push(word);
+                continue;
+            };
+            let number = value.parse().ok().filter(|x: &f64| x.is_finite());
+            let number =
+                number.ok_or_else(|| ConsoleError::usage(format!("`{key}` must be a number, not `{value}`")))?;
+            match key {
+                "rate" if number > 0.0 => rate = number,
+                "rate" => return Err(ConsoleError::usage("`rate` must be above 0")),
+                "from" => from = Some(number),
+                "to" => to = Some(number),
+                _ => return Err(ConsoleError::usage(format!("`{key}` is none of rate, from, to"))),
+            }
+        }
+        let backwards = speed.is_some_and(|speed| speed < 0.0);
+        let at = self.cursor.map(|cursor| cursor.time);
+        let recording = self.finished_recording()?;
+        let (first, last) = recording.span();
+        let (start, end) = if backwards { (last, first) } else { (first, last) };
+        // From where one has jumped to, unless that is where it would end at once.
+        let from = from.or(at.filter(|at| (at - end).abs() > 1e-9)).unwrap_or(start).clamp(first, last);
+        let to = to.unwrap_or(end).clamp(first, last);
+        if columns.is_empty() {
+            columns = USUAL.map(str::to_owned).to_vec();
+        }
+        // Names are looked at before anything is shown.
+        let names: Vec<String> = columns_at(&recording.log, 0, &columns)?.into_iter().map(|(name, _)| name).collect();
+        if backwards && to > from || !backwards && to < from {
+            return Err(ConsoleError::usage(format!("from {from} s to {to} s is the other way round")));
+        }
+        self.player = Some(Player { columns, speed, period: 1.0 / rate, begun: (from, Instant::now()), to, lines: 0 });
+        Ok(names.join(" ") + "\n")
+    }
+
+    /// Shows the lines that are due.
+    pub(super) fn play_on(&mut self, show: &mut dyn FnMut(&str)) -> Result<(), ConsoleError> {
+        let begun = Instant::now();
+        while let (Some(player), Some(recording)) = (&mut self.player, &self.recording) {
+            if player.over() {
+                self.player = None;
+                break;
+            }
+            if !player.due().is_zero() || begun.elapsed() > Duration::from_millis(20) {
+                break;
+            }
+            let cursor = Cursor::at(&recording.log, player.next());
+            player.lines += 1;
+            let values = columns_at(&recording.log, cursor.tick, &player.columns)?;
+            show(&(values.into_iter().map(|(_, value)| value).collect::<Vec<_>>().join(" ") + "\n"));
+            self.cursor = Some(cursor);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,114 @@
+//! What queries look at: the present state, or an instant of a recording; both as a log has them, so that the columns are those
+//! of `runner export`.
+
+use crate::console::error::ConsoleError;
+use crate::console::session::{Session, simulation};
+use crate::console::tap::Tap;
+use crate::dynamics::State;
+use crate::export::{self, Selection, Values};
+use crate::log::{LogWriter, Motion, Topics, Trajectory};
+use crate::robot::{Base, Model};
+use crate::sim::{Observer, Snapshot};
+
+impl Session {
+    /// The log at which queries look, and the number of the instant in it.
+    pub(super) fn shown<T>(
+        &mut self,
+        look: impl FnOnce(&Self, &Trajectory, usize) -> Result<T, ConsoleError>,
+    ) -> Result<T, ConsoleError> {
+        match (&self.cursor, &self.recording) {
+            (Some(cursor), Some(recording)) => look(self, &recording.log, cursor.tick),
+            _ => {
+                let present = self.present_log()?;
+                look(self, &present, 0)
+            }
+        }
+    }
+
+    /// A log with nothing but the present.
+    fn present_log(&mut self) -> Result<Trajectory, ConsoleError> {
+        let path = self.folder.path().join("present.mcap");
+        let mut log: LogWriter = self.log_writer(&path, Topics { state: true, contact: true, scene: false })?;
+        let snapshot = self.begun_look()?;
+        let told = log.snapshot(&snapshot);
+        told.map_err(ConsoleError::usage)?;
+        log.finish()?;
+        Ok(Trajectory::read(&path)?)
+    }
+
+    /// The present. Contact states are chosen when the run begins, and until then all may still be changed: another run begins
+    /// to be looked at.
+    pub(super) fn begun_look(&mut self) -> Result<Snapshot, ConsoleError> {
+        if self.simulation.has_begun() {
+            return Ok(self.simulation.look());
+        }
+        let mut begun = simulation(&self.document, &self.run, &self.robot)?;
+        begun.begin(&mut Tap::default()).map_err(|stop| ConsoleError::Over { time: 0.0, stop })?;
+        Ok(begun.look())
+    }
+
+    /// The values of columns at the instant looked at, by names and patterns; all of them when there are none.
+    pub(super) fn columns_now(&mut self, names: &[String]) -> Result<Vec<(String, String)>, ConsoleError> {
+        self.shown(|_, log, tick| columns_at(log, tick, names))
+    }
+
+    /// The value of one column, as a number.
+    pub(super) fn column_now(&mut self, name: &str) -> Result<Option<f64>, ConsoleError> {
+        let time = |log: &Trajectory, tick: usize| log.times[tick];
+        let names = [name.to_owned()];
+        self.shown(|_, log, tick| {
+            let at = Some(time(log, tick));
+            let table = export::series(log, &Selection { columns: names.to_vec(), rate: None, from: at, to: at })?;
+            match table.columns().iter().find(|(found, _)| found == name).map(|(_, values)| values) {
+                Some(Values::Real(values)) => Ok(values.first().copied().flatten()),
+                Some(Values::Flag(values)) => Ok(values.first().map(|flag| f64::from(u8::from(*flag)))),
+                Some(Values::Text(_)) => Err(ConsoleError::usage(format!("`{name}` is a word, no number"))),
+                None => Err(ConsoleError::usage(format!("one column is wanted, and `{name}` is a pattern"))),
+            }
+        })
+    }
+}
+
+/// Names and values of columns at an instant of a log.
+pub fn columns_at(log: &Trajectory, tick: usize, names: &[String]) -> Result<Vec<(String, String)>, ConsoleError> {
+    let at = log.times.get(tick).copied();
+    let table = export::series(log, &Selection { columns: names.to_vec(), rate: None, from: at, to: at })?;
+    let value = |values: &Values| match values {
+        Values::Real(values) => values.first().copied().flatten().map_or("none".to_owned(), digits),
+        Values::Text(values) => values.first().cloned().unwrap_or_default(),
+        Values::Flag(values) => values.first().map_or(String::new(), |flag| flag.to_string()),
+    };
+    Ok(table.columns().iter().map(|(name, values)| (name.clone(), value(values))).collect())
+}
+
+/// A number with all its digits, and no rows of zeros.
+pub fn digits(x: f64) -> String {
+    let plain = x == 0.0 || (1e-5..1e15).contains(&x.abs());
+    if plain { x.to_string() } else { format!("{x:e}") }
+}
+
+/// The motion of a log, which must have one.
+pub fn motion(log: &Trajectory) -> Result<&Motion, ConsoleError> {
+    log.motion.as_ref().ok_or_else(|| ConsoleError::usage("the recording holds no motion: its topics lack \"state\""))
+}
+
+/// The robot's state at an instant of a log, without lagging actuators.
+pub fn state(model: &Model, log: &Trajectory, tick: usize) -> Result<State, ConsoleError> {
+    let motion = motion(log)?;
+    let named = motion.joints.iter().map(|joint| &joint.name);
+    if !named.eq(model.joints.iter().map(|joint| &joint.name)) {
+        return Err(ConsoleError::usage(format!("the recording is of another robot, `{}`", log.info.robot)));
+    }
+    let mut state = State::home(model);
+    state.time = log.times[tick];
+    (state.position, state.rotation) = (motion.base_position[tick], motion.base_orientation[tick]);
+    let nb = model.nb();
+    if model.base == Base::Floating {
+        state.v[..3].copy_from_slice(motion.base_linear_velocity[tick].as_slice());
+        state.v[3..6].copy_from_slice(motion.base_angular_velocity[tick].as_slice());
+    }
+    for (j, joint) in motion.joints.iter().enumerate() {
+        (state.joints[j], state.v[nb + j]) = (joint.position[tick], joint.velocity[tick]);
+    }
+    Ok(state)
+}

@@ -1,0 +1,152 @@
+//! Starting, ending and changing tasks, and bringing joints to a posture.
+
+use toml::{Table, Value};
+
+use crate::console::document::put;
+use crate::console::error::ConsoleError;
+use crate::console::session::Session;
+use crate::console::words::Words;
+use crate::task::server::Stand;
+use crate::text::suggest;
+
+impl Session {
+    pub(super) fn tasks(&self) -> String {
+        let tasks = self.simulation.tasks().stand().enumerate();
+        let line = |(i, (name, start, stand)): (usize, (&str, f64, Stand))| {
+            let stand = match stand {
+                Stand::Waiting => "waits",
+                Stand::Running => "runs",
+                Stand::Ended => "has ended",
+            };
+            format!("{i} {name}: {stand}, start {start} s\n")
+        };
+        let lines: String = tasks.map(line).collect();
+        if lines.is_empty() { "no tasks\n".to_owned() } else { lines }
+    }
+
+    /// `start TYPE [KEY=VALUE ...]`
+    pub(super) fn start(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
+        let kind = words.need("the type of a task")?.to_owned();
+        let values = words.assignments()?;
+        self.begin_task(&kind, values)
+    }
+
+    fn begin_task(&mut self, kind: &str, values: Vec<(String, Value)>) -> Result<String, ConsoleError> {
+        let entry = self.entry(kind, values)?;
+        let number = self.present().task.len();
+        let news = self.edit(|document| {
+            document.list("task").push(Value::Table(entry));
+            Ok(())
+        })?;
+        Ok(format!("{news}task {number}, {kind}, from {} s\n", self.time()))
+    }
+
+    /// An entry of a type that starts now, with these values.
+    pub(super) fn entry(&self, kind: &str, values: Vec<(String, Value)>) -> Result<Table, ConsoleError> {
+        let mut entry = Table::from_iter([("type".to_owned(), Value::String(kind.to_owned()))]);
+        entry.insert("start".to_owned(), Value::Float(self.time()));
+        for (key, value) in values {
+            if key == "start" || key == "type" {
+                return Err(ConsoleError::usage(format!("`{key}` is given by the command itself")));
+            }
+            put(&mut entry, &key, value)?;
+        }
+        Ok(entry)
+    }
+
+    /// The task that a word means: its number, or a type of which one has not ended.
+    fn task(&self, word: &str) -> Result<usize, ConsoleError> {
+        let stands: Vec<_> = self.simulation.tasks().stand().map(|(_, _, stand)| stand).collect();
+        if let Ok(number) = word.parse::<usize>() {
+            let there = (number < stands.len()).then_some(number);
+            return there.ok_or_else(|| ConsoleError::usage(format!("there is no task {number} (`tasks`)")));
+        }
+        let specs = self.run.scenario.task.iter();
+        let kinds: Vec<&str> = specs.map(|spec| spec.type_name()).collect();
+        let alive = |i: &usize| kinds[*i] == word && stands.get(*i) != Some(&Stand::Ended);
+        let found: Vec<usize> = (0..kinds.len()).filter(alive).collect();
+        match found[..] {
+            [only] => Ok(only),
+            [] if kinds.contains(&word) => Err(ConsoleError::usage(format!("each task `{word}` has ended (`tasks`)"))),
+            [] => Err(ConsoleError::usage(format!("no task is of type `{word}`; {}", suggest(word, kinds)))),
+            _ => Err(ConsoleError::usage(format!("several tasks are of type `{word}`: say which by number (`tasks`)"))),
+        }
+    }
+
+    /// `stop TASK|all`
+    pub(super) fn stop(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
+        let word = words.need("a task, or `all`")?.to_owned();
+        words.done()?;
+        let numbers: Vec<usize> = if word == "all" {
+            let stands = self.simulation.tasks().stand().enumerate();
+            stands.filter(|(_, (_, _, stand))| *stand != Stand::Ended).map(|(i, _)| i).collect()
+        } else {
+            vec![self.task(&word)?]
+        };
+        if numbers.is_empty() {
+            return Err(ConsoleError::usage("no task runs or waits"));
+        }
+        let ended = |i: &usize| self.simulation.tasks().stand().nth(*i).is_some_and(|(_, _, s)| s == Stand::Ended);
+        if let Some(number) = numbers.iter().find(|i| ended(i)) {
+            return Err(ConsoleError::usage(format!("task {number} has ended")));
+        }
+        let list = numbers.iter().map(|n| Value::Integer(*n as i64)).collect();
+        let mut event = self.event();
+        event.insert("end_tasks".into(), Value::Array(list));
+        self.add_event(event)
+    }
+
+    /// `change TASK KEY=VALUE ...`
+    pub(super) fn change(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
+        let word = words.need("a task")?.to_owned();
+        let number = self.task(&word)?;
+        let values = words.assignments()?;
+        if values.is_empty() {
+            return Err(ConsoleError::usage("new values are missing, such as speed=0.5"));
+        }
+        let now = self.time();
+        let mut change = Table::from_iter([("at".to_owned(), Value::Float(now))]);
+        for (key, value) in values {
+            put(&mut change, &key, value)?;
+        }
+        self.edit(|document| {
+            let Some(Value::Table(task)) = document.list("task").get_mut(number) else {
+                return Err(ConsoleError::usage(format!("there is no task {number}")));
+            };
+            let list = task.entry("change").or_insert_with(|| Value::Array(Vec::new()));
+            let Value::Array(list) = list else {
+                return Err(ConsoleError::usage(format!("`task.{number}.change` is no list")));
+            };
+            // Those to come stay behind it.
+            let at = |v: &Value| v.get("at").and_then(crate::console::document::as_number).unwrap_or(0.0);
+            let place = list.iter().take_while(|other| at(other) <= now).count();
+            list.insert(place, Value::Table(change));
+            Ok(())
+        })
+    }
+
+    /// `drive JOINT=VALUE ... [in SECONDS]`, or `drive home`
+    pub(super) fn drive(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
+        let mut joints = Table::new();
+        if words.take("home") {
+            let model = self.model();
+            let home = model.joints.iter().zip(&model.home);
+            joints.extend(home.map(|(joint, q)| (joint.name.clone(), Value::Float(*q))));
+        }
+        while let Some(word) = words.peek().map(str::to_owned) {
+            if word == "in" {
+                break;
+            }
+            words.next();
+            let (joint, value) = crate::scenario::parse_override(&word).map_err(ConsoleError::usage)?;
+            joints.insert(joint, value);
+        }
+        if joints.is_empty() {
+            return Err(ConsoleError::usage("no joint is named"));
+        }
+        let seconds = if words.take("in") { words.number("a time")? } else { 1.0 };
+        words.done()?;
+        let values = vec![("joints".to_owned(), Value::Table(joints)), ("duration".to_owned(), Value::Float(seconds))];
+        self.begin_task("posture", values)
+    }
+}

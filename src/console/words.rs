@@ -1,0 +1,179 @@
+//! The words of a line: separated by blanks that stand in no quotes and no brackets. `#` begins a comment.
+
+use crate::console::ConsoleError;
+
+/// The words of one line, taken from the front.
+#[derive(Debug)]
+pub struct Words {
+    words: Vec<String>,
+    next: usize,
+}
+
+impl Words {
+    /// Takes a line apart.
+    pub fn of(line: &str) -> Result<Self, ConsoleError> {
+        let (mut words, mut word) = (Vec::new(), String::new());
+        let (mut quote, mut open): (Option<char>, Vec<char>) = (None, Vec::new());
+        let mut escaped = false;
+        // Editors put a mark before the first character.
+        for c in line.trim_start_matches('\u{feff}').chars() {
+            match (quote, c) {
+                (Some('"'), '\\') if !escaped => {
+                    escaped = true;
+                    word.push(c);
+                    continue;
+                }
+                (Some(q), _) if c == q && !escaped => quote = None,
+                (Some(_), _) => {}
+                (None, '"' | '\'') => quote = Some(c),
+                (None, '#') if word.is_empty() => break,
+                (None, '[' | '{') => open.push(if c == '[' { ']' } else { '}' }),
+                (None, ']' | '}') if open.pop() != Some(c) => {
+                    return Err(ConsoleError::usage(format!("`{c}` closes nothing that was opened")));
+                }
+                (None, _) if c.is_whitespace() && open.is_empty() => {
+                    if !word.is_empty() {
+                        words.push(std::mem::take(&mut word));
+                    }
+                    continue;
+                }
+                _ => {}
+            }
+            escaped = false;
+            word.push(c);
+        }
+        if let Some(missing) = quote.or(open.pop()) {
+            return Err(ConsoleError::usage(format!("`{missing}` is missing at the end")));
+        }
+        if !word.is_empty() {
+            words.push(word);
+        }
+        Ok(Words { words, next: 0 })
+    }
+
+    /// The next word, its quotes taken off if all of it stands in them.
+    pub fn next(&mut self) -> Option<&str> {
+        let word = self.words.get(self.next)?;
+        self.next += 1;
+        Some(bare(word))
+    }
+
+    /// The next word, left where it is.
+    pub fn peek(&self) -> Option<&str> {
+        self.words.get(self.next).map(|word| bare(word))
+    }
+
+    /// Takes the next word if it is this one.
+    pub fn take(&mut self, word: &str) -> bool {
+        let is = self.peek() == Some(word);
+        self.next += usize::from(is);
+        is
+    }
+
+    /// The next word, which is wanted for `what`.
+    pub fn need(&mut self, what: &str) -> Result<&str, ConsoleError> {
+        self.next().ok_or_else(|| ConsoleError::usage(format!("{what} is missing")))
+    }
+
+    /// The next word as a finite number.
+    pub fn number(&mut self, what: &str) -> Result<f64, ConsoleError> {
+        let word = self.need(what)?;
+        number(word).ok_or_else(|| ConsoleError::usage(format!("{what} must be a number, not `{word}`")))
+    }
+
+    /// The next word as a number, if it is one.
+    pub fn some_number(&mut self) -> Option<f64> {
+        let found = number(self.peek()?)?;
+        self.next += 1;
+        Some(found)
+    }
+
+    /// Three numbers.
+    pub fn vector(&mut self, what: &str) -> Result<[f64; 3], ConsoleError> {
+        Ok([self.number(what)?, self.number(what)?, self.number(what)?])
+    }
+
+    /// The words that are left, as they were typed.
+    pub fn rest(&mut self) -> Vec<String> {
+        let rest = self.words[self.next..].to_vec();
+        self.next = self.words.len();
+        rest
+    }
+
+    /// `KEY=VALUE` words that are left: dotted keys and TOML values, words that are no TOML value being strings.
+    pub fn assignments(&mut self) -> Result<Vec<(String, toml::Value)>, ConsoleError> {
+        let read = |word: String| crate::scenario::parse_override(&word).map_err(ConsoleError::usage);
+        self.rest().into_iter().map(read).collect()
+    }
+
+    /// Complains about words that nobody took.
+    pub fn done(&mut self) -> Result<(), ConsoleError> {
+        match self.next() {
+            None => Ok(()),
+            Some(word) => Err(ConsoleError::usage(format!("`{word}` is more than is wanted"))),
+        }
+    }
+}
+
+fn number(word: &str) -> Option<f64> {
+    word.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+fn bare(word: &str) -> &str {
+    let quoted = |q: char| word.strip_prefix(q).and_then(|rest| rest.strip_suffix(q));
+    let whole = |inner: &&str| !inner.contains(['"', '\'']);
+    quoted('"').or_else(|| quoted('\'')).filter(whole).unwrap_or(word)
+}
+
+/// The segments of a dotted key as TOML writes them.
+pub fn segments(key: &str) -> Result<Vec<String>, ConsoleError> {
+    let wrong = || ConsoleError::usage(format!("`{key}` is no dotted key"));
+    let mut table = format!("{key} = 0").parse::<toml::Table>().map_err(|_| wrong())?;
+    let mut segments = Vec::new();
+    loop {
+        let (segment, value) = table.into_iter().next().ok_or_else(wrong)?;
+        segments.push(segment);
+        match value {
+            toml::Value::Table(inner) => table = inner,
+            _ => return Ok(segments),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(line: &str) -> Vec<String> {
+        Words::of(line).unwrap().rest()
+    }
+
+    #[test]
+    fn blanks_in_quotes_and_brackets_belong_to_words() {
+        assert_eq!(words("  set a=1\tb = # 2"), ["set", "a=1", "b", "="]);
+        assert_eq!(
+            words("start sine joints={ a = { amplitude = 1 } } x"),
+            ["start", "sine", "joints={ a = { amplitude = 1 } }", "x"]
+        );
+        assert_eq!(words(r#"load "a b#c.mcap" 'it"s'"#), ["load", "\"a b#c.mcap\"", "'it\"s'"]);
+        assert_eq!(words(r#"x="a \" b" y"#), [r#"x="a \" b""#, "y"]);
+        assert!(Words::of("a [1, 2").is_err() && Words::of("a }").is_err() && Words::of("\"a").is_err());
+    }
+
+    #[test]
+    fn words_give_themselves() {
+        let mut words = Words::of("push \"left foot\" 1 -2e1 .5 for 0.1").unwrap();
+        assert_eq!(words.next(), Some("push"));
+        assert_eq!(words.next(), Some("left foot"));
+        assert_eq!(words.vector("force").unwrap(), [1.0, -20.0, 0.5]);
+        assert!(!words.take("at") && words.take("for"));
+        assert_eq!(words.some_number(), Some(0.1));
+        assert!(words.done().is_ok() && words.number("x").is_err());
+    }
+
+    #[test]
+    fn keys_are_taken_apart_as_toml_does() {
+        assert_eq!(segments("a.\"b c\".d").unwrap(), ["a", "b c", "d"]);
+        assert!(segments("a b").is_err() && segments("").is_err());
+    }
+}

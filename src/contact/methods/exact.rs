@@ -1,0 +1,103 @@
+//! The exact method: the state is searched for until it is valid. In continuous time that is at events and nowhere else;
+//! with fixed steps once a step, on the velocities at its end.
+
+use crate::contact::methods::method::{Manner, Method, Question};
+use crate::contact::model::problem::Problem;
+use crate::contact::model::state::{Mode, Pattern, SoleState, States};
+use crate::contact::search::candidate::Solution;
+use crate::contact::search::select::{Selection, Selector, first_mode};
+
+/// See the module.
+pub struct Exact {
+    selector: Selector,
+}
+
+impl Exact {
+    /// For problems of this size.
+    pub fn new(p: &Problem) -> Self {
+        Exact { selector: Selector::new(p) }
+    }
+
+    /// The states as they were, with the modes that the velocities allow.
+    fn carry_over(p: &Problem, before: &States) -> States {
+        let mut start = *before;
+        for s in 0..p.soles.len() {
+            let turns_on = match before[s].mode {
+                Mode::Pivoting(j) => before[s].is_dynamic() && !p.soles[s].vertices[j as usize].moving,
+                _ => false,
+            };
+            let fresh = first_mode(p, s, before[s].pattern);
+            start[s] = if turns_on && fresh.is_dynamic() { before[s] } else { fresh };
+        }
+        start
+    }
+}
+
+/// The smallest pattern that clamps every vertex for which `clamp` holds.
+pub fn covering(k: usize, clamp: impl Fn(usize) -> bool) -> Pattern {
+    SoleState::patterns(k)
+        .find(|&p| (0..k).all(|i| !clamp(i) || SoleState::fixed(p).clamps(i, k)))
+        .filter(|_| (0..k).any(&clamp))
+        .unwrap_or(Pattern::Free)
+}
+
+impl Method for Exact {
+    fn manner(&self) -> Manner {
+        Manner::Searching
+    }
+
+    fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+        let tol = &question.rules.tolerances;
+        for v in p.soles.iter_mut().flat_map(|s| &mut s.vertices) {
+            // A vertex about to be clamped out of a slow motion has its velocity settled first.
+            v.moving &= v.velocity.z.abs() <= tol.rest || v.velocity.xy().norm() > tol.velocity;
+            if v.moving {
+                v.direction = v.velocity.xy().normalize();
+            }
+        }
+        // The vertices of a sole that stops do so together, but for what the integrator cannot resolve.
+        for (s, sole) in p.soles.iter_mut().enumerate() {
+            let (state, k) = (question.rules.previous[s], sole.vertices.len());
+            let clamped = |i: &usize| state.clamps(*i, k);
+            let fastest = (0..k).filter(clamped).map(|i| sole.vertices[i].velocity.xy().norm()).fold(0.0, f64::max);
+            if state.is_dynamic() && fastest <= 10.0 * tol.rest {
+                (0..k).filter(clamped).for_each(|i| sole.vertices[i].moving = false);
+            }
+        }
+        let start = Self::carry_over(p, &question.rules.previous);
+        let start = permit(p, start, question);
+        self.selector.select(p, &start, !question.event, question.rules, question.allowed, out)
+    }
+
+    fn impulse(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+        // Start with everything that touches and does not already leave.
+        let mut start = States::default();
+        for (s, sole) in p.soles.iter().enumerate() {
+            let approaches = |i: usize| {
+                let v = &sole.vertices[i];
+                v.near && p.vertex_motion(&p.b, s, i).z < sole.vertex_target(i)
+            };
+            let k = sole.vertices.len();
+            let kept = question.rules.previous[s];
+            let pattern = covering(k, |i| approaches(i) || (kept.clamps(i, k) && sole.vertices[i].near));
+            start[s] = SoleState::fixed(pattern);
+        }
+        let start = permit(p, start, question);
+        self.selector.select(p, &start, !question.event, question.rules, question.allowed, out)
+    }
+
+    fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution) {
+        self.selector.kernel().solve(p, states, out);
+    }
+}
+
+/// Replaces states that are not allowed by the first that is.
+fn permit(p: &Problem, mut states: States, question: &Question) -> States {
+    for (s, sole) in p.soles.iter().enumerate() {
+        if !(question.allowed)(s, states[s]) {
+            let k = sole.vertices.len();
+            states[s] = SoleState::all(k).find(|&x| (question.allowed)(s, x)).unwrap_or(states[s]);
+        }
+    }
+    states
+}

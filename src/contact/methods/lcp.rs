@@ -1,0 +1,216 @@
+//! Time stepping with a polyhedral friction cone: one linear complementarity problem a step.
+//!
+//! On the velocities at the end of a step, for every point c (a vertex that may meet the floor, see [`crate::contact::methods::points`]),
+//! with directions `e_j = (cos, sin)(2 pi j / m)`, j = 0 .. m - 1, the first along the floor's x axis:
+//!
+//! ```text
+//! 0 <= N       _|_  v_n - target               >= 0        target = -gap / dt
+//! 0 <= beta_j  _|_  e_j . v_t + lambda         >= 0        t = sum_j beta_j e_j
+//! 0 <= lambda  _|_  mu N - sum_j beta_j        >= 0
+//! ```
+//!
+//! N and t are impulses over the step, lambda is the sliding speed (the greatest of `-e_j . v_t`). The velocities are
+//! affine in the impulses, so this is `w = M z + q` in (N, beta, lambda) of all points; M is copositive and
+//! [`Lemke`]'s algorithm solves it unless the constraints contradict each other. Impulses are measured in velocities, in
+//! units of the greatest answer of a point to its own impulse, so that all entries are of order one.
+//!
+//! When Lemke ends on a ray, at its limit of pivots or with an answer that misses the conditions, the selection counts as
+//! `inconsistent` and the impulses are those that [`Sweeps`] reach on the round cone.
+//!
+//! Known flaw: friction is the greatest dissipation in a polygon, not a circle. What sticks holds at least
+//! mu N cos(pi / m), in the middle between two directions; what slides is slowed along the direction nearest against its
+//! motion and veers, until it moves in the middle between two and is slowed by mu N cos(pi / m).
+//!
+//! Sources: D. E. Stewart and J. C. Trinkle, An implicit time-stepping scheme for rigid body dynamics with inelastic
+//! collisions and Coulomb friction, Int. J. Numer. Methods Engrg. 39 (1996); M. Anitescu and F. A. Potra, Formulating
+//! dynamic multi-rigid-body contact problems with friction as solvable linear complementarity problems, Nonlinear
+//! Dynamics 14 (1997).
+
+use crate::contact::methods::method::{Manner, Method, Question};
+use crate::contact::methods::ncp::{Sweeps, plain};
+use crate::contact::methods::points::Points;
+use crate::contact::model::problem::Problem;
+use crate::contact::model::state::States;
+use crate::contact::search::candidate::Solution;
+use crate::contact::search::select::Selection;
+use crate::linalg::lemke::{End, Lemke};
+use nalgebra::{Vector2, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// What an answer may miss of its conditions, relative to the greatest velocity.
+const MISSED: f64 = 1e-9;
+
+/// Ties of Lemke's ratio test, tried in turn. Of 40 000 impacts of one and two bodies the first leaves 46 unsolved, the
+/// second none.
+const TIES: [f64; 3] = [1e-12, 1e-10, 1e-8];
+
+/// Sweeps and their tolerance, relative to the greatest velocity, where there is no answer.
+const FALLBACK: (u32, f64) = (1000, 1e-9);
+
+/// What this method can be told.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LcpParameters {
+    /// Number m of friction directions, even, at least 4.
+    pub facets: u32,
+}
+
+impl Default for LcpParameters {
+    fn default() -> Self {
+        LcpParameters { facets: 8 }
+    }
+}
+
+impl LcpParameters {
+    /// Unknowns for this many points.
+    pub fn unknowns(self, points: usize) -> usize {
+        points * (self.facets as usize + 2)
+    }
+}
+
+/// See the module.
+pub struct Lcp {
+    directions: Vec<Vector2<f64>>,
+    points: Points,
+    lemke: Lemke,
+    z: Vec<f64>,
+    impulses: Vec<Vector3<f64>>,
+    fallback: Sweeps,
+}
+
+impl Lcp {
+    /// For problems of this size.
+    pub fn new(parameters: LcpParameters, p: &Problem) -> Self {
+        let most = p.soles.iter().map(|s| s.vertices.len()).sum();
+        let unknowns = parameters.unknowns(most);
+        Lcp {
+            directions: directions(parameters.facets),
+            points: Points::new(p),
+            lemke: Lemke::new(unknowns),
+            z: vec![0.0; unknowns],
+            impulses: vec![Vector3::zeros(); most],
+            fallback: Sweeps::new(p),
+        }
+    }
+
+    fn answer(&mut self, p: &Problem, question: &Question, out: &mut Solution) -> Selection {
+        let tol = &question.rules.tolerances;
+        self.points.gather(p, tol.velocity);
+        let count = self.points.list().len();
+        let n = count * (self.directions.len() + 2);
+        let fastest = (0..count).map(|c| self.points.velocity(c, &p.b).norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let (mut load, mut consistent) = (0.0, false);
+        for tie in TIES {
+            let unit = self.pose(p);
+            load = unit * fastest;
+            let (end, _) = self.lemke.solve(&mut self.z[..n], tie);
+            self.read(unit);
+            self.points.deliver(p, &self.impulses[..count], out);
+            consistent = end == End::Solved && self.miss(out, load, fastest) <= MISSED * fastest;
+            if consistent {
+                break;
+            }
+        }
+        if !consistent {
+            self.fallback.start(p, &self.points, None);
+            self.fallback.run(&self.points, FALLBACK.0, FALLBACK.1 * fastest);
+            self.impulses[..count].copy_from_slice(self.fallback.impulses());
+            self.points.deliver(p, &self.impulses[..count], out);
+        }
+        let states = self.points.states(p, out, |c| self.points.velocity(c, &out.motion).xy().norm() > tol.rest);
+        let levels = if consistent { [0.0; 3] } else { [0.0, self.miss(out, load, fastest) / tol.velocity, 0.0] };
+        Selection { states, tested: 1, consistent, verdict: plain(levels) }
+    }
+
+    /// Fills M and q; returns the unit of impulses, so that N is a velocity times it.
+    fn pose(&mut self, p: &Problem) -> f64 {
+        let (points, e) = (&self.points, &self.directions);
+        let (count, m) = (points.list().len(), e.len());
+        let size = m + 2;
+        let greatest = (0..count).map(|c| points.block(c, c).trace()).fold(0.0, f64::max);
+        let unit = if greatest > 0.0 { 1.0 / greatest } else { 1.0 };
+        self.lemke.begin(count * size);
+        for (c, point) in points.list().iter().enumerate() {
+            let first = c * size;
+            for d in 0..count {
+                let block = points.block(c, d) * unit;
+                let normal = self.lemke.row(first);
+                normal[d * size] = block[(2, 2)];
+                for (x, e) in normal[d * size + 1..].iter_mut().zip(e) {
+                    *x = block[(2, 0)] * e.x + block[(2, 1)] * e.y;
+                }
+                let tangential = block.fixed_view::<2, 2>(0, 0).into_owned();
+                let lift = Vector2::new(block[(0, 2)], block[(1, 2)]);
+                for (j, ej) in e.iter().enumerate() {
+                    let along = tangential.tr_mul(ej);
+                    let row = &mut self.lemke.row(first + 1 + j)[d * size..];
+                    row[0] = ej.dot(&lift);
+                    row[1..].iter_mut().zip(e).for_each(|(x, e)| *x = along.dot(e));
+                }
+            }
+            for j in 0..m {
+                self.lemke.row(first + 1 + j)[first + m + 1] = 1.0;
+            }
+            let cone = self.lemke.row(first + m + 1);
+            cone[first] = point.mu;
+            cone[first + 1..=first + m].fill(-1.0);
+            let free = points.velocity(c, &p.b);
+            self.lemke.set_constant(first, free.z - point.target);
+            (0..m).for_each(|j| self.lemke.set_constant(first + 1 + j, e[j].dot(&free.xy())));
+        }
+        unit
+    }
+
+    /// Impulses from the unknowns.
+    fn read(&mut self, unit: f64) {
+        let size = self.directions.len() + 2;
+        for (c, impulse) in self.impulses[..self.points.list().len()].iter_mut().enumerate() {
+            let z = &self.z[c * size..(c + 1) * size];
+            let t: Vector2<f64> = self.directions.iter().zip(&z[1..]).map(|(e, beta)| e * *beta).sum();
+            *impulse = Vector3::new(t.x, t.y, z[0]) * unit;
+        }
+    }
+
+    /// The greatest violation of the normal and friction conditions by delivered impulses, m/s: what approaches, what
+    /// carries and yet leaves, what sliding is not opposed by friction to the full. Products are divided by the impulse
+    /// `load`, and what lies outside the pyramid is turned into a velocity by `fastest / load`.
+    fn miss(&self, out: &Solution, load: f64, fastest: f64) -> f64 {
+        let m = self.directions.len();
+        let middle = (std::f64::consts::PI / m as f64).cos();
+        let mut miss: f64 = 0.0;
+        for (c, (point, impulse)) in self.points.list().iter().zip(&self.impulses).enumerate() {
+            let v = self.points.velocity(c, &out.motion);
+            let gap = v.z - point.target;
+            let speed = self.directions.iter().map(|e| -e.dot(&v.xy())).fold(0.0, f64::max);
+            let opposed = point.mu * impulse.z * speed + impulse.xy().dot(&v.xy());
+            let sides = (0..m).map(|j| (self.directions[j] + self.directions[(j + 1) % m]).normalize());
+            let farthest = sides.map(|side| side.dot(&impulse.xy())).fold(0.0, f64::max);
+            let outside = farthest - point.mu * impulse.z.max(0.0) * middle;
+            miss = miss.max(-gap).max(gap.abs() * impulse.z / load).max(opposed.abs() / load);
+            miss = miss.max(outside.max(-impulse.z) * fastest / load);
+        }
+        miss
+    }
+}
+
+/// The directions e_j.
+fn directions(facets: u32) -> Vec<Vector2<f64>> {
+    let angle = |j: u32| f64::from(j) * std::f64::consts::TAU / f64::from(facets);
+    (0..facets).map(|j| Vector2::new(angle(j).cos(), angle(j).sin())).collect()
+}
+
+impl Method for Lcp {
+    fn manner(&self) -> Manner {
+        Manner::Stepping
+    }
+
+    fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+        self.answer(p, question, out)
+    }
+
+    fn impulse(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+        self.answer(p, question, out)
+    }
+
+    fn respond(&mut self, _: &Problem, _: &States, _: &mut Solution) {}
+}

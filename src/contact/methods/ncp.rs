@@ -1,0 +1,191 @@
+//! Time stepping on the true friction cone, by projected Gauss-Seidel.
+//!
+//! On the velocities at the end of a step, for every point c (a vertex that may meet the floor, see [`crate::contact::methods::points`])
+//!
+//! ```text
+//! 0 <= N_c  _|_  v_n - target >= 0
+//! t_c in the disc of radius mu N_c,  and  v_t != 0  =>  t_c = -mu N_c v_t / |v_t|
+//! ```
+//!
+//! with `target = -gap / dt`: Coulomb's law, isotropic, and no lift by sliding. The points are visited in turn and every
+//! one is relaxed by the projections whose fixed points these are, `v` being kept up to date between them:
+//!
+//! ```text
+//! N <- max(0, N - (v_n - target) / D_nn)
+//! t <- P(t - v_t / D_tt)                     P projects onto the disc of radius mu N
+//! ```
+//!
+//! D_nn is the point's own normal answer, D_tt the greatest eigenvalue of its tangential one, which makes both steps
+//! descents. The first is exact for its point. A sweep's error is the greatest change of an impulse in it, as a velocity
+//! (times D_nn or D_tt), m/s. Sweeps end at `tolerance` or after `iterations`, whichever is first, and the answer is used
+//! as it is: what is missed shows in the residuals. The start are the impulses of the step before.
+//!
+//! Known flaw: convergence is linear and slow where points work against each other (several on one sole, heavy on light);
+//! cut short, soles creep and sink, and the answer depends on the order of the points.
+//!
+//! Sources: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics (1988); M. Jean, The non-smooth
+//! contact dynamics method, Comput. Methods Appl. Mech. Engrg. 177 (1999); K. Erleben, Velocity-based shock propagation
+//! for multibody dynamics animation, ACM Trans. Graphics 26 (2007), for the splitting.
+
+use crate::contact::methods::method::{Manner, Method, Question};
+use crate::contact::methods::points::Points;
+use crate::contact::model::problem::Problem;
+use crate::contact::model::state::{MAX_SOLES, States};
+use crate::contact::search::candidate::Solution;
+use crate::contact::search::judge::{Faults, Verdict};
+use crate::contact::search::select::Selection;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// A point whose friction is within this part of its limit sticks.
+const SATURATED: f64 = 1e-6;
+
+/// What this method can be told.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NcpParameters {
+    /// Most sweeps a step.
+    pub iterations: u32,
+    /// Error at which sweeping ends, m/s.
+    pub tolerance: f64,
+}
+
+impl Default for NcpParameters {
+    fn default() -> Self {
+        NcpParameters { iterations: 200, tolerance: 1e-9 }
+    }
+}
+
+/// See the module.
+pub struct Ncp {
+    parameters: NcpParameters,
+    points: Points,
+    sweeps: Sweeps,
+}
+
+impl Ncp {
+    /// For problems of this size.
+    pub fn new(parameters: NcpParameters, p: &Problem) -> Self {
+        Ncp { parameters, points: Points::new(p), sweeps: Sweeps::new(p) }
+    }
+
+    fn answer(&mut self, p: &Problem, question: &Question, out: &mut Solution) -> Selection {
+        let tol = &question.rules.tolerances;
+        self.points.gather(p, tol.velocity);
+        self.sweeps.start(p, &self.points, Some(out));
+        let miss = self.sweeps.run(&self.points, self.parameters.iterations, self.parameters.tolerance);
+        let impulses = self.sweeps.impulses();
+        self.points.deliver(p, impulses, out);
+        let states = self.points.states(p, out, |c| {
+            let (mu, impulse) = (self.points.list()[c].mu, &impulses[c]);
+            let saturated = impulse.xy().norm() >= (1.0 - SATURATED) * mu * impulse.z;
+            saturated && self.points.velocity(c, &out.motion).xy().norm() > tol.rest
+        });
+        // It claims no validity, so it is never inconsistent: its errors show in the residuals.
+        let levels = if miss > self.parameters.tolerance { [0.0, miss / tol.velocity, 0.0] } else { [0.0; 3] };
+        Selection { states, tested: 1, consistent: true, verdict: plain(levels) }
+    }
+}
+
+/// A verdict without a search.
+pub(super) fn plain(levels: [f64; 3]) -> Verdict {
+    Verdict { levels, rank: [0; 5], action: 0.0, faults: [Faults::default(); MAX_SOLES] }
+}
+
+impl Method for Ncp {
+    fn manner(&self) -> Manner {
+        Manner::Stepping
+    }
+
+    fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+        self.answer(p, question, out)
+    }
+
+    fn impulse(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+        self.answer(p, question, out)
+    }
+
+    fn respond(&mut self, _: &Problem, _: &States, _: &mut Solution) {}
+}
+
+/// The relaxation and its scratch.
+#[derive(Clone, Debug)]
+pub(super) struct Sweeps {
+    impulses: Vec<Vector3<f64>>,
+    /// D_nn and D_tt of each point.
+    own: Vec<[f64; 2]>,
+    motion: Vec<f64>,
+    count: usize,
+}
+
+impl Sweeps {
+    /// For problems of this size.
+    pub fn new(p: &Problem) -> Self {
+        let most = p.soles.iter().map(|s| s.vertices.len()).sum();
+        Sweeps {
+            impulses: vec![Vector3::zeros(); most],
+            own: vec![[0.0; 2]; most],
+            motion: vec![0.0; p.dim()],
+            count: 0,
+        }
+    }
+
+    /// Starts from the vertex forces of `last` over the problem's step, or from nothing.
+    pub fn start(&mut self, p: &Problem, points: &Points, last: Option<&Solution>) {
+        self.count = points.list().len();
+        self.motion.copy_from_slice(&p.b);
+        for (c, point) in points.list().iter().enumerate() {
+            let block = points.block(c, c);
+            let (mean, half) = (0.5 * (block[(0, 0)] + block[(1, 1)]), 0.5 * (block[(0, 0)] - block[(1, 1)]));
+            self.own[c] = [block[(2, 2)], mean + half.hypot(block[(0, 1)])];
+            self.impulses[c] = last.map_or(Vector3::zeros(), |last| {
+                let normal = last.normal[point.sole][point.vertex].max(0.0) * p.step;
+                let tangent = last.tangent[point.sole][point.vertex] * p.step;
+                let tangent = tangent.cap_magnitude(point.mu * normal);
+                Vector3::new(tangent.x, tangent.y, normal)
+            });
+            points.push(c, &self.impulses[c], &mut self.motion);
+        }
+    }
+
+    /// Sweeps until the error is within `tolerance` (m/s), at most `iterations` times; returns the error of the last.
+    pub fn run(&mut self, points: &Points, iterations: u32, tolerance: f64) -> f64 {
+        let mut error = 0.0;
+        for _ in 0..iterations {
+            error = self.sweep(points);
+            if error <= tolerance {
+                break;
+            }
+        }
+        error
+    }
+
+    /// The impulses reached, by point.
+    pub fn impulses(&self) -> &[Vector3<f64>] {
+        &self.impulses[..self.count]
+    }
+
+    fn sweep(&mut self, points: &Points) -> f64 {
+        let mut error: f64 = 0.0;
+        for (c, point) in points.list().iter().enumerate() {
+            let [normal, tangential] = self.own[c];
+            if !(normal > 0.0) {
+                continue;
+            }
+            let p = self.impulses[c];
+            let mut next = p;
+            next.z = (p.z - (points.velocity(c, &self.motion).z - point.target) / normal).max(0.0);
+            points.push(c, &Vector3::new(0.0, 0.0, next.z - p.z), &mut self.motion);
+            if tangential > 0.0 {
+                let free = p.xy() - points.velocity(c, &self.motion).xy() / tangential;
+                let t = free.cap_magnitude(point.mu * next.z);
+                (next.x, next.y) = (t.x, t.y);
+            }
+            let change = next - p;
+            points.push(c, &Vector3::new(change.x, change.y, 0.0), &mut self.motion);
+            error = error.max(change.z.abs() * normal).max(change.xy().norm() * tangential);
+            self.impulses[c] = next;
+        }
+        error
+    }
+}

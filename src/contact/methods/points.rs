@@ -1,0 +1,160 @@
+//! The contact problem point by point, for the methods that step in time.
+//!
+//! Every vertex that may meet the floor is a point of its own, with an impulse p_c and a velocity v_c (normal and two
+//! tangential components, floor axes). With J_c the motion of the point when its sole moves,
+//!
+//! ```text
+//! v_c = J_c m + c_c      m = b + sum_d (W J_d^T) p_d      block (c, d): J_c W J_d^T
+//! ```
+//!
+//! W J^T is kept, not the blocks: W has rank 6 a sole, while a sole of four vertices has twelve impulses, so their
+//! matrix is singular and larger.
+
+use crate::contact::methods::exact::covering;
+use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::state::{Mode, SoleState, States};
+use crate::contact::search::candidate::{Solution, wrench_at};
+use crate::contact::search::judge::TOUCHING;
+use nalgebra::{Matrix3, Vector3};
+
+/// Part of the greatest normal impulse below which a point carries nothing.
+const NOTHING: f64 = 1e-9;
+
+/// One vertex that may meet the floor.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Its sole.
+    pub sole: usize,
+    /// Its number there.
+    pub vertex: usize,
+    /// Position from the sole's reference point, m.
+    pub r: Vector3<f64>,
+    /// Motion that no wrench causes, beside that of the sole's frame.
+    pub bias: Vector3<f64>,
+    /// Least normal velocity at the end, m/s.
+    pub target: f64,
+    /// Kinetic friction coefficient: impulses over a step know but one.
+    pub mu: f64,
+}
+
+/// The points of a problem; allocated once.
+#[derive(Clone, Debug)]
+pub struct Points {
+    list: Vec<Point>,
+    /// W J^T, three columns for each point, each 6F long.
+    columns: Vec<f64>,
+    dim: usize,
+}
+
+impl Points {
+    /// Room for all vertices of problems of this size.
+    pub fn new(p: &Problem) -> Self {
+        let most = p.soles.iter().map(|s| s.vertices.len()).sum();
+        Points { list: Vec::with_capacity(most), columns: vec![0.0; 3 * most * p.dim()], dim: p.dim() }
+    }
+
+    /// Takes the vertices that may meet the floor. What is below it is brought up at `push_out` (m/s) at most.
+    pub fn gather(&mut self, p: &Problem, push_out: f64) {
+        self.list.clear();
+        for (s, sole) in p.soles.iter().enumerate() {
+            for (i, v) in sole.vertices.iter().enumerate() {
+                let meets = match p.level {
+                    Level::Velocity => v.near,
+                    Level::Acceleration => v.height <= TOUCHING,
+                };
+                if meets {
+                    let target = sole.vertex_target(i).min(push_out);
+                    self.list.push(Point { sole: s, vertex: i, r: v.r, bias: v.bias, target, mu: v.mu_k });
+                }
+            }
+        }
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        for (c, point) in self.list.iter().enumerate() {
+            for (axis, direction) in axes.iter().enumerate() {
+                let six = wrench_at(&point.r, direction);
+                let column = &mut self.columns[(3 * c + axis) * self.dim..][..self.dim];
+                for (row, x) in column.iter_mut().enumerate() {
+                    let w = &p.w[row * self.dim + 6 * point.sole..];
+                    *x = w[axis] + w[3] * six[3] + w[4] * six[4] + w[5] * six[5];
+                }
+            }
+        }
+    }
+
+    /// The points.
+    pub fn list(&self) -> &[Point] {
+        &self.list
+    }
+
+    /// Velocity of point `c` when the sole frames move with `motion`.
+    pub fn velocity(&self, c: usize, motion: &[f64]) -> Vector3<f64> {
+        let point = &self.list[c];
+        self.frame_velocity(c, motion) + point.bias
+    }
+
+    fn frame_velocity(&self, c: usize, motion: &[f64]) -> Vector3<f64> {
+        let Point { sole, r, .. } = &self.list[c];
+        let m = &motion[6 * sole..6 * sole + 6];
+        Vector3::new(m[0] + m[4] * r.z - m[5] * r.y, m[1] + m[5] * r.x - m[3] * r.z, m[2] + m[3] * r.y - m[4] * r.x)
+    }
+
+    /// Adds what an impulse at point `c` does to the motions.
+    pub fn push(&self, c: usize, impulse: &Vector3<f64>, motion: &mut [f64]) {
+        for (axis, x) in impulse.iter().enumerate() {
+            let column = &self.columns[(3 * c + axis) * self.dim..][..self.dim];
+            motion.iter_mut().zip(column).for_each(|(m, y)| *m += y * x);
+        }
+    }
+
+    /// How the velocity of point `c` answers the impulse at point `d`.
+    pub fn block(&self, c: usize, d: usize) -> Matrix3<f64> {
+        let column = |axis: usize| {
+            let at = (3 * d + axis) * self.dim;
+            self.frame_velocity(c, &self.columns[at..at + self.dim])
+        };
+        Matrix3::from_columns(&[column(0), column(1), column(2)])
+    }
+
+    /// Writes impulses into a solution: wrenches, motions, and the forces of the vertices as they are.
+    pub fn deliver(&self, p: &Problem, impulses: &[Vector3<f64>], out: &mut Solution) {
+        out.wrench.fill(0.0);
+        out.motion.copy_from_slice(&p.b);
+        out.normal.iter_mut().for_each(|n| n.fill(0.0));
+        out.tangent.iter_mut().for_each(|t| t.fill(Default::default()));
+        out.inside.fill(true);
+        for (c, (point, impulse)) in self.list.iter().zip(impulses).enumerate() {
+            let six = wrench_at(&point.r, impulse);
+            let sole = &mut out.wrench[6 * point.sole..6 * point.sole + 6];
+            sole.iter_mut().zip(six).for_each(|(w, x)| *w += x);
+            self.push(c, impulse, &mut out.motion);
+            out.normal[point.sole][point.vertex] = impulse.z;
+            out.tangent[point.sole][point.vertex] = impulse.xy();
+        }
+    }
+
+    /// The states that impulses amount to: the smallest pattern that clamps every loaded vertex; it sticks if no loaded
+    /// vertex `slips`, and pivots if all but one do.
+    pub fn states(&self, p: &Problem, out: &Solution, slips: impl Fn(usize) -> bool) -> States {
+        let greatest = out.normal.iter().flatten().copied().fold(0.0, f64::max);
+        let mut states = States::default();
+        for (s, sole) in p.soles.iter().enumerate() {
+            let loaded = |i: usize| out.normal[s][i] > NOTHING * greatest;
+            let pattern = covering(sole.vertices.len(), loaded);
+            let (mut holding, mut held, mut slipping) = (None, 0, 0);
+            for (c, point) in self.list.iter().enumerate().filter(|(_, x)| x.sole == s && loaded(x.vertex)) {
+                if slips(c) {
+                    slipping += 1;
+                } else {
+                    (holding, held) = (Some(point.vertex as u8), held + 1);
+                }
+            }
+            let mode = match holding {
+                _ if slipping == 0 => Mode::Static,
+                Some(vertex) if held == 1 => Mode::Pivoting(vertex),
+                _ => Mode::Sliding,
+            };
+            states[s] = SoleState { pattern, mode };
+        }
+        states
+    }
+}

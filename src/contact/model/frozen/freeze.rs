@@ -1,0 +1,121 @@
+//! From a problem and a selection to plain numbers.
+
+use crate::contact::methods::method::{Parameters, Question};
+use crate::contact::model::frozen::{
+    Answer, Frozen, FrozenSole, FrozenTolerances, FrozenVertex, Units, Violations, Word, state_name,
+};
+use crate::contact::model::problem::{Level, Problem, SoleProblem, Vertex};
+use crate::contact::model::state::SoleState;
+use crate::contact::search::candidate::Solution;
+use crate::contact::search::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL};
+use crate::contact::search::select::Selection;
+
+impl Units {
+    fn at(level: Level) -> Self {
+        let [motion, wrench, force, vertex] = match level {
+            Level::Acceleration => ["m/s^2, rad/s^2", "N, N m", "N", "m/s^2"],
+            Level::Velocity => ["m/s, rad/s", "N s, N m s", "N s", "m/s"],
+        };
+        let [motion, wrench, force, vertex] = [motion, wrench, force, vertex].map(str::to_owned);
+        Units { motion, wrench, force, vertex }
+    }
+}
+
+impl Frozen {
+    /// Freezes a problem before the method sees it; `last` is the last known solution. Names, reference points and the
+    /// answer are left empty.
+    pub fn posed(
+        time: f64,
+        (method, parameters): (&str, &Parameters),
+        p: &Problem,
+        question: &Question,
+        forced: &[Option<SoleState>],
+        last: &Solution,
+    ) -> Self {
+        let (rules, tol) = (question.rules, &question.rules.tolerances);
+        let sole = |(s, sole): (usize, &SoleProblem)| FrozenSole {
+            name: String::new(),
+            reference_m: [0.0; 3],
+            body: Some(sole.body),
+            radius_m: sole.radius,
+            target: sole.target.into(),
+            previous: state_name(rules.previous[s]),
+            forced: forced[s].map(state_name),
+            suspect_normal: rules.suspect[s] & SUSPECT_NORMAL != 0,
+            suspect_friction: rules.suspect[s] & SUSPECT_FRICTION != 0,
+            last_wrench: last.wrench[6 * s..6 * s + 6].to_vec(),
+            vertices: (0..sole.vertices.len()).map(|i| FrozenVertex::new(&sole.vertices[i], s, i, last)).collect(),
+        };
+        Frozen {
+            time_s: time,
+            method: method.to_owned(),
+            parameters: *parameters,
+            units: Units::at(p.level),
+            level: match p.level {
+                Level::Acceleration => Word::Acceleration,
+                Level::Velocity => Word::Velocity,
+            },
+            event: question.event,
+            scale: p.scale,
+            step_s: p.step,
+            w: p.w.clone(),
+            b: p.b.clone(),
+            tolerances: FrozenTolerances {
+                distance_m: tol.distance,
+                velocity_m_per_s: tol.velocity,
+                acceleration_m_per_s2: tol.acceleration,
+                rest_m_per_s: tol.rest,
+            },
+            soles: p.soles.iter().enumerate().map(sole).collect(),
+            answer: Answer {
+                consistent: false,
+                tested: 0,
+                violations: Violations { geometric: 0.0, kinematic: 0.0, friction: 0.0 },
+                states: Vec::new(),
+                wrench: Vec::new(),
+                motion: Vec::new(),
+                normal: Vec::new(),
+                tangent: Vec::new(),
+            },
+        }
+    }
+
+    /// Adds what the method answered.
+    pub fn answered(&mut self, selection: &Selection, solution: &Solution) {
+        self.answer = Answer::new(self.soles.len(), selection, solution);
+    }
+}
+
+impl FrozenVertex {
+    fn new(v: &Vertex, s: usize, i: usize, last: &Solution) -> Self {
+        FrozenVertex {
+            r_m: v.r.into(),
+            bias: v.bias.into(),
+            height_m: v.height,
+            velocity_m_per_s: v.velocity.into(),
+            mu_s: v.mu_s,
+            mu_k: v.mu_k,
+            direction: v.direction.into(),
+            moving: v.moving,
+            near: v.near,
+            last_normal: last.normal[s][i],
+            last_tangent: last.tangent[s][i].into(),
+        }
+    }
+}
+
+impl Answer {
+    pub(super) fn new(soles: usize, selection: &Selection, solution: &Solution) -> Self {
+        let [geometric, kinematic, friction] = selection.verdict.levels;
+        Answer {
+            consistent: selection.consistent,
+            tested: selection.tested,
+            violations: Violations { geometric, kinematic, friction },
+            states: (0..soles).map(|s| state_name(selection.states[s])).collect(),
+            wrench: solution.wrench.clone(),
+            motion: solution.motion.clone(),
+            normal: solution.normal.clone(),
+            tangent: solution.tangent.iter().map(|sole| sole.iter().map(|&t| t.into()).collect()).collect(),
+        }
+    }
+}

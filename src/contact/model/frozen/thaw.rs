@@ -1,0 +1,166 @@
+//! From plain numbers back to a problem, and to the choice made again.
+
+use crate::contact::methods::method::{self, Method, Question};
+use crate::contact::model::frozen::{Answer, Frozen, FrozenError, FrozenSole, FrozenVertex, Word, state_named};
+use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
+use crate::contact::model::state::{MAX_SOLES, SoleState, States};
+use crate::contact::search::candidate::Solution;
+use crate::contact::search::judge::{Rules, SUSPECT_FRICTION, SUSPECT_NORMAL};
+use crate::contact::search::select::Selection;
+use nalgebra::{Vector2, Vector3};
+
+impl Frozen {
+    /// The problem as it was posed.
+    ///
+    /// # Errors
+    /// Lists of wrong length.
+    pub fn problem(&self) -> Result<Problem, FrozenError> {
+        let n = 6 * self.soles.len();
+        let length = |what, found, wanted| {
+            if found == wanted { Ok(()) } else { Err(FrozenError::Length { what, found, wanted }) }
+        };
+        length("W", self.w.len(), n * n)?;
+        length("b", self.b.len(), n)?;
+        if self.soles.len() > MAX_SOLES {
+            return Err(FrozenError::Size(format!("{} soles, at most {MAX_SOLES} are supported", self.soles.len())));
+        }
+        if let Some(s) = self.soles.iter().find(|s| s.vertices.is_empty() || s.vertices.len() > 64) {
+            let message = format!("sole `{}` has {} vertices, 1 to 64 are supported", s.name, s.vertices.len());
+            return Err(FrozenError::Size(message));
+        }
+        let sole = |(i, s): (usize, &FrozenSole)| SoleProblem {
+            vertices: s.vertices.iter().map(FrozenVertex::thaw).collect(),
+            radius: s.radius_m,
+            body: s.body.unwrap_or(i),
+            place: s.reference_m.into(),
+            target: s.target.into(),
+        };
+        Ok(Problem {
+            level: match self.level {
+                Word::Acceleration => Level::Acceleration,
+                Word::Velocity => Level::Velocity,
+            },
+            w: self.w.clone(),
+            b: self.b.clone(),
+            soles: self.soles.iter().enumerate().map(sole).collect(),
+            scale: self.scale,
+            step: self.step_s,
+        })
+    }
+
+    /// Tolerances, states before and suspicions.
+    ///
+    /// # Errors
+    /// A state that is none.
+    pub fn rules(&self) -> Result<Rules, FrozenError> {
+        let t = &self.tolerances;
+        let mut rules = Rules {
+            tolerances: Tolerances {
+                distance: t.distance_m,
+                velocity: t.velocity_m_per_s,
+                acceleration: t.acceleration_m_per_s2,
+                rest: t.rest_m_per_s,
+            },
+            previous: States::default(),
+            suspect: [0; MAX_SOLES],
+            hops: false,
+        };
+        for (s, sole) in self.soles.iter().enumerate().take(MAX_SOLES) {
+            rules.previous[s] = sole.state(&sole.previous)?;
+            rules.suspect[s] = if sole.suspect_normal { SUSPECT_NORMAL } else { 0 }
+                | if sole.suspect_friction { SUSPECT_FRICTION } else { 0 };
+        }
+        Ok(rules)
+    }
+
+    /// The states that the scenario imposes.
+    ///
+    /// # Errors
+    /// A state that is none.
+    pub fn forced(&self) -> Result<[Option<SoleState>; MAX_SOLES], FrozenError> {
+        let mut forced = [None; MAX_SOLES];
+        for (sole, forced) in self.soles.iter().zip(&mut forced) {
+            *forced = sole.forced.as_ref().map(|word| sole.state(word)).transpose()?;
+        }
+        Ok(forced)
+    }
+
+    /// The last known solution, as far as any method reads it: wrenches and vertex forces.
+    ///
+    /// # Errors
+    /// Lists of wrong length.
+    pub fn last(&self) -> Result<Solution, FrozenError> {
+        let mut last = Solution::new(&self.problem()?);
+        for (s, sole) in self.soles.iter().enumerate() {
+            if sole.last_wrench.len() != 6 {
+                let found = sole.last_wrench.len();
+                return Err(FrozenError::Length { what: "last_wrench", found, wanted: 6 });
+            }
+            last.wrench[6 * s..6 * s + 6].copy_from_slice(&sole.last_wrench);
+            for (i, v) in sole.vertices.iter().enumerate() {
+                last.normal[s][i] = v.last_normal;
+                last.tangent[s][i] = v.last_tangent.into();
+            }
+        }
+        Ok(last)
+    }
+
+    /// Chooses again, with the method that chose then. On the same machine kind and program the answer is the same bit
+    /// for bit.
+    ///
+    /// # Errors
+    /// Whatever of the above is wrong, or a method that does not exist.
+    pub fn replay(&self) -> Result<Answer, FrozenError> {
+        let (mut p, rules, forced, mut out) = (self.problem()?, self.rules()?, self.forced()?, self.last()?);
+        let mut method =
+            method::make(&self.method, &self.parameters, &p).ok_or_else(|| FrozenError::Method(self.method.clone()))?;
+        let level = p.level;
+        let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f| allows(level, f, state));
+        let question = Question { rules: &rules, event: self.event, allowed: &allowed };
+        let selection = choose(method.as_mut(), &mut p, &question, &mut out);
+        Ok(Answer::new(self.soles.len(), &selection, &out))
+    }
+}
+
+/// May a sole on which the scenario imposes `forced` take `state`? An impulse may stick or slip whatever is imposed.
+fn allows(level: Level, forced: SoleState, state: SoleState) -> bool {
+    match level {
+        Level::Acceleration => forced == state,
+        Level::Velocity => forced.pattern == state.pattern,
+    }
+}
+
+/// Asks the method at the problem's own level.
+fn choose(method: &mut dyn Method, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+    match p.level {
+        Level::Acceleration => method.select(p, question, out),
+        Level::Velocity => method.impulse(p, question, out),
+    }
+}
+
+impl FrozenSole {
+    fn state(&self, word: &str) -> Result<SoleState, FrozenError> {
+        let vertices = self.vertices.len();
+        state_named(word, vertices).ok_or_else(|| FrozenError::State {
+            sole: self.name.clone(),
+            vertices,
+            word: word.to_owned(),
+        })
+    }
+}
+
+impl FrozenVertex {
+    fn thaw(&self) -> Vertex {
+        Vertex {
+            r: Vector3::from(self.r_m),
+            bias: Vector3::from(self.bias),
+            height: self.height_m,
+            velocity: Vector3::from(self.velocity_m_per_s),
+            mu_s: self.mu_s,
+            mu_k: self.mu_k,
+            direction: Vector2::from(self.direction),
+            moving: self.moving,
+            near: self.near,
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Several static soles on one body.
+//!
+//! How two or more sticking soles of one rigid body share their load is statically indeterminate, but whether they hold
+//! is not: they can only slip together. With their clamped vertices taken as one set of points, the capacity of a face
+//! ([`crate::contact::model::capacity::face`]) is that of the group: a tangential force F and yaw moment tau can be carried by some split
+//! iff for every planar slip twist (v, w) of the body `F . v + tau w <= sum mu_s N_i |v + w z x r_i|`.
+//!
+//! The normal forces are those of the least-norm solution (see [`crate::linalg::linear`]).
+
+use crate::contact::model::capacity;
+use crate::contact::model::problem::Problem;
+use crate::contact::model::state::States;
+use crate::contact::search::candidate::Solution;
+use nalgebra::Vector2;
+
+/// Most vertices of one group: sixteen soles of eight.
+const MAX_POINTS: usize = 128;
+
+/// What the static soles of a body can still carry together.
+#[derive(Clone, Copy, Debug)]
+pub struct Joint {
+    /// Margin, N.
+    pub margin: f64,
+    /// Velocity of the floor's origin in the twist of least margin, against the friction carried, and yaw rate.
+    linear: Vector2<f64>,
+    turn: f64,
+}
+
+impl Joint {
+    /// The twist as slip of sole `s`: velocity of its reference point, and yaw rate times its radius.
+    pub fn slip(&self, p: &Problem, s: usize) -> capacity::Slip {
+        let (r, radius) = (&p.soles[s].place, p.soles[s].radius);
+        let v = self.linear + Vector2::new(-r.y, r.x) * self.turn;
+        capacity::Slip::new(v.x, v.y, self.turn * radius)
+    }
+}
+
+/// The static soles on the body of sole `s`.
+pub fn members<'a>(p: &'a Problem, states: &'a States, s: usize) -> impl Iterator<Item = usize> + 'a {
+    (0..p.soles.len()).filter(move |&t| states[t].is_static() && p.soles[t].body == p.soles[s].body)
+}
+
+/// Does the static sole `s` hold together with others?
+pub fn is_shared(p: &Problem, states: &States, s: usize) -> bool {
+    states[s].is_static() && members(p, states, s).nth(1).is_some()
+}
+
+/// The joint margin of the group of sole `s`; None for more points than [`MAX_POINTS`]. Needs per-vertex normal forces.
+pub fn joint(p: &Problem, states: &States, s: usize, solution: &Solution) -> Option<Joint> {
+    let mut points = [(0.0, Vector2::zeros()); MAX_POINTS];
+    let mut count = 0;
+    let (mut force, mut yaw) = (Vector2::zeros(), 0.0);
+    let mut middle = Vector2::zeros();
+    for t in members(p, states, s) {
+        let sole = &p.soles[t];
+        let k = sole.vertices.len();
+        let w = &solution.wrench[6 * t..6 * t + 6];
+        let f = Vector2::new(w[0], w[1]);
+        force += f;
+        yaw += w[5] + sole.place.xy().perp(&f);
+        for (i, v) in sole.vertices.iter().enumerate().filter(|(i, _)| states[t].clamps(*i, k)) {
+            let place = sole.place.xy() + v.r.xy();
+            *points.get_mut(count)? = (v.mu_s * solution.normal[t][i].max(0.0), place);
+            middle += place;
+            count += 1;
+        }
+    }
+    // About the middle of the points, so that far from the floor's origin nothing is lost.
+    middle /= count as f64;
+    yaw -= middle.perp(&force);
+    let points = &mut points[..count];
+    points.iter_mut().for_each(|(_, place)| *place -= middle);
+    let radius = points.iter().map(|(_, r)| r.norm()).fold(0.0, f64::max);
+    let (margin, slip) = capacity::face(points, &force, yaw, radius);
+    let turn = -slip.z / radius;
+    let linear = -slip.xy() - Vector2::new(-middle.y, middle.x) * turn;
+    Some(Joint { margin, linear, turn })
+}

@@ -1,0 +1,135 @@
+//! How a face shares its load among more than three vertices.
+//!
+//! The split of a normal load over k >= 4 vertices is statically indeterminate. Rule (`contact.md` section 3): the
+//! non-negative N of least norm that carries the normal force and the two tilting moments,
+//!
+//! ```text
+//! min 1/2 |N|^2   with   sum A_i N_i = q,  N_i >= 0,      A_i = (1, x_i / rho, y_i / rho)
+//! ```
+//!
+//! Its optimality conditions give `N_i = max(0, A_i . y)`: a linear pressure cut off at zero. `y` minimises the convex
+//! dual `1/2 sum max(0, A_i . y)^2 - q . y`, here by Newton steps on the active set with step halving.
+
+use crate::contact::model::problem::SoleProblem;
+use nalgebra::{Matrix3, Vector3};
+
+/// A_i of the module comment.
+pub fn basis(sole: &SoleProblem, i: usize) -> Vector3<f64> {
+    let r = &sole.vertices[i].r;
+    Vector3::new(1.0, r.x / sole.radius, r.y / sole.radius)
+}
+
+/// Splits a face load. `force` is the normal force (N), `moment` the tilting moments about x and y at the reference
+/// point (N m). Fills `normal` (one per vertex, N) and returns true when the centre of pressure lies inside the
+/// polygon; otherwise the plain linear pressure, with negative entries, is left there.
+pub fn share(sole: &SoleProblem, force: f64, moment: [f64; 2], normal: &mut [f64]) -> bool {
+    // Moments of N_i at (x_i, y_i): M_x = sum y_i N_i, M_y = -sum x_i N_i.
+    let q = Vector3::new(force, -moment[1] / sole.radius, moment[0] / sole.radius);
+    let Some(mut y) = newton_point(sole, &q, None) else {
+        normal.fill(0.0);
+        return false;
+    };
+    let linear = y;
+    let k = sole.vertices.len();
+    let mut settled = (0..k).all(|i| basis(sole, i).dot(&y) >= 0.0);
+    for _ in 0..50 {
+        if settled {
+            break;
+        }
+        let Some(target) = newton_point(sole, &q, Some(&y)) else { break };
+        let here = dual(sole, &q, &y);
+        let mut t = 1.0;
+        while t > 1e-6 && dual(sole, &q, &(y + (target - y) * t)) > here {
+            t *= 0.5;
+        }
+        let next = y + (target - y) * t;
+        settled = t == 1.0 && (0..k).all(|i| active(sole, i, &next) == active(sole, i, &y));
+        y = next;
+    }
+    (0..k).for_each(|i| normal[i] = basis(sole, i).dot(&y).max(0.0));
+    // With the centre of pressure outside, the damped step settles on something that does not carry the load.
+    let carried: Vector3<f64> = (0..k).map(|i| basis(sole, i) * normal[i]).sum();
+    let inside = settled && (carried - q).norm() <= 1e-9 * q.norm();
+    if !inside {
+        (0..k).for_each(|i| normal[i] = basis(sole, i).dot(&linear));
+    }
+    inside
+}
+
+fn active(sole: &SoleProblem, i: usize, y: &Vector3<f64>) -> bool {
+    basis(sole, i).dot(y) > 0.0
+}
+
+fn dual(sole: &SoleProblem, q: &Vector3<f64>, y: &Vector3<f64>) -> f64 {
+    let sum: f64 = (0..sole.vertices.len()).map(|i| basis(sole, i).dot(y).max(0.0).powi(2)).sum();
+    0.5 * sum - q.dot(y)
+}
+
+/// Stationary point of the dual on the active set of `at` (all vertices when `None`).
+fn newton_point(sole: &SoleProblem, q: &Vector3<f64>, at: Option<&Vector3<f64>>) -> Option<Vector3<f64>> {
+    let mut gram = Matrix3::zeros();
+    for i in 0..sole.vertices.len() {
+        if at.is_none_or(|y| active(sole, i, y)) {
+            let a = basis(sole, i);
+            gram += a * a.transpose();
+        }
+    }
+    // A two-vertex active set (centre of pressure on an edge) leaves one direction open; a whisper of damping picks the
+    // least y there and moves N by its relative size, 1e-14.
+    gram += Matrix3::identity() * (1e-14 * gram.trace());
+    gram.cholesky().map(|c| c.solve(q))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::problem::Vertex;
+    use super::*;
+
+    fn square() -> SoleProblem {
+        let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        SoleProblem {
+            vertices: corners
+                .iter()
+                .map(|&(x, y)| Vertex { r: Vector3::new(x, y, 0.0), ..Vertex::default() })
+                .collect(),
+            radius: 2f64.sqrt(),
+            body: 0,
+            place: Vector3::zeros(),
+            target: Vector3::zeros(),
+        }
+    }
+
+    fn carry(cop: (f64, f64)) -> (bool, Vec<f64>) {
+        let mut n = vec![0.0; 4];
+        let inside = share(&square(), 10.0, [10.0 * cop.1, -10.0 * cop.0], &mut n);
+        (inside, n)
+    }
+
+    #[test]
+    fn central_load_is_even() {
+        let (inside, n) = carry((0.0, 0.0));
+        assert!(inside && n.iter().all(|x| (x - 2.5).abs() < 1e-12));
+    }
+
+    #[test]
+    fn any_load_inside_is_carried_exactly_without_pull() {
+        for cop in [(0.3, 0.1), (0.8, 0.7), (0.95, -0.9), (-0.99, 0.0), (0.5, 0.5)] {
+            let (inside, n) = carry(cop);
+            assert!(inside, "{cop:?}");
+            assert!(n.iter().all(|&x| x >= 0.0));
+            let s = square();
+            let sum: f64 = n.iter().sum();
+            let x: f64 = n.iter().zip(&s.vertices).map(|(n, v)| n * v.r.x).sum::<f64>() / sum;
+            let y: f64 = n.iter().zip(&s.vertices).map(|(n, v)| n * v.r.y).sum::<f64>() / sum;
+            // Rounding and the 1e-14 damping, times a condition number of about 100 near a corner.
+            assert!((sum - 10.0).abs() < 1e-10 && (x - cop.0).abs() < 1e-10 && (y - cop.1).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn outside_is_refused() {
+        for cop in [(1.01, 0.0), (1.2, 1.2), (0.0, -3.0)] {
+            assert!(!carry(cop).0, "{cop:?}");
+        }
+    }
+}

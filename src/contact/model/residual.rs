@@ -1,0 +1,172 @@
+//! Residuals of the contact laws, computed from forces, motions and places by nobody who solved for them
+//! (`contact.md` section 12).
+//!
+//! | residual | of a right solution zero |
+//! |---|---|
+//! | Signorini | `max(0, -N)`, `max(0, -gap)`, `|N gap|` of every vertex |
+//! | cone excess | `max(0, |t| - mu N)` of every vertex; of a static edge or face its resultant against what its N can carry |
+//! | dissipation gap | `|mu_k N |v| + t . v|` of every sliding vertex: friction takes all the power it can |
+//! | creep speed | `|v|` of every static vertex, and of a pivot |
+//! | resultant gap | sum of the vertex forces minus the sole's wrench |
+//!
+//! with N and t the normal and tangential force, v the sliding velocity, gap the height of a vertex. How a static edge or
+//! face splits its tangential load is a rule, so there the resultant is judged, by the exact capacity of
+//! [`crate::contact::model::capacity`]. Nothing here asks a solver how well it did.
+
+use crate::contact::model::capacity;
+use crate::contact::model::group;
+use crate::contact::model::problem::{Problem, SoleProblem, Vertex};
+use crate::contact::model::state::{Mode, Pattern, SoleState, States};
+use crate::contact::search::candidate::Solution;
+use nalgebra::{Vector2, Vector3};
+
+/// What the contact laws miss at one instant, greatest over all vertices and soles.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Residual {
+    /// Deepest vertex below the floor, m.
+    pub penetration: f64,
+    /// Height of the lowest vertex of all, m; infinite without soles. No residual.
+    pub lift: f64,
+    /// Tension the floor exerts on a vertex, N.
+    pub tension: f64,
+    /// Tangential load beyond the friction capacity, N.
+    pub cone_excess: f64,
+    /// Tangential speed of a vertex that is said to stick, m/s.
+    pub creep_speed: f64,
+    /// What maximum dissipation lacks, or exceeds, W.
+    pub dissipation_gap: f64,
+    /// Product of normal force and gap, N m.
+    pub signorini: f64,
+    /// Distance between the sum of a sole's vertex forces and its wrench, N (moments over the sole's radius).
+    pub resultant_gap: f64,
+}
+
+/// Number of residuals in [`Residual::values`].
+pub const RESIDUALS: usize = 7;
+
+impl Residual {
+    /// Penetration (m), tension (N), Signorini product (N m), cone excess (N), dissipation gap (W), creep speed (m/s),
+    /// resultant gap (N).
+    pub fn values(&self) -> [f64; RESIDUALS] {
+        [
+            self.penetration,
+            self.tension,
+            self.signorini,
+            self.cone_excess,
+            self.dissipation_gap,
+            self.creep_speed,
+            self.resultant_gap,
+        ]
+    }
+}
+
+/// Evaluates the residuals. `solution` must hold wrenches and the forces of all vertices; of `p` only the places,
+/// velocities and friction coefficients of the vertices are read.
+pub fn evaluate(p: &Problem, states: &States, solution: &Solution) -> Residual {
+    let mut r = Residual { lift: f64::INFINITY, ..Residual::default() };
+    for (s, sole) in p.soles.iter().enumerate() {
+        let (normal, tangent) = (&solution.normal[s], &solution.tangent[s]);
+        let wrench = &solution.wrench[6 * s..6 * s + 6];
+        for (i, v) in sole.vertices.iter().enumerate() {
+            r.vertex(v, normal[i], &tangent[i], role(states[s], i, sole.vertices.len()));
+        }
+        if group::is_shared(p, states, s)
+            && let Some(joint) = group::joint(p, states, s, solution)
+        {
+            // Soles of one body hold together or not at all.
+            r.cone_excess = r.cone_excess.max(-joint.margin);
+        } else if states[s].is_static() {
+            r.cone_excess = r.cone_excess.max(-static_margin(sole, states[s].pattern, normal, tangent, wrench));
+        }
+        r.resultant_gap = r.resultant_gap.max(resultant_gap(sole, normal, tangent, wrench));
+    }
+    r
+}
+
+/// What a vertex is said to do.
+#[derive(Clone, Copy, PartialEq)]
+enum Role {
+    /// Clamped by nothing.
+    Alone,
+    /// Part of a static pattern.
+    Sticks,
+    /// Sticks while the rest of its sole turns about it.
+    Pivots,
+    /// Slides.
+    Slides,
+}
+
+fn role(state: SoleState, i: usize, k: usize) -> Role {
+    match state.mode {
+        _ if !state.clamps(i, k) => Role::Alone,
+        Mode::Static => Role::Sticks,
+        Mode::Pivoting(j) if i == j as usize => Role::Pivots,
+        _ => Role::Slides,
+    }
+}
+
+impl Residual {
+    fn vertex(&mut self, v: &Vertex, n: f64, t: &Vector2<f64>, role: Role) {
+        self.penetration = self.penetration.max(-v.height);
+        self.lift = self.lift.min(v.height);
+        self.tension = self.tension.max(-n);
+        self.signorini = self.signorini.max((n * v.height).abs());
+        let slip = v.velocity.xy();
+        match role {
+            Role::Alone => self.cone_excess = self.cone_excess.max(t.norm() - v.mu_s * n.max(0.0)),
+            Role::Sticks => self.creep_speed = self.creep_speed.max(slip.norm()),
+            Role::Pivots => {
+                self.cone_excess = self.cone_excess.max(t.norm() - v.mu_s * n.max(0.0));
+                self.creep_speed = self.creep_speed.max(slip.norm());
+            }
+            Role::Slides => {
+                self.cone_excess = self.cone_excess.max(t.norm() - v.mu_k * n.max(0.0));
+                self.dissipation_gap = self.dissipation_gap.max((v.mu_k * n * slip.norm() + t.dot(&slip)).abs());
+            }
+        }
+    }
+}
+
+/// How far the load of a static pattern is inside what its normal forces can carry, N; zero for any that is inside.
+fn static_margin(
+    sole: &SoleProblem,
+    pattern: Pattern,
+    normal: &[f64],
+    tangent: &[Vector2<f64>],
+    wrench: &[f64],
+) -> f64 {
+    let k = sole.vertices.len();
+    let carries = |i: usize| sole.vertices[i].mu_s * normal[i].max(0.0);
+    match pattern {
+        Pattern::Free => 0.0,
+        Pattern::Vertex(i) => capacity::vertex(carries(i as usize), &tangent[i as usize]),
+        Pattern::Edge(i) => {
+            let (i, j) = (i as usize, (i as usize + 1) % k);
+            let along = (sole.vertices[j].r - sole.vertices[i].r).xy().normalize();
+            let across = Vector2::new(-along.y, along.x);
+            let side = [tangent[i].dot(&across), tangent[j].dot(&across)];
+            capacity::edge([carries(i), carries(j)], side, (tangent[i] + tangent[j]).dot(&along))
+        }
+        Pattern::Face => {
+            let mut points = [(0.0, Vector2::zeros()); 64];
+            (0..k).for_each(|i| points[i] = (carries(i), sole.vertices[i].r.xy()));
+            // The wrench acts; its split over the vertices need not exist when nothing presses them down.
+            let (points, force) = (&points[..k], Vector2::new(wrench[0], wrench[1]));
+            match capacity::carries(points, tangent, &force, wrench[5], sole.radius) {
+                true => 0.0,
+                false => capacity::face(points, &force, wrench[5], sole.radius).0,
+            }
+        }
+    }
+}
+
+fn resultant_gap(sole: &SoleProblem, normal: &[f64], tangent: &[Vector2<f64>], wrench: &[f64]) -> f64 {
+    let mut force = -Vector3::new(wrench[0], wrench[1], wrench[2]);
+    let mut moment = -Vector3::new(wrench[3], wrench[4], wrench[5]);
+    for ((v, n), t) in sole.vertices.iter().zip(normal).zip(tangent) {
+        let f = Vector3::new(t.x, t.y, *n);
+        force += f;
+        moment += v.r.cross(&f);
+    }
+    force.norm().max(moment.norm() / sole.radius)
+}

@@ -1,0 +1,413 @@
+//! One candidate: given a contact state for every sole, the wrenches and motions that follow.
+//!
+//! Each clamped sole brings unknowns x (columns B, a wrench each) and as many conditions (rows R) on its motion, so
+//! that with `m = b + W w`, `w = B x` (see [`crate::contact::model::problem`])
+//!
+//! ```text
+//! R W B x = target - R (b + c)
+//! ```
+//!
+//! | state | unknowns | conditions |
+//! |---|---|---|
+//! | vertex static | force at the vertex | its motion is zero |
+//! | edge static | force at one end; normal and crosswise force at the other | no motion but rotation about the edge |
+//! | face static | the whole wrench | no motion |
+//! | sliding | normal forces, each with friction `-mu_k N_i u_i` | no normal motion of the pattern |
+//! | pivoting | as sliding, and a free tangential force at the pivot | as sliding, and no tangential motion there |
+//!
+//! The sliding systems are not symmetric and are solved as they are. A sliding face follows the pressure rule of
+//! [`crate::contact::model::pressure`]: `N_i = max(0, A_i . y)`, its unknowns are y and the set of loaded vertices is iterated.
+
+use crate::contact::model::pressure;
+use crate::contact::model::problem::{Problem, SoleProblem};
+use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::linalg::linear::Linear;
+use nalgebra::{Vector2, Vector3};
+
+/// Six numbers: a wrench or a row over a sole's motion.
+type Six = [f64; 6];
+
+/// What a candidate leads to. All lengths are fixed by the problem it was made for.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// Sole wrenches w, 6F, floor axes at the reference points.
+    pub wrench: Vec<f64>,
+    /// Sole motions m = b + W w, 6F.
+    pub motion: Vec<f64>,
+    /// Normal force of each vertex, by sole (N or N s).
+    pub normal: Vec<Vec<f64>>,
+    /// Tangential force of each vertex, by sole, x and y in floor axes. Within a static pattern the split is a rule
+    /// (proportional to the normal forces), only the resultant is physics.
+    pub tangent: Vec<Vec<Vector2<f64>>>,
+    /// Did the pressure rule of every face find a centre of pressure inside its polygon?
+    pub inside: [bool; MAX_SOLES],
+}
+
+impl Solution {
+    /// A zero solution of the right size.
+    pub fn new(p: &Problem) -> Self {
+        Solution {
+            wrench: vec![0.0; p.dim()],
+            motion: vec![0.0; p.dim()],
+            normal: p.soles.iter().map(|s| vec![0.0; s.vertices.len()]).collect(),
+            tangent: p.soles.iter().map(|s| vec![Vector2::zeros(); s.vertices.len()]).collect(),
+            inside: [true; MAX_SOLES],
+        }
+    }
+
+    /// Takes another solution of the same size over.
+    pub fn copy_from(&mut self, other: &Solution) {
+        self.wrench.copy_from_slice(&other.wrench);
+        self.motion.copy_from_slice(&other.motion);
+        self.normal.iter_mut().zip(&other.normal).for_each(|(to, from)| to.copy_from_slice(from));
+        self.tangent.iter_mut().zip(&other.tangent).for_each(|(to, from)| to.copy_from_slice(from));
+        self.inside = other.inside;
+    }
+
+    /// Scales wrenches and forces, to read impulses over a step as forces.
+    pub fn scale(&mut self, factor: f64) {
+        self.wrench.iter_mut().for_each(|w| *w *= factor);
+        self.normal.iter_mut().flatten().for_each(|n| *n *= factor);
+        self.tangent.iter_mut().flatten().for_each(|t| *t *= factor);
+    }
+}
+
+/// Scratch of the candidate solve, allocated once.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    columns: Vec<(usize, Six)>,
+    rows: Vec<(usize, Six, f64)>,
+    /// W B, one column after the other, each 6F long.
+    wb: Vec<f64>,
+    /// R W B, or its factors after a solve, of this size.
+    a: Vec<f64>,
+    size: usize,
+    x: Vec<f64>,
+    linear: Linear,
+    /// First unknown of each sole.
+    first: [usize; MAX_SOLES],
+    /// Loaded vertices of each sliding face, one bit each.
+    loaded: [u64; MAX_SOLES],
+}
+
+/// Wrench at the reference point of a force at `r`.
+pub(crate) fn wrench_at(r: &Vector3<f64>, f: &Vector3<f64>) -> Six {
+    let m = r.cross(f);
+    [f.x, f.y, f.z, m.x, m.y, m.z]
+}
+
+fn dot(a: &[f64], b: &Six) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
+}
+
+/// Normal force of one newton at vertex `i` with the friction that goes with it.
+fn sliding_wrench(sole: &SoleProblem, i: usize, mode: Mode) -> Six {
+    let v = &sole.vertices[i];
+    let rubs = mode != Mode::Pivoting(i as u8);
+    let t = if rubs { -v.direction * v.mu_k } else { Vector2::zeros() };
+    wrench_at(&v.r, &Vector3::new(t.x, t.y, 1.0))
+}
+
+/// Horizontal unit vector across an edge.
+fn across(sole: &SoleProblem, i: usize, j: usize) -> Vector3<f64> {
+    let d = sole.vertices[j].r - sole.vertices[i].r;
+    let n = Vector2::new(-d.y, d.x).normalize();
+    Vector3::new(n.x, n.y, 0.0)
+}
+
+impl Kernel {
+    /// Scratch for problems of this size.
+    pub fn new(p: &Problem) -> Self {
+        let n = p.dim();
+        Kernel {
+            columns: Vec::with_capacity(n),
+            rows: Vec::with_capacity(n),
+            wb: vec![0.0; n * n],
+            a: vec![0.0; n * n],
+            size: 0,
+            x: vec![0.0; n],
+            linear: Linear::new(n),
+            first: [0; MAX_SOLES],
+            loaded: [u64::MAX; MAX_SOLES],
+        }
+    }
+
+    /// Solves a candidate for wrenches and motions, with the sliding directions as they stand in the problem. The
+    /// normal forces of sliding soles are filled too; those of static ones by [`share_static`].
+    pub fn solve(&mut self, p: &Problem, states: &States, out: &mut Solution) {
+        self.loaded = [u64::MAX; MAX_SOLES];
+        out.inside = [true; MAX_SOLES];
+        for round in 0.. {
+            self.solve_linear(p, states, out);
+            if !self.reload(p, states, out, round >= 12) {
+                break;
+            }
+        }
+        for s in 0..p.soles.len() {
+            if !out.inside[s] {
+                self.try_arcs(p, states, s, out);
+            }
+        }
+    }
+
+    /// The set of loaded vertices of a sliding face feeds back on itself through friction, and the iteration may miss the
+    /// set that reproduces itself. Linear pressure is positive on one side of a line, so the sets are runs of neighbours:
+    /// they are tried, the longest first. Without success the last solution is restored.
+    fn try_arcs(&mut self, p: &Problem, states: &States, s: usize, out: &mut Solution) {
+        let k = p.soles[s].vertices.len();
+        let kept = (self.loaded, out.inside);
+        for length in (3..k).rev() {
+            for first in 0..k {
+                self.loaded = kept.0;
+                self.loaded[s] = (0..length).fold(0, |set, i| set | 1 << ((first + i) % k));
+                out.inside[s] = true;
+                self.solve_linear(p, states, out);
+                if !self.reload(p, states, out, true)
+                    && (0..p.soles.len()).all(|t| out.inside[t] >= kept.1[t])
+                    && out.inside[s]
+                {
+                    return;
+                }
+            }
+        }
+        self.loaded = kept.0;
+        out.inside = kept.1;
+        self.solve_linear(p, states, out);
+        self.reload(p, states, out, true);
+    }
+
+    fn solve_linear(&mut self, p: &Problem, states: &States, out: &mut Solution) {
+        self.columns.clear();
+        self.rows.clear();
+        for (s, sole) in p.soles.iter().enumerate() {
+            self.first[s] = self.columns.len();
+            self.build(s, sole, states[s]);
+        }
+        let dim = p.dim();
+        let n = self.columns.len();
+        for (c, (s, b)) in self.columns.iter().enumerate() {
+            for (i, y) in self.wb[c * dim..(c + 1) * dim].iter_mut().enumerate() {
+                *y = dot(&p.w[i * dim + 6 * s..], b);
+            }
+        }
+        for (r, (s, row, target)) in self.rows.iter().enumerate() {
+            self.x[r] = target - dot(&p.b[6 * s..], row);
+            for c in 0..n {
+                self.a[r * n + c] = dot(&self.wb[c * dim + 6 * s..], row);
+            }
+        }
+        self.linear.solve(&mut self.a[..n * n], &mut self.x[..n]);
+        self.size = n;
+        out.wrench.fill(0.0);
+        out.motion.copy_from_slice(&p.b);
+        for (c, (s, b)) in self.columns.iter().enumerate() {
+            let x = self.x[c];
+            for (w, b) in out.wrench[6 * s..6 * s + 6].iter_mut().zip(b) {
+                *w += b * x;
+            }
+            for (m, y) in out.motion.iter_mut().zip(&self.wb[c * dim..(c + 1) * dim]) {
+                *m += y * x;
+            }
+        }
+    }
+
+    /// How the motions answer a small wrench `six` on sole `s` while the conditions of the last solve go on holding:
+    /// `motion` (6F) = W e + W B x' with R W (e + B x') = 0.
+    pub fn answer(&mut self, p: &Problem, s: usize, six: &[f64; 6], motion: &mut [f64]) {
+        let (dim, n) = (p.dim(), self.size);
+        for (i, m) in motion.iter_mut().enumerate() {
+            *m = dot(&p.w[i * dim + 6 * s..], six);
+        }
+        for (x, (t, row, _)) in self.x.iter_mut().zip(&self.rows) {
+            *x = -dot(&motion[6 * t..], row);
+        }
+        self.linear.apply(&self.a[..n * n], &mut self.x[..n]);
+        for (c, x) in self.x[..n].iter().enumerate() {
+            motion.iter_mut().zip(&self.wb[c * dim..(c + 1) * dim]).for_each(|(m, y)| *m += y * x);
+        }
+    }
+
+    /// Appends the unknowns and conditions of one sole.
+    fn build(&mut self, s: usize, sole: &SoleProblem, state: SoleState) {
+        let k = sole.vertices.len();
+        let (ex, ey, ez) = (Vector3::x(), Vector3::y(), Vector3::z());
+        match (state.pattern, state.mode) {
+            (Pattern::Free, _) => {}
+            (Pattern::Vertex(i), Mode::Static) => {
+                [ex, ey, ez].iter().for_each(|d| self.tie(s, sole, i as usize, d));
+            }
+            (Pattern::Edge(i), Mode::Static) => {
+                let (i, j) = (i as usize, (i as usize + 1) % k);
+                [ex, ey, ez].iter().for_each(|d| self.tie(s, sole, i, d));
+                [across(sole, i, j), ez].iter().for_each(|d| self.tie(s, sole, j, d));
+            }
+            (Pattern::Face, Mode::Static) => {
+                let rho = sole.radius;
+                let t = &sole.target;
+                let targets = [0.0, 0.0, t.x, rho * t.y, rho * t.z, 0.0];
+                for (axis, target) in targets.into_iter().enumerate() {
+                    let mut e = [0.0; 6];
+                    e[axis] = if axis < 3 { 1.0 } else { rho };
+                    self.columns.push((s, e));
+                    self.rows.push((s, e, target));
+                }
+            }
+            (Pattern::Vertex(i), _) => self.slide(s, sole, i as usize, state.mode),
+            (Pattern::Edge(i), mode) => {
+                self.slide(s, sole, i as usize, mode);
+                self.slide(s, sole, (i as usize + 1) % k, mode);
+            }
+            (Pattern::Face, mode) => {
+                let rho = sole.radius;
+                let mut columns = [[0.0; 6]; 3];
+                for i in (0..k).filter(|i| self.loaded[s] >> i & 1 == 1) {
+                    let w = sliding_wrench(sole, i, mode);
+                    let a = pressure::basis(sole, i);
+                    for (c, column) in columns.iter_mut().enumerate() {
+                        column.iter_mut().zip(&w).for_each(|(x, w)| *x += a[c] * w);
+                    }
+                }
+                let t = &sole.target;
+                let rows =
+                    [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, rho, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, rho, 0.0]];
+                for ((column, row), target) in columns.into_iter().zip(rows).zip([t.x, rho * t.y, rho * t.z]) {
+                    self.columns.push((s, column));
+                    self.rows.push((s, row, target));
+                }
+            }
+        }
+        if let (Mode::Pivoting(j), true) = (state.mode, state.is_dynamic()) {
+            [ex, ey].iter().for_each(|d| self.tie(s, sole, j as usize, d));
+        }
+    }
+
+    /// A free force at a vertex along `d`, and no motion of the vertex along `d`.
+    fn tie(&mut self, s: usize, sole: &SoleProblem, i: usize, d: &Vector3<f64>) {
+        let v = &sole.vertices[i];
+        let six = wrench_at(&v.r, d);
+        self.columns.push((s, six));
+        self.rows.push((s, six, d.z * sole.vertex_target(i) - d.dot(&v.bias)));
+    }
+
+    /// A normal force with its friction at a vertex, and no normal motion of the vertex.
+    fn slide(&mut self, s: usize, sole: &SoleProblem, i: usize, mode: Mode) {
+        let v = &sole.vertices[i];
+        self.columns.push((s, sliding_wrench(sole, i, mode)));
+        self.rows.push((s, wrench_at(&v.r, &Vector3::z()), sole.vertex_target(i) - v.bias.z));
+    }
+
+    /// Reads the normal forces of sliding soles; true when a face's set of loaded vertices changed and the candidate
+    /// must be solved again.
+    fn reload(&mut self, p: &Problem, states: &States, out: &mut Solution, give_up: bool) -> bool {
+        let mut again = false;
+        for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| states[*s].is_dynamic()) {
+            let k = sole.vertices.len();
+            let x = &self.x[self.first[s]..];
+            out.normal[s].fill(0.0);
+            match states[s].pattern {
+                Pattern::Free => {}
+                Pattern::Vertex(i) => out.normal[s][i as usize] = x[0],
+                Pattern::Edge(i) => {
+                    out.normal[s][i as usize] = x[0];
+                    out.normal[s][(i as usize + 1) % k] = x[1];
+                }
+                Pattern::Face => {
+                    let y = Vector3::new(x[0], x[1], x[2]);
+                    let mut positive = 0u64;
+                    for i in 0..k {
+                        let n = pressure::basis(sole, i).dot(&y);
+                        positive |= u64::from(n > 0.0) << i;
+                        out.normal[s][i] = if self.loaded[s] >> i & 1 == 1 { n } else { 0.0 };
+                    }
+                    let all = u64::MAX >> (64 - k);
+                    let settled = positive == self.loaded[s] & all || out.normal[s].iter().all(|&n| n == 0.0);
+                    if !settled && out.inside[s] {
+                        // On fewer than three vertices the centre of pressure has left the polygon; the forces of the
+                        // last set then go on smoothly, with a negative one, so that the instant can be located.
+                        out.inside[s] = !give_up && positive.count_ones() >= 3;
+                        if out.inside[s] {
+                            self.loaded[s] = positive;
+                            again = true;
+                        }
+                    }
+                }
+            }
+            for i in 0..k {
+                let v = &sole.vertices[i];
+                let pivot = states[s].mode == Mode::Pivoting(i as u8);
+                out.tangent[s][i] = if pivot { Vector2::zeros() } else { -v.direction * (v.mu_k * out.normal[s][i]) };
+            }
+            if let Mode::Pivoting(j) = states[s].mode {
+                let at = self.first[s] + states[s].normal_rows();
+                out.tangent[s][j as usize] = Vector2::new(self.x[at], self.x[at + 1]);
+            }
+        }
+        again
+    }
+}
+
+/// Splits the wrenches of static soles over their vertices; clears the entries of free soles.
+pub fn share_static(p: &Problem, states: &States, out: &mut Solution) {
+    for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| !states[*s].is_dynamic()) {
+        let k = sole.vertices.len();
+        out.normal[s].fill(0.0);
+        out.tangent[s].fill(Vector2::zeros());
+        let w: &[f64] = &out.wrench[6 * s..6 * s + 6];
+        let t = Vector2::new(w[0], w[1]);
+        match states[s].pattern {
+            Pattern::Free => {}
+            Pattern::Vertex(i) => {
+                out.normal[s][i as usize] = w[2];
+                out.tangent[s][i as usize] = t;
+            }
+            Pattern::Edge(i) => {
+                let (i, j) = (i as usize, (i as usize + 1) % k);
+                let (normal, side, along, along_unit) = edge_load(sole, i, j, w);
+                let across = across(sole, i, j).xy();
+                let sum = normal[0] + normal[1];
+                for (v, c) in [(i, 0), (j, 1)] {
+                    let part = if sum != 0.0 { normal[c] / sum } else { 0.5 };
+                    out.normal[s][v] = normal[c];
+                    out.tangent[s][v] = across * side[c] + along_unit * (along * part);
+                }
+            }
+            Pattern::Face => {
+                out.inside[s] = pressure::share(sole, w[2], [w[3], w[4]], &mut out.normal[s]);
+                share_tangent(sole, t, w[5], &out.normal[s], &mut out.tangent[s]);
+            }
+        }
+    }
+}
+
+/// Load of a static edge: normal forces of its two ends, tangential forces across it at the two ends, the sum along it
+/// and the horizontal unit vector along it.
+pub fn edge_load(sole: &SoleProblem, i: usize, j: usize, w: &[f64]) -> ([f64; 2], [f64; 2], f64, Vector2<f64>) {
+    let (ri, rj) = (&sole.vertices[i].r, &sole.vertices[j].r);
+    let d = (rj - ri).xy();
+    let length = d.norm();
+    let along = d / length;
+    let across = Vector2::new(-along.y, along.x);
+    let f = Vector3::new(w[0], w[1], w[2]);
+    // Moment about vertex i; only forces at j contribute: (r_j - r_i) x f_j.
+    let m = Vector3::new(w[3], w[4], w[5]) - ri.cross(&f);
+    // With f_j = s across + n z and e x z = -across: m . across = -length n, m . z = length s.
+    let side_j = m.z / length;
+    let normal_j = -m.xy().dot(&across) / length;
+    ([f.z - normal_j, normal_j], [f.xy().dot(&across) - side_j, side_j], f.xy().dot(&along), along)
+}
+
+/// Tangential forces proportional to the normal ones times a common translation and rotation field that carry (t, yaw).
+pub fn share_tangent(sole: &SoleProblem, t: Vector2<f64>, yaw: f64, normal: &[f64], out: &mut [Vector2<f64>]) {
+    let sum: f64 = normal.iter().sum();
+    if sum <= 0.0 {
+        return;
+    }
+    let centre: Vector2<f64> = normal.iter().zip(&sole.vertices).map(|(n, v)| v.r.xy() * (n / sum)).sum();
+    let spread: f64 = normal.iter().zip(&sole.vertices).map(|(n, v)| n * (v.r.xy() - centre).norm_squared()).sum();
+    let about_centre = yaw - centre.perp(&t);
+    let turn = if spread > 0.0 { about_centre / spread } else { 0.0 };
+    for ((n, v), out) in normal.iter().zip(&sole.vertices).zip(out) {
+        let d = v.r.xy() - centre;
+        *out = t * (n / sum) + Vector2::new(-d.y, d.x) * (turn * n);
+    }
+}

@@ -1,0 +1,495 @@
+//! Sliding directions that are not known beforehand: slip onset and impact.
+//!
+//! Where a sliding vertex has no velocity yet, its friction opposes the motion that results:
+//! `u_i = t_i(s) / |t_i(s)|`, with `t_i` the tangential motion of vertex i under the sole's tangential motion `s`, and
+//! `s = G(s)` the one that the candidate solve gives with these directions (`contact.md` section 5). For fixed normal
+//! forces this is the optimality condition of a strictly convex function of s, smooth but where a vertex stands still;
+//! such a vertex is a pivot and a state of its own. Solved by fixed-point steps and damped Newton steps on `s - G(s)`, to
+//! 1e-10 of the frictionless motion. The Jacobian is that of the candidate solve itself: a slip `ds` turns the friction of
+//! vertex i by `-mu_k N_i du_i`, `du_i = (1 - u_i u_i^T) dt_i / |t_i|`, and the motions answer that small wrench with the
+//! candidate's conditions still held.
+//!
+//! Where one vertex alone has an open direction that is an angle, and all angles are looked over.
+//! Which vertices stick and which slip is found by [`crate::contact::search::settle`].
+
+use crate::contact::model::problem::Problem;
+use crate::contact::model::state::{MAX_SOLES, Mode, States};
+use crate::contact::search::candidate::{Kernel, Solution, wrench_at};
+use crate::linalg::linear::Linear;
+use nalgebra::{Vector2, Vector3};
+
+/// Tangential motions of all soles: that of the mean of the clamped vertices, and the yaw motion times the radius.
+pub type Slips = [Vector3<f64>; MAX_SOLES];
+
+/// Slip, relative to the frictionless motion, up to which a load at its limit is taken not to accelerate yet: what is left
+/// after its event has been located.
+const LIMIT: f64 = 1e-7;
+
+/// Slip of a vertex, relative to that of its sole, below which it stands still.
+const STILL: f64 = 1e-14;
+
+/// Residual asked for, relative to the motion without friction.
+const TOLERANCE: f64 = 1e-10;
+
+/// Does this state leave any direction to be found?
+pub fn is_implicit(p: &Problem, states: &States, s: usize) -> bool {
+    states[s].is_dynamic() && open_vertices(p, states, s).next().is_some()
+}
+
+/// How a sole gives way whose friction load has just reached its limit.
+#[derive(Clone, Copy, Debug)]
+pub struct Onset {
+    /// Vertices that begin to slip, one bit each.
+    pub vertices: u64,
+    /// In which direction.
+    pub directions: [Vector2<f64>; 64],
+}
+
+impl Default for Onset {
+    fn default() -> Self {
+        Onset { vertices: 0, directions: [Vector2::zeros(); 64] }
+    }
+}
+
+impl Onset {
+    /// Vertex `i` gives way against the friction that it carries.
+    pub fn against(&mut self, i: usize, friction: &Vector2<f64>) {
+        if let Some(u) = friction.try_normalize(0.0) {
+            self.vertices |= 1 << i;
+            self.directions[i] = -u;
+        }
+    }
+}
+
+/// The search for implicit directions, with its scratch.
+#[derive(Clone, Debug)]
+pub struct Finder {
+    linear: Linear,
+    jacobian: Vec<f64>,
+    motion: Vec<f64>,
+}
+
+impl Finder {
+    /// For problems of this size.
+    pub fn new(p: &Problem) -> Self {
+        let n = 3 * p.soles.len();
+        Finder { linear: Linear::new(n), jacobian: vec![0.0; n * n], motion: vec![0.0; p.dim()] }
+    }
+
+    /// Solves a candidate, finding the implicit directions, which are left in the problem. `hints` are first guesses of
+    /// the slip of each sole, zero where there is none; `onset` says how soles slip whose load has just reached its limit
+    /// and which therefore do not accelerate yet.
+    /// False when no consistent directions were found.
+    pub fn solve(
+        &mut self,
+        kernel: &mut Kernel,
+        p: &mut Problem,
+        states: &States,
+        hints: &[Slips],
+        onset: &[Onset],
+        out: &mut Solution,
+    ) -> bool {
+        let limit = (0..p.soles.len()).any(|s| onset[s].vertices != 0 && is_implicit(p, states, s));
+        if limit && self.at_limit(kernel, p, states, hints, onset, out) {
+            return true;
+        }
+        self.find(kernel, p, states, hints, out)
+    }
+
+    /// Loads at their limit give way along `onset`, to first order without motion; all else is solved for.
+    fn at_limit(
+        &mut self,
+        kernel: &mut Kernel,
+        p: &mut Problem,
+        states: &States,
+        hints: &[Slips],
+        onset: &[Onset],
+        out: &mut Solution,
+    ) -> bool {
+        let mut taken = [0u64; MAX_SOLES];
+        for s in (0..p.soles.len()).filter(|&s| is_implicit(p, states, s)) {
+            taken[s] = open_vertices(p, states, s).fold(0, |set, i| set | 1 << i) & onset[s].vertices;
+        }
+        for (s, sole) in p.soles.iter_mut().enumerate() {
+            for (i, v) in sole.vertices.iter_mut().enumerate().filter(|(i, _)| taken[s] >> i & 1 == 1) {
+                v.direction = onset[s].directions[i];
+                v.moving = true;
+            }
+        }
+        let found = self.find(kernel, p, states, hints, out);
+        let drive =
+            (0..p.soles.len()).map(|s| Vector3::from_column_slice(&p.b[6 * s..6 * s + 3]).norm()).fold(0.0, f64::max);
+        let mut still = true;
+        for (s, taken) in taken.iter().enumerate().take(p.soles.len()) {
+            for i in (0..p.soles[s].vertices.len()).filter(|i| taken >> i & 1 == 1) {
+                still &= p.vertex_motion(&out.motion, s, i).xy().norm() <= LIMIT * drive;
+                p.soles[s].vertices[i].moving = false;
+            }
+        }
+        found && still
+    }
+
+    /// The directions of all open vertices.
+    fn find(
+        &mut self,
+        kernel: &mut Kernel,
+        p: &mut Problem,
+        states: &States,
+        hints: &[Slips],
+        out: &mut Solution,
+    ) -> bool {
+        let mut which = [0usize; MAX_SOLES];
+        let mut count = 0;
+        for s in (0..p.soles.len()).filter(|&s| is_implicit(p, states, s)) {
+            which[count] = s;
+            count += 1;
+        }
+        if count == 0 {
+            kernel.solve(p, states, out);
+            return true;
+        }
+        let which = &which[..count];
+        // Without friction on the implicit vertices: the drive, and a first guess.
+        let zero = [Vector3::zeros(); MAX_SOLES];
+        point(p, states, which, &MEANS, &zero, 0.0);
+        kernel.solve(p, states, out);
+        let places = places(p, states, which);
+        let drive = read(p, states, which, &places, &out.motion, true);
+        let mut search =
+            Search { finder: self, kernel, p, states, which, places, drive: norm(which, &drive), viscosity: 0.0 };
+        if search.drive == 0.0 {
+            return false;
+        }
+        let rounds = 12;
+        for hint in hints {
+            let guess = moved(search.p, states, which, &places, hint);
+            if norm(which, &guess) > 0.0 && search.iterate(guess, rounds, out) {
+                return true;
+            }
+        }
+        if search.iterate(drive, rounds, out) {
+            return true;
+        }
+        if let [s] = *which {
+            if let Mode::Pivoting(j) = states[s].mode {
+                // About a pivot only the sense of rotation is open.
+                let radius = search.p.soles[s].radius;
+                let r = search.p.soles[s].vertices[j as usize].r - place(search.p, states, s, None).0;
+                for turn in [1.0, -1.0] {
+                    let mut guess = zero;
+                    guess[s] = Vector3::new(r.y * turn, -r.x * turn, turn * radius);
+                    let guess = moved(search.p, states, which, &places, &guess);
+                    if search.iterate(guess, rounds, out) {
+                        return true;
+                    }
+                }
+            }
+            let mut open = open_vertices(search.p, states, s);
+            if let (Some(i), None) = (open.next(), open.next()) {
+                drop(open);
+                return search.swing(s, i, out);
+            }
+        }
+        false
+    }
+}
+
+/// Clamped vertices of sole `s` whose sliding direction is open.
+pub(super) fn open_vertices<'a>(p: &'a Problem, states: &'a States, s: usize) -> impl Iterator<Item = usize> + 'a {
+    let sole = &p.soles[s];
+    let k = sole.vertices.len();
+    (0..k).filter(move |&i| {
+        states[s].clamps(i, k) && states[s].mode != Mode::Pivoting(i as u8) && !sole.vertices[i].moving
+    })
+}
+
+/// One candidate whose directions are sought.
+pub(super) struct Search<'a> {
+    pub(super) finder: &'a mut Finder,
+    pub(super) kernel: &'a mut Kernel,
+    pub(super) p: &'a mut Problem,
+    pub(super) states: &'a States,
+    /// Soles with open directions.
+    pub(super) which: &'a [usize],
+    /// Where their slips are taken.
+    pub(super) places: Places,
+    /// Size of the slips without friction.
+    pub(super) drive: f64,
+    /// e of the module comment.
+    pub(super) viscosity: f64,
+}
+
+impl Search<'_> {
+    /// The candidate solve with directions from `slips`: G of the module comment.
+    pub(super) fn evaluate(&mut self, slips: &Slips, out: &mut Solution) -> Slips {
+        point(self.p, self.states, self.which, &self.places, slips, self.viscosity);
+        self.kernel.solve(self.p, self.states, out);
+        read(self.p, self.states, self.which, &self.places, &out.motion, true)
+    }
+
+    /// One open direction, that of vertex `i`: finds the angles at which it opposes the motion that results, and takes
+    /// the first (from the direction +x) with a pushing floor.
+    fn swing(&mut self, s: usize, i: usize, out: &mut Solution) -> bool {
+        const STEPS: usize = 48;
+        let mut across = |search: &mut Self, angle: f64| {
+            let mut slips = [Vector3::zeros(); MAX_SOLES];
+            slips[s] = Vector3::new(angle.cos(), angle.sin(), 0.0);
+            let image = search.evaluate(&slips, out);
+            let (centre, sole) = (place(search.p, search.states, s, search.places[s]).0, &search.p.soles[s]);
+            let t = tangential(&image[s], &sole.vertices[i].r, &centre, sole.radius);
+            let u = slips[s].xy();
+            (u.perp(&t), u.dot(&t) > 0.0 && out.normal[s][i] >= 0.0)
+        };
+        let step = std::f64::consts::TAU / STEPS as f64;
+        let mut left = (0.0, across(self, 0.0));
+        for k in 1..=STEPS {
+            let angle = k as f64 * step;
+            let right = (angle, across(self, angle));
+            let (mut a, mut b) = (left, right);
+            left = right;
+            if (a.1.0 < 0.0) == (b.1.0 < 0.0) || !(a.1.1 || b.1.1) {
+                continue;
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (a.0 + b.0);
+                let value = (middle, across(self, middle));
+                if (value.1.0 < 0.0) == (a.1.0 < 0.0) { a = value } else { b = value }
+            }
+            let best = if a.1.0.abs() < b.1.0.abs() { a } else { b };
+            // A jump through a pole changes sign too.
+            if best.1.0.abs() <= 1e3 * TOLERANCE * self.drive && across(self, best.0).1 {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn iterate(&mut self, mut slips: Slips, rounds: usize, out: &mut Solution) -> bool {
+        let mut image = self.evaluate(&slips, out);
+        // A load at the very limit of its capacity does not accelerate yet; the directions are then those of the guess.
+        if norm(self.which, &image) <= 0.01 * LIMIT * self.drive {
+            return true;
+        }
+        for round in 0..rounds {
+            let residual = subtract(self.which, &slips, &image);
+            let size = norm(self.which, &residual);
+            if size <= TOLERANCE * self.drive {
+                return self.opposes(&image);
+            }
+            // A fixed-point step where it helps, else a Newton step, each only as far as the residual falls.
+            let fixed_point = round < 2 && self.descend((&mut slips, &mut image), &residual, 0.3, out);
+            if !fixed_point {
+                let step = self.newton_step(&slips, &residual, out);
+                if !self.descend((&mut slips, &mut image), &step, 1.0, out) {
+                    return false;
+                }
+            }
+        }
+        false
+    }
+
+    /// Goes along `-step` as far as the residual falls below `share` of its size (any fall will do for a share of 1,
+    /// with shorter and shorter steps); false when it does not. On return the kernel has solved at the slips.
+    pub(super) fn descend(
+        &mut self,
+        (slips, image): (&mut Slips, &mut Slips),
+        step: &Slips,
+        share: f64,
+        out: &mut Solution,
+    ) -> bool {
+        let size = norm(self.which, &subtract(self.which, slips, image));
+        let mut t = 1.0;
+        while t > 1e-3 {
+            let mut trial = *slips;
+            self.which.iter().for_each(|&s| trial[s] -= step[s] * t);
+            let trial_image = self.evaluate(&trial, out);
+            let wanted = if share < 1.0 { share } else { 1.0 - 1e-4 * t };
+            if norm(self.which, &subtract(self.which, &trial, &trial_image)) < size * wanted {
+                (*slips, *image) = (trial, trial_image);
+                return true;
+            }
+            if share < 1.0 {
+                break;
+            }
+            t *= 0.5;
+        }
+        self.evaluate(slips, out);
+        false
+    }
+
+    /// After convergence: every implicit vertex really moves along its direction (or not at all).
+    fn opposes(&self, slips: &Slips) -> bool {
+        self.which.iter().all(|&s| {
+            let centre = place(self.p, self.states, s, self.places[s]).0;
+            let sole = &self.p.soles[s];
+            open_vertices(self.p, self.states, s).all(|i| {
+                let v = &sole.vertices[i];
+                let t = tangential(&slips[s], &v.r, &centre, sole.radius);
+                t.dot(&v.direction) >= -TOLERANCE * slips[s].norm()
+            })
+        })
+    }
+
+    /// Newton step on `s - G(s)`, all implicit soles at once, where the kernel has just been evaluated.
+    pub(super) fn newton_step(&mut self, slips: &Slips, residual: &Slips, out: &Solution) -> Slips {
+        let n = 3 * self.which.len();
+        let a = &mut self.finder.jacobian[..n * n];
+        for (c, &s) in self.which.iter().enumerate() {
+            let centre = place(self.p, self.states, s, self.places[s]).0;
+            let sole = &self.p.soles[s];
+            for axis in 0..3 {
+                let mut unit = Vector3::zeros();
+                unit[axis] = 1.0;
+                let mut six = [0.0; 6];
+                for i in open_vertices(self.p, self.states, s) {
+                    let v = &sole.vertices[i];
+                    let t = tangential(&slips[s], &v.r, &centre, sole.radius);
+                    let speed = t.norm().hypot(self.viscosity);
+                    if speed <= STILL * slips[s].norm() {
+                        continue;
+                    }
+                    // With |u| < 1 this is the derivative of t / sqrt(|t|^2 + e^2) as well.
+                    let u = t / speed;
+                    let dt = tangential(&unit, &v.r, &centre, sole.radius);
+                    let df = (dt - u * u.dot(&dt)) * (-v.mu_k * out.normal[s][i] / speed);
+                    let more = wrench_at(&v.r, &Vector3::new(df.x, df.y, 0.0));
+                    six.iter_mut().zip(more).for_each(|(x, y)| *x += y);
+                }
+                self.kernel.answer(self.p, s, &six, &mut self.finder.motion);
+                let change = read(self.p, self.states, self.which, &self.places, &self.finder.motion, false);
+                for (r, &t) in self.which.iter().enumerate() {
+                    for row in 0..3 {
+                        let identity = f64::from(u8::from(s == t && axis == row));
+                        a[(3 * r + row) * n + 3 * c + axis] = identity - change[t][row];
+                    }
+                }
+            }
+        }
+        let mut b = [0.0; 3 * MAX_SOLES];
+        for (r, &t) in self.which.iter().enumerate() {
+            (0..3).for_each(|row| b[3 * r + row] = residual[t][row]);
+        }
+        self.finder.linear.solve(a, &mut b[..n]);
+        let mut step = [Vector3::zeros(); MAX_SOLES];
+        for (r, &s) in self.which.iter().enumerate() {
+            step[s] = Vector3::new(b[3 * r], b[3 * r + 1], b[3 * r + 2]);
+        }
+        step
+    }
+}
+
+pub(super) fn norm(which: &[usize], s: &Slips) -> f64 {
+    which.iter().map(|&i| s[i].norm_squared()).sum::<f64>().sqrt()
+}
+
+pub(super) fn subtract(which: &[usize], a: &Slips, b: &Slips) -> Slips {
+    let mut d = [Vector3::zeros(); MAX_SOLES];
+    which.iter().for_each(|&s| d[s] = a[s] - b[s]);
+    d
+}
+
+/// Where the slip of each sole is taken: at the mean of its clamped vertices, or at one of them. Motions of other points
+/// contain rotations that the pattern leaves free and that no friction opposes. A vertex that hardly moves while its sole
+/// turns must be the place itself, or its motion would drown in the rounding of the others'.
+pub type Places = [Option<u8>; MAX_SOLES];
+
+/// The mean for all soles.
+pub(super) const MEANS: Places = [None; MAX_SOLES];
+
+/// The places for a candidate: a vertex that alone has an open direction, or the mean.
+fn places(p: &Problem, states: &States, which: &[usize]) -> Places {
+    let mut places = MEANS;
+    for &s in which {
+        let mut open = open_vertices(p, states, s);
+        if let (Some(i), None) = (open.next(), open.next()) {
+            places[s] = Some(i as u8);
+        }
+    }
+    places
+}
+
+/// Slips taken at the means, as they are at `places`.
+fn moved(p: &Problem, states: &States, which: &[usize], places: &Places, slips: &Slips) -> Slips {
+    let mut moved = *slips;
+    for &s in which.iter().filter(|&&s| slips[s] != Vector3::zeros()) {
+        let (from, to) = (place(p, states, s, None), place(p, states, s, places[s]));
+        let t = tangential(&slips[s], &to.0, &from.0, p.soles[s].radius) + (to.1 - from.1).xy();
+        moved[s] = Vector3::new(t.x, t.y, slips[s].z);
+    }
+    moved
+}
+
+/// Position of a place relative to the reference point, and its centripetal term.
+pub(super) fn place(p: &Problem, states: &States, s: usize, place: Option<u8>) -> (Vector3<f64>, Vector3<f64>) {
+    let sole = &p.soles[s];
+    if let Some(i) = place {
+        let v = &sole.vertices[i as usize];
+        return (v.r, v.bias);
+    }
+    let k = sole.vertices.len();
+    let (mut r, mut bias, mut count) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+    for (_, v) in sole.vertices.iter().enumerate().filter(|(i, _)| states[s].clamps(*i, k)) {
+        r += v.r;
+        bias += v.bias;
+        count += 1.0;
+    }
+    (r / count, bias / count)
+}
+
+/// Tangential motion of a vertex at `r` under the slip of its sole, taken at `centre`.
+pub(super) fn tangential(slip: &Vector3<f64>, r: &Vector3<f64>, centre: &Vector3<f64>, radius: f64) -> Vector2<f64> {
+    let d = r - centre;
+    slip.xy() + Vector2::new(-d.y, d.x) * (slip.z / radius)
+}
+
+/// Slips of the sliding soles under these sole motions (6F).
+pub fn slips(p: &Problem, states: &States, motion: &[f64]) -> Slips {
+    let mut which = [0usize; MAX_SOLES];
+    let mut count = 0;
+    for s in (0..p.soles.len()).filter(|&s| states[s].is_dynamic()) {
+        which[count] = s;
+        count += 1;
+    }
+    read(p, states, &which[..count], &MEANS, motion, true)
+}
+
+/// Slips of sole motions (6F); of changes of motion when `whole` is false, which have no centripetal part.
+pub(super) fn read(
+    p: &Problem,
+    states: &States,
+    which: &[usize],
+    places: &Places,
+    motion: &[f64],
+    whole: bool,
+) -> Slips {
+    let mut slips = [Vector3::zeros(); MAX_SOLES];
+    for &s in which {
+        let sole = &p.soles[s];
+        let m = &motion[6 * s..6 * s + 6];
+        let (linear, angular) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
+        let (at, bias) = place(p, states, s, places[s]);
+        let t = linear + angular.cross(&at) + if whole { bias } else { Vector3::zeros() };
+        // A vertex turns freely.
+        let turn = if states[s].normal_rows() > 1 { m[5] * sole.radius } else { 0.0 };
+        slips[s] = Vector3::new(t.x, t.y, turn);
+    }
+    slips
+}
+
+/// Sets the implicit directions from the slips; a vertex that stands still gets none.
+pub(super) fn point(p: &mut Problem, states: &States, which: &[usize], places: &Places, slips: &Slips, viscosity: f64) {
+    for &s in which {
+        let centre = place(p, states, s, places[s]).0;
+        let sole = &mut p.soles[s];
+        let (k, radius) = (sole.vertices.len(), sole.radius);
+        let slip = &slips[s];
+        for (i, v) in sole.vertices.iter_mut().enumerate().filter(|(i, v)| states[s].clamps(*i, k) && !v.moving) {
+            if states[s].mode == Mode::Pivoting(i as u8) {
+                continue;
+            }
+            let t = tangential(slip, &v.r, &centre, radius);
+            let speed = t.norm().hypot(viscosity);
+            v.direction = if speed > STILL * slip.norm() { t / speed } else { Vector2::zeros() };
+        }
+    }
+}

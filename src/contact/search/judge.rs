@@ -1,0 +1,356 @@
+//! Is a candidate valid, and if not, what is wrong with it? (`contact.md` section 4.)
+//!
+//! Criteria in order of importance: *geometric* (nothing unclamped below the floor, nothing clamped above it),
+//! *kinematic* (no unclamped vertex driven into the floor, no clamped one that pulls or separates), *friction* (loads
+//! inside the exact capacity; sliding opposed). Each level adds up its violations in units of its tolerance. At the
+//! velocity level the kernel's answer needs no anti-chatter band, so there an unclamped touching vertex must not
+//! approach at all beyond rounding.
+
+use crate::contact::model::capacity::{self, Slip};
+use crate::contact::model::group;
+use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
+use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::contact::search::candidate::{Solution, edge_load};
+use crate::contact::search::implicit::Onset;
+use nalgebra::{Vector2, Vector3};
+use std::cmp::Ordering;
+
+/// What is wrong with one sole of a candidate.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Faults {
+    /// Unclamped vertices that enter the floor, one bit each.
+    pub penetrating: u64,
+    /// Unclamped vertices that touch and do not leave, one bit each.
+    pub resting: u64,
+    /// The floor would have to pull, or a clamped vertex is above the floor or leaving it.
+    pub pulling: bool,
+    /// The friction law does not allow it.
+    pub friction: bool,
+}
+
+/// How far each sole is from leaving its state, in units of [`Problem::scale`]; positive inside.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Margin {
+    /// Until the floor would have to pull: least vertex load, or for a face load times the distance of the centre of
+    /// pressure from the border over the sole radius.
+    pub normal: f64,
+    /// Until a static pattern slips, or a pivot does.
+    pub friction: f64,
+    /// The slip twist with least margin: how the sole gives way, against the friction it carries.
+    pub slip: Slip,
+}
+
+impl Default for Margin {
+    fn default() -> Self {
+        Margin { normal: f64::INFINITY, friction: f64::INFINITY, slip: Slip::zeros() }
+    }
+}
+
+/// A judged candidate.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Verdict {
+    /// Violations: geometric, kinematic, friction.
+    pub levels: [f64; 3],
+    /// Tie-breakers among equals: unclamped vertices that neither carry nor leave, normal rows, number of dynamic soles,
+    /// rows, soles that changed state.
+    pub rank: [usize; 5],
+    /// What the floor does to the motion, `w . W w`: the last tie-breaker, independent of how soles and vertices are listed.
+    pub action: f64,
+    /// By sole.
+    pub faults: [Faults; MAX_SOLES],
+}
+
+impl Verdict {
+    /// No violation at all.
+    pub fn valid(&self) -> bool {
+        self.levels == [0.0; 3]
+    }
+
+    /// Better candidates are less. A touching vertex that stays on the floor anyway had better be clamped: on a body with
+    /// more feet than it needs, the fewest that carry it would be an accident of their order. Fewer clamped normals come before sticking before sliding: counting rows alone would
+    /// prefer slip onset (3 rows) to a face that sticks within its capacity (6 rows).
+    pub fn compare(&self, other: &Verdict) -> Ordering {
+        self.levels
+            .iter()
+            .zip(&other.levels)
+            .map(|(a, b)| clearly(*a, *b))
+            .find(|o| o.is_ne())
+            .unwrap_or_else(|| self.rank.cmp(&other.rank))
+            .then_with(|| clearly(self.action, other.action))
+    }
+}
+
+/// What a clamped vertex may miss of the normal velocity asked of it, relative to the greatest speed: far above the rounding
+/// of any solve, far below what contradicting demands leave.
+const MISSED: f64 = 1e-6;
+
+/// Order of two numbers that differ by more than the order of summation can.
+fn clearly(a: f64, b: f64) -> Ordering {
+    if (a - b).abs() <= 1e-9 * (a.abs() + b.abs()) { Ordering::Equal } else { a.total_cmp(&b) }
+}
+
+/// What the judge needs to know besides the candidate.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules {
+    /// The scenario's tolerances.
+    pub tolerances: Tolerances,
+    /// States before.
+    pub previous: States,
+    /// Soles whose previous state an event has just put at the limit of its load: bit 0 normal, bit 1 friction. Their
+    /// margin must then be clearly positive for that state to be kept.
+    pub suspect: [u8; MAX_SOLES],
+    /// May an unclamped vertex that leaves the floor at up to v_t go, though it will come back? Such hops are stopped to
+    /// keep bouncing finite; where no valid state stops them they are real.
+    pub hops: bool,
+}
+
+/// Height up to which a vertex touches the floor, m: rounding of positions of a few metres, far below any tolerance.
+pub const TOUCHING: f64 = 1e-10;
+/// Suspect for its normal load.
+pub const SUSPECT_NORMAL: u8 = 1;
+/// Suspect for its friction load.
+pub const SUSPECT_FRICTION: u8 = 2;
+
+/// Rounding allowed in margins, relative to the load scale: solves with condition numbers up to about 1e4.
+const ROUNDING: f64 = 1e-12;
+/// Margin that clears a suspicion, relative to the load scale.
+pub const CLEAR: f64 = 1e-9;
+
+/// Judges a solved candidate. `slides` tells for each sole whether the implicit sliding directions were found.
+pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, rules: &Rules) -> Verdict {
+    let tol = &rules.tolerances;
+    let mut verdict = Verdict { levels: [0.0; 3], rank: [0; 5], action: 0.0, faults: [Faults::default(); MAX_SOLES] };
+    let speed = p.soles.iter().flat_map(|s| &s.vertices).map(|v| v.velocity.norm()).fold(1.0, f64::max);
+    for (s, sole) in p.soles.iter().enumerate() {
+        let state = states[s];
+        let faults = &mut verdict.faults[s];
+        let drive = p.b[6 * s..6 * s + 3].iter().map(|b| b.abs()).fold(0.0, f64::max);
+        let k = sole.vertices.len();
+        for (i, v) in sole.vertices.iter().enumerate() {
+            let motion = p.vertex_motion(&solution.motion, s, i).z;
+            let clamped = state.clamps(i, k);
+            let (geometric, kinematic) = match p.level {
+                Level::Acceleration => at_rest_level(v, clamped, motion, tol, rules.hops),
+                // What counts is where the vertex goes after the impulse.
+                Level::Velocity if clamped => {
+                    // Redundant soles may be asked for rebounds that contradict each other; what is missed must show.
+                    let missed = (motion - sole.vertex_target(i)).abs() / speed;
+                    let far = if v.near { 0.0 } else { 1.0 + v.height.max(0.0) / tol.distance };
+                    (far, if missed > MISSED { missed } else { 0.0 })
+                }
+                Level::Velocity => {
+                    // Above the floor, within d of it, an approach up to v_t may wait until it gets there.
+                    let patience = if v.height > TOUCHING { tol.velocity } else { 0.0 };
+                    let short = (sole.vertex_target(i) - motion - patience) / speed;
+                    (0.0, if v.near && short > 1e-10 { short } else { 0.0 })
+                }
+            };
+            let rests = p.level == Level::Acceleration
+                && v.height.abs() <= TOUCHING
+                && v.velocity.z.abs() <= tol.rest
+                && motion.abs() <= CLEAR * drive;
+            faults.resting |= u64::from(!clamped && rests) << i;
+            faults.pulling |= clamped && geometric + kinematic > 0.0;
+            faults.penetrating |= u64::from(!clamped && geometric + kinematic > 0.0) << i;
+            verdict.levels[0] += geometric;
+            verdict.levels[1] += kinematic;
+        }
+        verdict.rank[0] += faults.resting.count_ones() as usize;
+        if state == SoleState::FREE {
+            continue;
+        }
+        let normal = normal_margin(p, state, s, solution);
+        // In another state its friction is another; what it lost of its normal load, a smaller pattern may lack as well.
+        let suspect = rules.suspect[s] & if state == rules.previous[s] { u8::MAX } else { SUSPECT_NORMAL };
+        let floor = |bit: u8| if suspect & bit != 0 { CLEAR } else { -ROUNDING };
+        // A face whose pressure rule gave up holds negative forces, wherever its centre of pressure is.
+        if !(normal >= floor(SUSPECT_NORMAL)) || !solution.inside[s] {
+            verdict.levels[1] += 1.0 + (-normal).max(0.0);
+            faults.pulling = true;
+        }
+        let legal = match state.mode {
+            Mode::Static => sole.vertices.iter().enumerate().all(|(i, v)| !state.clamps(i, k) || !v.moving),
+            Mode::Sliding => true,
+            Mode::Pivoting(j) => !sole.vertices[j as usize].moving,
+        };
+        // Mostly the forces at hand show that the load is carried, and how far it is from slipping need not be known.
+        let certain = suspect & SUSPECT_FRICTION == 0 && carried(p, states, s, solution);
+        let friction = if certain { 0.0 } else { margin(p, states, s, solution).friction };
+        if !legal || (state.is_dynamic() && !slides) || !(friction >= floor(SUSPECT_FRICTION)) {
+            verdict.levels[2] += 1.0 + (-friction).clamp(0.0, 1e6) + f64::from(!legal);
+            faults.friction = true;
+        }
+        verdict.rank[1] += state.normal_rows();
+        verdict.rank[2] += usize::from(state.is_dynamic());
+        verdict.rank[3] += state.rows();
+    }
+    verdict.action = solution.wrench.iter().zip(solution.motion.iter().zip(&p.b)).map(|(w, (m, b))| w * (m - b)).sum();
+    verdict.rank[4] = (0..p.soles.len()).filter(|&s| states[s] != rules.previous[s]).count();
+    verdict
+}
+
+/// Geometric and kinematic violation of one vertex at the acceleration level.
+fn at_rest_level(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances, hops: bool) -> (f64, f64) {
+    let (height, speed) = (v.height / tol.distance, v.velocity.z / tol.velocity);
+    if clamped {
+        (if height > 1.0 { height } else { 0.0 }, if speed > 1.0 { speed } else { 0.0 })
+    } else if height > 1.0 {
+        (0.0, 0.0)
+    } else {
+        let kinematic = if speed < -1.0 {
+            -speed
+        } else if speed <= 1.0 && motion < -tol.acceleration && !(hops && v.velocity.z > tol.rest) {
+            -motion / tol.acceleration
+        } else {
+            0.0
+        };
+        // One that an event has found at the edge of the band may go on there.
+        let deep = v.height < -(tol.distance + TOUCHING);
+        (if deep && speed <= 0.0 { -height } else { 0.0 }, kinematic)
+    }
+}
+
+/// Margins of one sole in its state; see [`Margin`]. Needs the per-vertex forces of the solution. Static soles of one body
+/// have the friction margin of their group.
+pub fn margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Margin {
+    let state = states[s];
+    let sole = &p.soles[s];
+    let k = sole.vertices.len();
+    let (n, t) = (&solution.normal[s], &solution.tangent[s]);
+    let w = &solution.wrench[6 * s..6 * s + 6];
+    let mut m = Margin::default();
+    if state.pattern == Pattern::Free {
+        return m;
+    }
+    m.normal = normal_margin(p, state, s, solution);
+    if group::is_shared(p, states, s)
+        && let Some(joint) = group::joint(p, states, s, solution)
+    {
+        m.friction = joint.margin / p.scale;
+        m.slip = joint.slip(p, s);
+        return m;
+    }
+    let capacity = |i: usize| sole.vertices[i].mu_s * n[i].max(0.0);
+    m.friction = match (state.mode, state.pattern) {
+        (Mode::Sliding, _) => f64::INFINITY,
+        (Mode::Pivoting(j), _) => capacity::vertex(capacity(j as usize), &t[j as usize]),
+        (Mode::Static, Pattern::Vertex(i)) => {
+            let t = &t[i as usize];
+            let size = t.norm();
+            if size > 0.0 {
+                m.slip = Vector3::new(-t.x / size, -t.y / size, 0.0);
+            }
+            capacity::vertex(capacity(i as usize), t)
+        }
+        (Mode::Static, Pattern::Edge(i)) => {
+            let (i, j) = (i as usize, (i as usize + 1) % k);
+            let (_, side, along, unit) = edge_load(sole, i, j, w);
+            let across = Vector2::new(-unit.y, unit.x);
+            let pull = across * (side[0] + side[1]) + unit * along;
+            let size = pull.norm();
+            if size > 0.0 {
+                m.slip = Vector3::new(-pull.x / size, -pull.y / size, 0.0);
+            }
+            capacity::edge([capacity(i), capacity(j)], side, along)
+        }
+        (Mode::Static, _) => {
+            let mut points = [(0.0, Vector2::zeros()); 64];
+            (0..k).for_each(|i| points[i] = (capacity(i), sole.vertices[i].r.xy()));
+            let (margin, slip) = capacity::face(&points[..k], &Vector2::new(w[0], w[1]), w[5], sole.radius);
+            m.slip = -slip;
+            margin
+        }
+    } / p.scale;
+    m
+}
+
+/// [`Margin::normal`] of one sole in its state.
+fn normal_margin(p: &Problem, state: SoleState, s: usize, solution: &Solution) -> f64 {
+    let sole = &p.soles[s];
+    let k = sole.vertices.len();
+    let n = &solution.normal[s];
+    let w = &solution.wrench[6 * s..6 * s + 6];
+    let margin = match state.pattern {
+        Pattern::Free => f64::INFINITY,
+        Pattern::Vertex(i) => n[i as usize],
+        Pattern::Edge(i) => n[i as usize].min(n[(i as usize + 1) % k]),
+        Pattern::Face if state.is_static() => border(sole, w[2], [-w[4], w[3]]),
+        Pattern::Face => {
+            let moment = |axis: usize| sole.vertices.iter().zip(n).map(|(v, n)| v.r[axis] * n).sum::<f64>();
+            border(sole, n.iter().sum(), [moment(0), moment(1)])
+        }
+    } / p.scale;
+    // No non-negative pressure carries such a load, wherever its centre is.
+    if solution.inside[s] { margin } else { margin.min(-ROUNDING) }
+}
+
+/// Do the vertex forces of a static face show that its friction carries the load? No says nothing.
+pub fn carried(p: &Problem, states: &States, s: usize, solution: &Solution) -> bool {
+    let sole = &p.soles[s];
+    let w = &solution.wrench[6 * s..6 * s + 6];
+    let mut points = [(0.0, Vector2::zeros()); 64];
+    let vertices = sole.vertices.iter().zip(&solution.normal[s]);
+    points.iter_mut().zip(vertices).for_each(|(point, (v, n))| *point = (v.mu_s * n.max(0.0), v.r.xy()));
+    let points = &points[..sole.vertices.len()];
+    states[s] == SoleState::fixed(Pattern::Face)
+        && !group::is_shared(p, states, s)
+        && capacity::carries(points, &solution.tangent[s], &Vector2::new(w[0], w[1]), w[5], sole.radius)
+}
+
+/// The directions in which the vertices of a sole give way whose friction load in `state` is at its limit. Vertices that
+/// go on holding, as the centre of a turn, are left out.
+pub fn onset(p: &Problem, states: &States, s: usize, solution: &Solution, out: &mut Onset) {
+    let state = states[s];
+    let sole = &p.soles[s];
+    let k = sole.vertices.len();
+    let (n, t) = (&solution.normal[s], &solution.tangent[s]);
+    out.vertices = 0;
+    let shared = group::is_shared(p, states, s);
+    match (state.mode, state.pattern) {
+        (Mode::Sliding, _) | (_, Pattern::Free) => {}
+        (Mode::Pivoting(j), _) => out.against(j as usize, &t[j as usize]),
+        (Mode::Static, Pattern::Vertex(i)) if !shared => out.against(i as usize, &t[i as usize]),
+        (Mode::Static, Pattern::Edge(i)) if !shared => {
+            let (i, j) = (i as usize, (i as usize + 1) % k);
+            let (_, side, along, unit) = edge_load(sole, i, j, &solution.wrench[6 * s..6 * s + 6]);
+            let across = Vector2::new(-unit.y, unit.x);
+            let capacity = [i, j].map(|i| sole.vertices[i].mu_s * n[i].max(0.0));
+            let room = [0, 1].map(|c| (capacity[c] * capacity[c] - side[c] * side[c]).max(0.0).sqrt());
+            let spare = [0, 1].map(|c| capacity[c] - side[c].abs());
+            let reach = room[0] + room[1] - along.abs();
+            // Either the whole edge gives way along itself, or one end across it, turning about the other.
+            for (c, vertex) in [i, j].into_iter().enumerate() {
+                if reach <= spare[0].min(spare[1]) {
+                    out.against(vertex, &(across * side[c] + unit * (room[c] * along.signum())));
+                } else if spare[c] <= spare[1 - c] {
+                    out.against(vertex, &(across * side[c]));
+                }
+            }
+        }
+        (Mode::Static, _) => {
+            let slip = margin(p, states, s, solution).slip;
+            for (i, v) in sole.vertices.iter().enumerate().filter(|(i, _)| state.clamps(*i, k)) {
+                let motion = slip.xy() + Vector2::new(-v.r.y, v.r.x) * (slip.z / sole.radius);
+                // What does not move in the twist of least margin is its centre.
+                if motion.norm() > 1e-9 * slip.norm() {
+                    out.against(i, &-motion);
+                }
+            }
+        }
+    }
+}
+
+/// Least over the polygon's edges of load times distance of the centre of pressure inside the edge, over the radius.
+/// `moment` is the first moment of the pressure, sum of r N, in x and y.
+fn border(sole: &SoleProblem, load: f64, moment: [f64; 2]) -> f64 {
+    let k = sole.vertices.len();
+    let first = Vector2::new(moment[0], moment[1]);
+    (0..k).fold(f64::INFINITY, |least, i| {
+        let (a, b) = (sole.vertices[i].r.xy(), sole.vertices[(i + 1) % k].r.xy());
+        let d = b - a;
+        let inward = Vector2::new(-d.y, d.x).normalize();
+        // The reference point is the vertices' centroid, so it lies inside.
+        let inward = if inward.dot(&a) > 0.0 { -inward } else { inward };
+        least.min(inward.dot(&(first - a * load)) / sole.radius)
+    })
+}

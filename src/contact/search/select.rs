@@ -1,0 +1,363 @@
+//! Finding the contact state: a best-first search over candidates (`contact.md` section 4, the paper's section III.A).
+//!
+//! The search starts from the state that continuity suggests. Candidates wait in a priority queue ordered by
+//! [`Verdict::compare`]; the best is expanded by the local moves that its faults suggest, never the same candidate
+//! twice. It stops at the first valid candidate that none of its smaller neighbours beats. If the queue runs dry
+//! without one, the search is repeated over clamped patterns whose modes are solved for ([`crate::contact::search::settle`]), then with
+//! slow hops allowed, and at last all states of all soles are tried; if none is valid the least violating is returned and
+//! the selection says so.
+
+use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::contact::search::candidate::{Kernel, Solution, share_static};
+use crate::contact::search::implicit::{self, Finder, Onset, Slips};
+use crate::contact::search::judge::{Faults, Rules, SUSPECT_FRICTION, Verdict, judge, margin, onset};
+use nalgebra::Vector3;
+use std::cmp::Ordering;
+
+/// More combinations than this are not enumerated when the local search fails.
+const ENUMERABLE: usize = 20_000;
+
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    states: States,
+    verdict: Verdict,
+    /// How its soles slip, for the directions to be found again.
+    slips: Slips,
+    /// Were its directions sought from a settled start?
+    guessed: bool,
+    expanded: bool,
+}
+
+/// Outcome of a selection; wrenches and forces are in the solution that was passed in.
+#[derive(Clone, Copy, Debug)]
+pub struct Selection {
+    /// The states chosen.
+    pub states: States,
+    /// Candidates tested.
+    pub tested: usize,
+    /// False when no candidate was valid.
+    pub consistent: bool,
+    /// How it was judged.
+    pub verdict: Verdict,
+}
+
+/// The search and its scratch.
+#[derive(Clone, Debug)]
+pub struct Selector {
+    kernel: Kernel,
+    finder: Finder,
+    /// Slips to start from when directions are sought, beside those that the loads suggest.
+    guess: Option<Slips>,
+    /// How soles give way whose load an event has put at its limit.
+    onset: Vec<Onset>,
+    queue: Vec<Entry>,
+    /// Clamped patterns whose modes have been solved for.
+    patterns: Vec<States>,
+}
+
+impl Selector {
+    /// A selector for problems of this size.
+    pub fn new(p: &Problem) -> Self {
+        Selector {
+            kernel: Kernel::new(p),
+            finder: Finder::new(p),
+            guess: None,
+            onset: vec![Onset::default(); p.soles.len()],
+            queue: Vec::with_capacity(1024),
+            patterns: Vec::with_capacity(256),
+        }
+    }
+
+    /// The candidate solve, for the states that were chosen.
+    pub fn kernel(&mut self) -> &mut Kernel {
+        &mut self.kernel
+    }
+
+    /// Solves and judges one candidate.
+    pub fn test(&mut self, p: &mut Problem, states: &States, rules: &Rules, out: &mut Solution) -> Verdict {
+        // A static load beyond its capacity tells in which direction it gives way.
+        let mut hint = [Vector3::zeros(); MAX_SOLES];
+        if (0..p.soles.len()).any(|s| implicit::is_implicit(p, states, s)) {
+            let mut stuck = *states;
+            (0..p.soles.len())
+                .filter(|&s| implicit::is_implicit(p, states, s))
+                .for_each(|s| stuck[s].mode = Mode::Static);
+            self.kernel.solve(p, &stuck, out);
+            share_static(p, &stuck, out);
+            for s in (0..p.soles.len()).filter(|&s| stuck[s] != states[s]) {
+                hint[s] = margin(p, &stuck, s, out).slip;
+            }
+        }
+        let hints = [self.guess.unwrap_or(hint), hint];
+        let hints = if self.guess.is_some() { &hints[..] } else { &hints[..1] };
+        let slides = self.finder.solve(&mut self.kernel, p, states, hints, &self.onset, out);
+        share_static(p, states, out);
+        judge(p, states, out, slides, rules)
+    }
+
+    /// Selects the states. `start` is tried first; unless `settled` (nothing happened since it was chosen), smaller
+    /// neighbours of a valid candidate are tried too. `out` holds the solution of the states before. `allowed` restricts
+    /// the states of each sole (forced states).
+    pub fn select(
+        &mut self,
+        p: &mut Problem,
+        start: &States,
+        settled: bool,
+        rules: &Rules,
+        allowed: &dyn Fn(usize, SoleState) -> bool,
+        out: &mut Solution,
+    ) -> Selection {
+        self.queue.clear();
+        self.patterns.clear();
+        for (s, limit) in self.onset.iter_mut().enumerate() {
+            limit.vertices = 0;
+            if rules.suspect[s] & SUSPECT_FRICTION != 0 {
+                onset(p, &rules.previous, s, out, limit);
+            }
+        }
+        let (mut tested, mut hops) = (0, rules.hops);
+        self.push(p, start, rules, &mut tested, out);
+        self.explore(p, settled, false, rules, allowed, &mut tested, out);
+        let mut best = self.best();
+        if !best.verdict.valid() {
+            // Again from the best, patterns only: what sticks and what slips is then solved for.
+            self.queue.iter_mut().for_each(|e| e.expanded = true);
+            self.complete(p, &best.states, rules, allowed, &mut tested, out);
+            self.explore(p, false, true, rules, allowed, &mut tested, out);
+            best = self.best();
+            if !best.verdict.valid() && p.level == Level::Acceleration {
+                let lenient = Rules { hops: true, ..*rules };
+                self.queue.clear();
+                self.patterns.clear();
+                self.push(p, start, &lenient, &mut tested, out);
+                self.explore(p, false, false, &lenient, allowed, &mut tested, out);
+                let kept = self.best();
+                if !kept.verdict.valid() {
+                    self.queue.iter_mut().for_each(|e| e.expanded = true);
+                    self.complete(p, &kept.states, &lenient, allowed, &mut tested, out);
+                    self.explore(p, false, true, &lenient, allowed, &mut tested, out);
+                }
+                best = self.best();
+                hops = best.verdict.valid();
+            }
+            if !best.verdict.valid() {
+                self.queue.clear();
+                self.push(p, start, rules, &mut tested, out);
+                self.enumerate(p, rules, allowed, &mut tested, out);
+                best = self.best();
+            }
+        }
+        let rules = &Rules { hops, ..*rules };
+        // Leave the chosen candidate's solution and directions in place.
+        self.guess = Some(best.slips);
+        let verdict = self.test(p, &best.states, rules, out);
+        self.guess = None;
+        Selection { states: best.states, tested, consistent: verdict.valid(), verdict }
+    }
+
+    /// Expands the best candidates until one is valid and none of its smaller neighbours beats it.
+    #[expect(clippy::too_many_arguments)]
+    fn explore(
+        &mut self,
+        p: &mut Problem,
+        settled: bool,
+        completing: bool,
+        rules: &Rules,
+        allowed: &dyn Fn(usize, SoleState) -> bool,
+        tested: &mut usize,
+        out: &mut Solution,
+    ) {
+        loop {
+            let best = (0..self.queue.len())
+                .filter(|&i| !self.queue[i].expanded)
+                .min_by(|&a, &b| order(&self.queue[a], &self.queue[b]));
+            let Some(best) = best else { break };
+            let entry = self.queue[best];
+            let ended = self.queue.iter().any(|e| e.expanded && e.verdict.valid() && order(e, &entry).is_le());
+            if ended {
+                break;
+            }
+            self.queue[best].expanded = true;
+            if entry.verdict.valid() && settled {
+                break;
+            }
+            for s in 0..p.soles.len() {
+                let faults = entry.verdict.faults[s];
+                let mut moves = Moves::default();
+                moves.suggest(p, s, entry.states[s], faults, entry.verdict.valid());
+                for &state in &moves.list[..moves.count] {
+                    let mut next = entry.states;
+                    next[s] = state;
+                    if completing {
+                        self.complete(p, &next, rules, allowed, tested, out);
+                    } else if allowed(s, state) {
+                        self.push(p, &next, rules, tested, out);
+                    }
+                }
+                // Soles of one body begin and stop slipping together.
+                let others = (0..p.soles.len()).filter(|&t| t != s && p.soles[t].body == p.soles[s].body);
+                if faults.friction && !completing && others.clone().any(|t| entry.states[t] != SoleState::FREE) {
+                    let mut next = entry.states;
+                    let mode = if entry.states[s].is_static() { Mode::Sliding } else { Mode::Static };
+                    for t in others.chain([s]).filter(|&t| entry.states[t] != SoleState::FREE) {
+                        next[t].mode = mode;
+                    }
+                    if (0..p.soles.len()).all(|t| allowed(t, next[t])) {
+                        self.push(p, &next, rules, tested, out);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Tests the patterns of `states` with the modes that follow from them.
+    fn complete(
+        &mut self,
+        p: &mut Problem,
+        states: &States,
+        rules: &Rules,
+        allowed: &dyn Fn(usize, SoleState) -> bool,
+        tested: &mut usize,
+        out: &mut Solution,
+    ) {
+        let mut patterns = *states;
+        (0..p.soles.len()).for_each(|s| patterns[s] = SoleState::fixed(patterns[s].pattern));
+        if self.patterns.contains(&patterns) {
+            return;
+        }
+        self.patterns.push(patterns);
+        *tested += 1;
+        let Some(settled) = self.finder.settle(&mut self.kernel, p, &patterns, out) else { return };
+        // A slip that has hardly begun can be told from viscous creep only by trying.
+        for threshold in [10.0, 1e3, 1e6] {
+            let states = settled.modes(p, threshold);
+            if (0..p.soles.len()).all(|s| allowed(s, states[s])) {
+                // What failed before for want of a good start is tried once more.
+                self.queue.retain(|e| e.states != states || e.verdict.valid() || e.guessed);
+                self.guess = Some(settled.slips);
+                self.push(p, &states, rules, tested, out);
+                self.guess = None;
+            }
+        }
+    }
+
+    fn best(&self) -> Entry {
+        *self.queue.iter().min_by(|a, b| order(a, b)).expect("the start was pushed")
+    }
+
+    fn push(&mut self, p: &mut Problem, states: &States, rules: &Rules, tested: &mut usize, out: &mut Solution) {
+        if self.queue.iter().any(|e| e.states == *states) {
+            return;
+        }
+        let verdict = self.test(p, states, rules, out);
+        *tested += 1;
+        let slips = implicit::slips(p, states, &out.motion);
+        let guessed = self.guess.is_some();
+        self.queue.push(Entry { states: *states, verdict, slips, guessed, expanded: false });
+    }
+
+    fn enumerate(
+        &mut self,
+        p: &mut Problem,
+        rules: &Rules,
+        allowed: &dyn Fn(usize, SoleState) -> bool,
+        tested: &mut usize,
+        out: &mut Solution,
+    ) {
+        let sizes: [usize; MAX_SOLES] =
+            std::array::from_fn(|s| p.soles.get(s).map_or(1, |sole| SoleState::refined(sole.vertices.len()).count()));
+        let total = sizes.iter().try_fold(1usize, |n, &k| n.checked_mul(k)).unwrap_or(usize::MAX);
+        if total > ENUMERABLE {
+            return;
+        }
+        for code in 0..total {
+            let mut states = States::default();
+            let mut rest = code;
+            for (s, sole) in p.soles.iter().enumerate() {
+                states[s] = SoleState::refined(sole.vertices.len()).nth(rest % sizes[s]).unwrap_or_default();
+                rest /= sizes[s];
+            }
+            if (0..p.soles.len()).all(|s| allowed(s, states[s])) {
+                self.push(p, &states, rules, tested, out);
+            }
+        }
+    }
+}
+
+/// Verdicts first, then a fixed order of the states, so that the outcome is deterministic.
+fn order(a: &Entry, b: &Entry) -> Ordering {
+    a.verdict.compare(&b.verdict).then_with(|| a.states.cmp(&b.states))
+}
+
+/// The mode in which a pattern is tried first: sliding if one of its vertices moves, else sticking.
+pub fn first_mode(p: &Problem, s: usize, pattern: Pattern) -> SoleState {
+    let sole = &p.soles[s];
+    let k = sole.vertices.len();
+    let state = SoleState::fixed(pattern);
+    let moving = (0..k).filter(|&i| state.clamps(i, k) && sole.vertices[i].moving).count();
+    if moving > 0 { SoleState::sliding(pattern) } else { state }
+}
+
+/// Local moves of one sole, on the stack. A sole has at most 64 vertices, so at most 64 + 64 + 1 patterns.
+struct Moves {
+    list: [SoleState; 200],
+    count: usize,
+}
+
+impl Default for Moves {
+    fn default() -> Self {
+        Moves { list: [SoleState::FREE; 200], count: 0 }
+    }
+}
+
+impl Moves {
+    fn add(&mut self, state: SoleState) {
+        if self.count < self.list.len() {
+            self.list[self.count] = state;
+            self.count += 1;
+        }
+    }
+
+    fn suggest(&mut self, p: &Problem, s: usize, state: SoleState, faults: Faults, valid: bool) {
+        let k = p.soles[s].vertices.len();
+        let rows = state.normal_rows();
+        for pattern in SoleState::patterns(k) {
+            let next = SoleState::fixed(pattern);
+            let wanted = faults.penetrating | if valid { faults.resting } else { 0 };
+            let clamps_fault = (0..k).any(|i| wanted >> i & 1 == 1 && next.clamps(i, k));
+            let nested = |a: SoleState, b: SoleState| (0..k).all(|i| !a.clamps(i, k) || b.clamps(i, k));
+            // Clamp what enters the floor, keeping what is clamped or moving over to it.
+            let clamp = clamps_fault && (next.normal_rows() > rows || next.normal_rows() == rows);
+            // Release what pulls; for a valid candidate, see whether less would do.
+            let release = (faults.pulling || valid) && next.normal_rows() < rows && nested(next, state);
+            // A pulling edge may have to make room for its neighbour.
+            let shift = faults.pulling && faults.penetrating != 0 && clamps_fault;
+            if pattern != state.pattern && (clamp || release || shift) {
+                self.add(first_mode(p, s, pattern));
+                if valid && state.is_dynamic() {
+                    self.add(SoleState::sliding(pattern));
+                }
+            }
+        }
+        if state.pattern == Pattern::Free {
+            return;
+        }
+        if faults.pulling || valid {
+            self.add(SoleState::FREE);
+        }
+        if faults.friction {
+            let with = |mode| SoleState { pattern: state.pattern, mode };
+            match state.mode {
+                Mode::Static => self.add(with(Mode::Sliding)),
+                Mode::Sliding | Mode::Pivoting(_) => {
+                    self.add(with(Mode::Static));
+                    self.add(with(Mode::Sliding));
+                    for i in (0..k).filter(|&i| rows > 1 && state.clamps(i, k) && !p.soles[s].vertices[i].moving) {
+                        self.add(with(Mode::Pivoting(i as u8)));
+                    }
+                }
+            }
+        }
+    }
+}

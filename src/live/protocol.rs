@@ -1,0 +1,124 @@
+//! Foxglove's WebSocket protocol, the part of it that streams topics: <https://github.com/foxglove/ws-protocol>, docs/spec.md.
+//!
+//! The server tells in JSON who it is and which topics there are; a client subscribes to some of them under numbers of its own;
+//! messages come as binary frames that begin with such a number. The server also publishes the time, which is that of the
+//! simulation: viewers then have no other.
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use crate::log::ChannelInfo;
+
+/// First bytes of binary frames.
+const MESSAGE_DATA: u8 = 1;
+const TIME: u8 = 2;
+/// The level of a status.
+pub(super) const WARNING: u8 = 1;
+
+/// What a client says.
+#[derive(Deserialize, Debug, PartialEq, Eq)]
+#[serde(tag = "op", rename_all = "camelCase")]
+pub(super) enum Request {
+    Subscribe {
+        subscriptions: Vec<Subscription>,
+    },
+    #[serde(rename_all = "camelCase")]
+    Unsubscribe {
+        subscription_ids: Vec<u32>,
+    },
+    /// For capabilities that this server does not say it has.
+    #[serde(other)]
+    Other,
+}
+
+/// The client's number for a topic.
+#[derive(Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Subscription {
+    pub id: u32,
+    pub channel_id: u32,
+}
+
+pub(super) fn server_info(session: u64) -> String {
+    json!({
+        "op": "serverInfo",
+        "name": concat!("stiction ", env!("CARGO_PKG_VERSION")),
+        "capabilities": ["time"],
+        "supportedEncodings": [],
+        "metadata": {},
+        "sessionId": session.to_string(),
+    })
+    .to_string()
+}
+
+pub(super) fn advertise<'a>(channels: impl Iterator<Item = (u32, &'a ChannelInfo)>) -> String {
+    let channels: Vec<Value> = channels
+        .map(|(id, info)| {
+            // Binary descriptions are base64 in JSON.
+            let schema = match info.schema_encoding.as_str() {
+                "protobuf" | "flatbuffer" => BASE64_STANDARD.encode(&info.schema),
+                _ => String::from_utf8_lossy(&info.schema).into_owned(),
+            };
+            let mut channel = json!({
+                "id": id,
+                "topic": info.topic,
+                "encoding": info.encoding,
+                "schemaName": info.schema_name,
+                "schemaEncoding": info.schema_encoding,
+                "schema": schema,
+            });
+            if !info.metadata.is_empty() {
+                channel["metadata"] = json!(info.metadata);
+            }
+            channel
+        })
+        .collect();
+    json!({ "op": "advertise", "channels": channels }).to_string()
+}
+
+pub(super) fn unadvertise(channels: &[u32]) -> String {
+    json!({ "op": "unadvertise", "channelIds": channels }).to_string()
+}
+
+pub(super) fn status(level: u8, message: &str) -> String {
+    json!({ "op": "status", "level": level, "message": message }).to_string()
+}
+
+pub(super) fn message_data(subscription: u32, time: u64, payload: &[u8]) -> Vec<u8> {
+    let mut out = Vec::with_capacity(13 + payload.len());
+    out.push(MESSAGE_DATA);
+    out.extend(subscription.to_le_bytes());
+    out.extend(time.to_le_bytes());
+    out.extend(payload);
+    out
+}
+
+/// Is a binary frame a message of a topic?
+pub(super) fn is_message(frame: &[u8]) -> bool {
+    frame.first() == Some(&MESSAGE_DATA)
+}
+
+pub(super) fn time(now: u64) -> Vec<u8> {
+    [&[TIME][..], &now.to_le_bytes()].concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Requests as they stand in the specification.
+    #[test]
+    fn requests_are_read() {
+        let read = |text| serde_json::from_str::<Request>(text).ok();
+        let subscriptions = vec![Subscription { id: 0, channel_id: 3 }, Subscription { id: 1, channel_id: 5 }];
+        let words = r#"{"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":1,"channelId":5}]}"#;
+        assert_eq!(read(words), Some(Request::Subscribe { subscriptions }));
+        let words = r#"{"op":"unsubscribe","subscriptionIds":[0,1]}"#;
+        assert_eq!(read(words), Some(Request::Unsubscribe { subscription_ids: vec![0, 1] }));
+        assert_eq!(read(r#"{"op":"getParameters","parameterNames":[]}"#), Some(Request::Other));
+        assert_eq!(read(r#"{"op":"subscribe","subscriptions":[{"id":-1,"channelId":3}]}"#), None);
+        assert_eq!(read("subscribe"), None);
+    }
+}

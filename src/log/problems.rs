@@ -1,0 +1,121 @@
+//! `problems/0001.json`, ...: selections of a contact state, to be looked at and solved again elsewhere.
+
+use crate::contact::model::frozen::Frozen;
+use crate::files::input::{self, MOST_DATA};
+use crate::files::{RecordError, atomic};
+use crate::sim::Problems;
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Format version of a problem file.
+pub const PROBLEM_SCHEMA: u32 = 1;
+
+/// Most problem files of one run; further problems are counted only.
+pub const MAX_PROBLEMS: usize = 100;
+
+/// One problem file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProblemRecord {
+    /// Format version, [`PROBLEM_SCHEMA`].
+    pub schema: u32,
+    /// Program and version.
+    pub program: String,
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Key of the run.
+    pub key: String,
+    /// Which of the run's problems it is, from 1.
+    pub number: usize,
+    /// The problem and the answer given.
+    pub selection: Frozen,
+}
+
+impl ProblemRecord {
+    /// Reads a problem back.
+    ///
+    /// # Errors
+    /// No such file, no JSON, a field missing or unknown, a `null` (a number that was not finite), or another format
+    /// version.
+    pub fn read(path: &Path) -> Result<Self, RecordError> {
+        /// The version is looked at first: another one may have other fields.
+        #[derive(Deserialize)]
+        struct Version {
+            schema: u64,
+        }
+        let json = |source| RecordError::Json { path: path.to_owned(), source };
+        let bytes = input::read(path, MOST_DATA).map_err(RecordError::io(path))?;
+        let Version { schema } = serde_json::from_slice(&bytes).map_err(json)?;
+        if schema != u64::from(PROBLEM_SCHEMA) {
+            return Err(RecordError::Version { path: path.to_owned(), found: schema, expected: PROBLEM_SCHEMA });
+        }
+        serde_json::from_slice(&bytes).map_err(json)
+    }
+}
+
+/// Writes the problems of one run.
+#[derive(Debug)]
+pub struct ProblemWriter {
+    folder: PathBuf,
+    scenario: String,
+    key: String,
+    which: Problems,
+    met: usize,
+}
+
+impl ProblemWriter {
+    /// Problems will appear in `folder`, which is created with the first; those of an earlier run are removed.
+    ///
+    /// # Errors
+    /// Earlier problems cannot be removed.
+    pub fn create(folder: PathBuf, scenario: &str, key: &str, which: Problems) -> Result<Self, RecordError> {
+        match std::fs::remove_dir_all(&folder) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(RecordError::io(&folder)(e)),
+            _ => {}
+        }
+        Ok(Self { folder, scenario: scenario.to_owned(), key: key.to_owned(), which, met: 0 })
+    }
+
+    /// Which selections are wanted.
+    pub fn which(&self) -> Problems {
+        self.which
+    }
+
+    /// Where the problems are; none when there was none.
+    pub fn folder(&self) -> Option<&Path> {
+        (self.met > 0).then_some(self.folder.as_path())
+    }
+
+    /// Writes a problem, or counts it when there are [`MAX_PROBLEMS`] already.
+    ///
+    /// # Errors
+    /// The folder or file cannot be written.
+    pub fn write(&mut self, selection: &Frozen) -> Result<(), RecordError> {
+        self.met += 1;
+        if self.met > MAX_PROBLEMS {
+            return Ok(());
+        }
+        let record = ProblemRecord {
+            schema: PROBLEM_SCHEMA,
+            program: concat!("stiction ", env!("CARGO_PKG_VERSION")).to_owned(),
+            scenario: self.scenario.clone(),
+            key: self.key.clone(),
+            number: self.met,
+            selection: selection.clone(),
+        };
+        let path = self.folder.join(format!("{:04}.json", self.met));
+        atomic::write(&path, |out| {
+            serde_json::to_writer(&mut *out, &record)
+                .map_err(|source| RecordError::Json { path: path.clone(), source })?;
+            out.write_all(b"\n").map_err(RecordError::io(&path))
+        })
+    }
+
+    /// What to tell a person at the end, if anything.
+    pub fn summary(&self) -> Option<String> {
+        let kind = if self.which == Problems::All { "selections" } else { "inconsistent selections" };
+        let more = self.met.checked_sub(MAX_PROBLEMS).filter(|&n| n > 0);
+        more.map(|n| format!("the first {MAX_PROBLEMS} of {} {kind} are written, {n} more are not", self.met))
+    }
+}

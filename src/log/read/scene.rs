@@ -1,0 +1,83 @@
+//! What a log draws: frames over time and the shapes that hang on them.
+
+use crate::log::read::file::{LogError, LogFile};
+use foxglove::messages::{FrameTransform, FrameTransforms, SceneEntity, SceneUpdate};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use prost::Message as _;
+use std::path::Path;
+
+/// The topics `/tf` and `/scene`. Empty where the scenario did not log `scene`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Log times of the ticks, ns.
+    pub times: Vec<u64>,
+    /// Every frame but that of the world, in the log's order.
+    pub frames: Vec<Frame>,
+    /// Shapes of robot and floor, each in the frame it names.
+    pub entities: Vec<SceneEntity>,
+}
+
+/// A frame and where it is in its parent.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Its name: of a link, or `sole/NAME`.
+    pub name: String,
+    /// The frame it hangs on.
+    pub parent: String,
+    /// One pose per tick, m.
+    pub poses: Vec<Isometry3<f64>>,
+}
+
+impl Scene {
+    /// Reads these topics of a log; `path` is what errors call it.
+    ///
+    /// # Errors
+    /// See [`Trajectory::read`](crate::log::read::Trajectory::read).
+    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, LogError> {
+        let file = LogFile::open(path, bytes)?;
+        let mut scene = Self::default();
+        for message in file.messages()? {
+            let message = message?;
+            let broken = |e: prost::DecodeError| file.damage(format!("a message on {}: {e}", message.channel.topic));
+            match message.channel.topic.as_str() {
+                "/tf" => {
+                    let update = FrameTransforms::decode(&*message.data).map_err(broken)?;
+                    scene.tick(message.log_time, update.transforms).map_err(|reason| file.damage(reason))?;
+                }
+                "/scene" => {
+                    let update = SceneUpdate::decode(&*message.data).map_err(broken)?;
+                    scene.entities.extend(update.entities);
+                }
+                _ => {}
+            }
+        }
+        Ok(scene)
+    }
+
+    fn tick(&mut self, time: u64, transforms: Vec<FrameTransform>) -> Result<(), String> {
+        if self.times.is_empty() {
+            let frame = |t: &FrameTransform| Frame {
+                name: t.child_frame_id.clone(),
+                parent: t.parent_frame_id.clone(),
+                poses: Vec::new(),
+            };
+            self.frames = transforms.iter().map(frame).collect();
+        }
+        let same = |(f, t): (&Frame, &FrameTransform)| f.name == t.child_frame_id && f.parent == t.parent_frame_id;
+        if self.frames.len() != transforms.len() || !self.frames.iter().zip(&transforms).all(same) {
+            return Err(format!("/tf at {time} ns has other frames than the first tick"));
+        }
+        self.times.push(time);
+        for (frame, transform) in self.frames.iter_mut().zip(&transforms) {
+            frame.poses.push(pose(transform));
+        }
+        Ok(())
+    }
+}
+
+/// To the last bit: a normalised quaternion again would be another.
+fn pose(t: &FrameTransform) -> Isometry3<f64> {
+    let at = t.translation.as_ref().map_or_else(Translation3::identity, |v| Translation3::new(v.x, v.y, v.z));
+    let turned = t.rotation.as_ref().map_or_else(Quaternion::identity, |q| Quaternion::new(q.w, q.x, q.y, q.z));
+    Isometry3::from_parts(at, UnitQuaternion::new_unchecked(turned))
+}

@@ -1,0 +1,126 @@
+//! The body of a sensing packet.
+//!
+//! ```text
+//! joints n, soles m      u32 each
+//! position, velocity, load: each n f64, rad or m, per s, N m or N
+//! orientation            4 f64, quaternion w x y z, world from IMU
+//! angular velocity       3 f64, IMU axes, rad/s
+//! specific force         3 f64, IMU axes, m/s^2
+//! with flag BASE         position 3, quaternion 4, velocity 3, angular velocity 3, of the base, world
+//! for each sole          force 3, mean force since the last tick 3, N, moment 3, N m, world
+//!   with flag VERTICES   number k u32, then k times force 3, N, and clamped u8, 0 or 1
+//!   without it           loaded u8, 0 or 1: does the sole carry enough to be taken to stand
+//! ```
+
+use nalgebra::{Quaternion, UnitQuaternion};
+
+use crate::dynamics::chain::FrameMotion;
+use crate::remote::wire::{Header, Reader, Refused, Writer, flags};
+use crate::task::Sensed;
+
+/// How far the length of a quaternion may be from 1.
+const UNIT: f64 = 1e-6;
+
+/// Appends the body for `sensed`; gives the flags that belong to it.
+pub fn write_sensing(sensed: &Sensed, out: &mut Vec<u8>) -> u8 {
+    let mut set = 0;
+    let mut w = Writer(out);
+    w.u32(sensed.position.len() as u32);
+    w.u32(sensed.soles.len() as u32);
+    for column in [&sensed.position, &sensed.velocity, &sensed.load] {
+        w.numbers(column);
+    }
+    rotation(&sensed.orientation, &mut w);
+    w.numbers(sensed.angular_velocity.as_slice());
+    w.numbers(sensed.specific_force.as_slice());
+    if let Some(base) = &sensed.base {
+        set |= flags::BASE;
+        w.numbers(base.position.as_slice());
+        rotation(&base.rotation, &mut w);
+        w.numbers(base.velocity.as_slice());
+        w.numbers(base.omega.as_slice());
+    }
+    let resolved = !sensed.soles.is_empty() && sensed.soles.iter().all(|sole| sole.resolved);
+    if resolved {
+        set |= flags::VERTICES;
+    }
+    for sole in &sensed.soles {
+        for vector in [&sole.force, &sole.mean_force, &sole.moment] {
+            w.numbers(vector.as_slice());
+        }
+        if resolved {
+            w.u32(sole.vertices.len() as u32);
+            for (force, clamped) in sole.vertices.iter().zip(&sole.clamped) {
+                w.numbers(force.as_slice());
+                w.bytes(&[u8::from(*clamped)]);
+            }
+        } else {
+            // Sensors that do not resolve a sole say the same of all of its vertices.
+            w.bytes(&[u8::from(sole.clamped.first().is_some_and(|clamped| *clamped))]);
+        }
+    }
+    set
+}
+
+fn rotation(rotation: &UnitQuaternion<f64>, w: &mut Writer) {
+    w.numbers(&[rotation.w, rotation.i, rotation.j, rotation.k]);
+}
+
+fn flag(r: &mut Reader) -> Result<bool, Refused> {
+    match r.bytes::<1>().ok_or(Refused::Length)? {
+        [0] => Ok(false),
+        [1] => Ok(true),
+        _ => Err(Refused::Value),
+    }
+}
+
+fn read_rotation(r: &mut Reader) -> Result<UnitQuaternion<f64>, Refused> {
+    let [w, i, j, k] = [r.number()?, r.number()?, r.number()?, r.number()?];
+    let read = Quaternion::new(w, i, j, k);
+    // Not made a unit anew: both sides are to hold the same bits.
+    if (read.norm() - 1.0).abs() <= UNIT { Ok(UnitQuaternion::new_unchecked(read)) } else { Err(Refused::Value) }
+}
+
+/// Reads a body into `sensed`, which has the robot's size. Allocates nothing.
+///
+/// # Errors
+/// See [`Refused`]; `sensed` is then not to be used.
+pub fn read_sensing(header: &Header, body: &[u8], sensed: &mut Sensed) -> Result<(), Refused> {
+    let mut r = Reader(body);
+    let joints = r.u32().ok_or(Refused::Length)? as usize;
+    let soles = r.u32().ok_or(Refused::Length)? as usize;
+    if joints != sensed.position.len() || soles != sensed.soles.len() {
+        return Err(Refused::Length);
+    }
+    sensed.time = header.time;
+    for column in [&mut sensed.position, &mut sensed.velocity, &mut sensed.load] {
+        r.numbers(column)?;
+    }
+    sensed.orientation = read_rotation(&mut r)?;
+    sensed.angular_velocity = r.vector()?;
+    sensed.specific_force = r.vector()?;
+    sensed.base = if header.flags & flags::BASE == 0 {
+        None
+    } else {
+        let (position, rotation) = (r.vector()?, read_rotation(&mut r)?);
+        Some(FrameMotion { position, rotation, velocity: r.vector()?, omega: r.vector()? })
+    };
+    let resolved = header.flags & flags::VERTICES != 0;
+    for sole in &mut sensed.soles {
+        (sole.force, sole.mean_force, sole.moment) = (r.vector()?, r.vector()?, r.vector()?);
+        sole.resolved = resolved;
+        if !resolved {
+            let loaded = flag(&mut r)?;
+            sole.clamped.fill(loaded);
+            continue;
+        }
+        if r.u32().ok_or(Refused::Length)? as usize != sole.vertices.len() {
+            return Err(Refused::Length);
+        }
+        for (force, clamped) in sole.vertices.iter_mut().zip(&mut sole.clamped) {
+            *force = r.vector()?;
+            *clamped = flag(&mut r)?;
+        }
+    }
+    r.done()
+}

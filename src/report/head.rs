@@ -1,0 +1,92 @@
+//! What was run, where and when.
+
+use crate::report::table::{Cell, Head, Part, Table};
+use crate::report::utc::utc;
+use crate::report::words::plural;
+use crate::results::Tally;
+use crate::sim::Outcome;
+use serde::Serialize;
+
+/// The head of the page.
+#[derive(Debug, Serialize)]
+pub(super) struct Overview {
+    /// `12 runs of 2 scenarios`
+    pub runs: String,
+    /// How many ended in each way.
+    pub outcomes: Vec<Count>,
+    /// `30 of 31 expectations held`; empty when nothing was expected.
+    pub expectations: String,
+    pub programs: Vec<String>,
+    pub machines: Vec<String>,
+    /// When the records were written.
+    pub dates: String,
+    /// One row per scenario.
+    pub scenarios: Table,
+}
+
+/// Runs of one outcome.
+#[derive(Debug, Serialize)]
+pub(super) struct Count {
+    pub outcome: &'static str,
+    pub count: usize,
+}
+
+pub(super) fn head(tally: &Tally) -> Overview {
+    let all = tally.all();
+    Overview {
+        runs: format!("{} of {}", plural(all.runs, "run"), plural(tally.scenarios().len(), "scenario")),
+        outcomes: outcomes(&all.outcomes),
+        expectations: expectations(all.held, all.expected),
+        programs: tally.programs(),
+        machines: tally.machines(),
+        dates: dates(tally),
+        scenarios: table(tally),
+    }
+}
+
+/// The good ones first.
+fn outcomes(counts: &[(&'static str, usize)]) -> Vec<Count> {
+    let mut counts: Vec<Count> = counts.iter().map(|&(outcome, count)| Count { outcome, count }).collect();
+    counts.sort_by_key(|c| (c.outcome != Outcome::Passed.name(), std::cmp::Reverse(c.count)));
+    counts
+}
+
+fn expectations(held: usize, all: usize) -> String {
+    if all == 0 { String::new() } else { format!("{held} of {all} expectations held") }
+}
+
+/// When the records were written, from the first to the last.
+fn dates(tally: &Tally) -> String {
+    let (first, last) = tally.recorded().unzip();
+    match (first.and_then(utc), last.and_then(utc)) {
+        (Some(first), Some(last)) if first == last => first,
+        (Some(first), Some(last)) => format!("{first} to {last}"),
+        _ => String::new(),
+    }
+}
+
+fn table(tally: &Tally) -> Table {
+    let row = |sums: &crate::results::tally::Sums| {
+        let words = outcomes(&sums.outcomes).into_iter().map(|c| format!("{} {}", c.count, c.outcome));
+        vec![
+            Cell::text(&sums.scenario),
+            Cell::count(sums.runs as u64),
+            Cell::text(words.collect::<Vec<_>>().join(", ")),
+            Cell::text(expectations(sums.held, sums.expected).replace(" expectations held", "")),
+            Cell::number(Some(sums.simulated_s)),
+            Cell::number(Some(sums.cpu_s)),
+        ]
+    };
+    Table {
+        head: vec![
+            Head::text("scenario"),
+            Head::number("runs", ""),
+            Head::text("outcomes"),
+            Head::text("expectations held"),
+            Head::number("simulated", "s"),
+            Head::number("processor time", "s"),
+        ],
+        parts: vec![Part { title: String::new(), rows: tally.scenarios().iter().map(row).collect() }],
+        more: String::new(),
+    }
+}

@@ -1,0 +1,152 @@
+//! A run over time: height of the base, normal force of each sole, and below a line per sole with its contact states.
+
+use crate::files::RecordError;
+use crate::report::canvas::{Area, Overlay, SCALE, Trouble, picture, swatch, text};
+use crate::report::history::{History, SoleHistory, Stay};
+use crate::report::palette::{self, Colour};
+use crate::report::ticks::{Axis, linear};
+use plotters::prelude::{ChartBuilder, LineSeries};
+use plotters::style::Color;
+
+/// Pixels.
+const WIDTH: u32 = 720;
+const CURVES: u32 = 134;
+const TIME: u32 = 36;
+const STATES: u32 = 26;
+const LEFT: u32 = 76;
+
+/// Soles that are drawn; of a creature with more feet the first.
+const MOST_SOLES: usize = 12;
+
+/// Draws a run.
+///
+/// # Errors
+/// It cannot be drawn.
+pub(super) fn run_over_time(name: &str, history: &History) -> Result<String, RecordError> {
+    let parts = parts(history);
+    let height = parts.iter().map(|p| p.height).sum::<u32>() + TIME;
+    picture(&format!("{name} over time"), (WIDTH, height), |area, overlay| draw(history, &parts, area, overlay))
+}
+
+/// Colour and name of each sole's force.
+pub(super) fn legend(history: &History) -> Vec<(String, String)> {
+    let soles = history.soles.iter().take(MOST_SOLES).enumerate();
+    soles.map(|(i, sole)| (sole.name.clone(), swatch(None, palette::curve(i)))).collect()
+}
+
+/// A colour, and values over time, s.
+type Line = (Colour, Vec<(f64, f64)>);
+
+/// Curves of one quantity, or the states.
+struct Part {
+    height: u32,
+    words: &'static str,
+    /// None for the states.
+    curves: Option<Vec<Line>>,
+    /// Least span of the axis, in its unit.
+    least: f64,
+}
+
+fn parts(history: &History) -> Vec<Part> {
+    let mut parts = Vec::new();
+    if !history.height.is_empty() {
+        let curve = vec![(palette::INK, history.height.clone())];
+        parts.push(Part { height: CURVES, words: "base height, m", curves: Some(curve), least: 1e-3 });
+    }
+    let soles: Vec<&SoleHistory> = history.soles.iter().take(MOST_SOLES).collect();
+    if !soles.is_empty() {
+        let curves = soles.iter().enumerate().map(|(i, s)| (palette::curve(i), s.normal.clone())).collect();
+        parts.push(Part { height: CURVES, words: "normal force, N", curves: Some(curves), least: 1e-3 });
+        let height = STATES * soles.len() as u32 + 16;
+        parts.push(Part { height, words: "", curves: None, least: 0.0 });
+    }
+    parts
+}
+
+fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -> Result<(), Trouble> {
+    let words = |e: &dyn std::fmt::Display| e.to_string();
+    let (from, to) = history.span;
+    let time = linear([from, to].into_iter(), 8, 1e-6);
+    // The axis of time ends where the run does.
+    let (from, to) = if from < to { (from, to) } else { (time.from, time.to) };
+    let ticks: Vec<f64> = time.ticks.iter().copied().filter(|t| (from..=to).contains(t)).collect();
+    let time = Axis { from, to, ticks, ..time };
+    let mut rest = area.clone();
+    for (i, part) in parts.iter().enumerate() {
+        let last = i + 1 == parts.len();
+        let below = if last { TIME } else { 0 };
+        let (own, next) = rest.split_vertically((part.height + below) * SCALE);
+        rest = next;
+        let values = || part.curves.iter().flatten().flat_map(|(_, points)| points).map(|p| p.1);
+        let y = match part.curves {
+            Some(_) => linear(values(), 4, part.least),
+            None => Axis { from: 0.0, to: 1.0, ticks: Vec::new(), fine: Vec::new(), logarithmic: false },
+        };
+        let mut chart = ChartBuilder::on(&own)
+            .margin_top(12 * SCALE)
+            .margin_right(14 * SCALE)
+            .x_label_area_size(below * SCALE)
+            .y_label_area_size(LEFT * SCALE)
+            .build_cartesian_2d(time.clone(), y.clone())
+            .map_err(|e| words(&e))?;
+        let grid = palette::rgb(palette::GRID).stroke_width(4);
+        chart
+            .configure_mesh()
+            .bold_line_style(grid)
+            .light_line_style(grid)
+            .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
+            .label_style(text(12, palette::FAINT))
+            .axis_desc_style(text(13, palette::INK))
+            .x_desc(if last { "simulated time, s" } else { "" })
+            .y_desc(part.words)
+            .x_label_formatter(&|v| time.label(*v))
+            .y_label_formatter(&|v| y.label(*v))
+            .draw()
+            .map_err(|e| words(&e))?;
+        let curves = part.curves.as_deref().unwrap_or_default();
+        for (i, (colour, points)) in curves.iter().enumerate() {
+            // The first is the widest: one that lies below another still shows.
+            let width = 5 + 4 * (curves.len() - 1 - i).min(2) as u32;
+            let line = LineSeries::new(points.iter().copied(), palette::rgb(colour).stroke_width(width));
+            chart.draw_series(line).map_err(|e| words(&e))?;
+        }
+        if part.curves.is_none() {
+            let soles: Vec<&SoleHistory> = history.soles.iter().take(MOST_SOLES).collect();
+            for (i, sole) in soles.iter().enumerate() {
+                let rows = soles.len() as f64;
+                let (top, bottom) = (1.0 - i as f64 / rows, 1.0 - (i + 1) as f64 / rows);
+                let at = |t: f64, share: f64| {
+                    let (foot, head) = (bottom + 0.08 / rows, top - 0.12 / rows);
+                    chart.backend_coord(&(t, foot + share * (head - foot)))
+                };
+                let left = chart.backend_coord(&(from, (top + bottom) / 2.0));
+                overlay.words((left.0 - 24, left.1), palette::INK, true, &brief(&sole.name));
+                sole.stays.iter().for_each(|stay| band(overlay, &sole.name, stay, &at));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A sole's bar while it touches: high for the face, less for an edge, low for a vertex.
+fn band(overlay: &mut Overlay, sole: &str, stay: &Stay, at: &impl Fn(f64, f64) -> (i32, i32)) {
+    let share = match stay.state.split('-').next() {
+        Some("free") => return,
+        Some("vertex") => 0.34,
+        Some("edge") => 0.67,
+        _ => 1.0,
+    };
+    let colour = match stay.state.rsplit('-').next() {
+        Some("static") => palette::STATIC,
+        Some("dynamic") => palette::DYNAMIC,
+        _ => palette::OTHER,
+    };
+    let title = format!("{sole}: {}, {:.4} s to {:.4} s", stay.state, stay.from, stay.to);
+    overlay.bar(at(stay.from, share), at(stay.to, 0.0), colour, &title);
+}
+
+/// A name that fits beside the picture.
+fn brief(name: &str) -> String {
+    const MOST: usize = 11;
+    if name.chars().count() <= MOST { name.to_owned() } else { name.chars().take(MOST - 1).chain(['…']).collect() }
+}

@@ -1,0 +1,196 @@
+//! The work-precision picture: error over cost, both logarithmic, one curve per method.
+
+use crate::files::RecordError;
+use crate::report::canvas::{Area, Mark, Overlay, Point, SCALE, Trouble, picture, swatch, text};
+use crate::report::palette::{self, Colour};
+use crate::report::ticks::{self, logarithmic};
+use crate::report::units::unit;
+use crate::results::is_truth;
+use crate::results::pareto::{Curve, Group, Work, front_as_shown};
+use plotters::prelude::{ChartBuilder, LineSeries};
+use plotters::style::Color;
+
+/// Pixels.
+const SIZE: (u32, u32) = (560, 380);
+
+/// How the curves of a group look; those of one name look the same.
+pub(super) struct Looks {
+    names: Vec<(String, String)>,
+}
+
+/// How a curve looks.
+#[derive(Clone, Copy)]
+pub(super) struct Look {
+    pub colour: Colour,
+    pub mark: Mark,
+}
+
+impl Looks {
+    /// Of a group.
+    pub fn of(group: &Group) -> Self {
+        let mut names: Vec<(String, String)> = Vec::new();
+        for curve in &group.curves {
+            let own = (curve.name(), curve.method.clone());
+            if !names.contains(&own) {
+                names.push(own);
+            }
+        }
+        Self { names }
+    }
+
+    fn look(&self, name: &str) -> Look {
+        let place = self.names.iter().position(|(n, _)| n == name).unwrap_or(0);
+        let method = self.names.get(place).map_or("", |(_, method)| method);
+        Look { colour: palette::method(method), mark: Mark::ALL[place % Mark::ALL.len()] }
+    }
+
+    /// Name and picture of each.
+    pub fn legend(&self) -> Vec<(String, String)> {
+        let entry = |(name, _): &(String, String)| {
+            let look = self.look(name);
+            (name.clone(), swatch(Some(look.mark), look.colour))
+        };
+        self.names.iter().map(entry).collect()
+    }
+}
+
+/// A run in the picture.
+struct Spot {
+    row: usize,
+    cost: f64,
+    error: f64,
+    on_front: bool,
+}
+
+/// Draws one error of a group; `None` if no run of it has a point.
+///
+/// # Errors
+/// It cannot be drawn.
+pub(super) fn work_precision(
+    works: &[Work],
+    group: &Group,
+    column: &str,
+    looks: &Looks,
+) -> Result<Option<String>, RecordError> {
+    let spots = spots(works, group, column);
+    if spots.is_empty() {
+        return Ok(None);
+    }
+    let label = format!("{column} over cost, {}", group.name());
+    picture(&label, SIZE, |area, overlay| draw(works, group, column, looks, &spots, area, overlay)).map(Some)
+}
+
+fn spots(works: &[Work], group: &Group, column: &str) -> Vec<Spot> {
+    let point = |row: usize| works[row].point(column).ok().map(|(cost, error)| (row, cost, error));
+    let points: Vec<_> = group.rows().filter_map(point).collect();
+    let on = front_as_shown(&points.iter().map(|&(_, cost, error)| (cost, error)).collect::<Vec<_>>());
+    points.into_iter().zip(on).map(|((row, cost, error), on_front)| Spot { row, cost, error, on_front }).collect()
+}
+
+fn draw(
+    works: &[Work],
+    group: &Group,
+    column: &str,
+    looks: &Looks,
+    spots: &[Spot],
+    area: &Area,
+    overlay: &mut Overlay,
+) -> Result<(), Trouble> {
+    let words = |e: &dyn std::fmt::Display| e.to_string();
+    let nonzero = || spots.iter().map(|s| s.error).filter(|e| *e > 0.0);
+    // Without an error there is a decade like any other.
+    let least = nonzero().fold(f64::INFINITY, f64::min);
+    let least = ticks::within(if least.is_finite() { least } else { 1e-15 });
+    // Where no error at all is drawn: a whole decade below the least.
+    let floor = 10f64.powf((least.log10() - 1.0).floor());
+    let zeros = spots.iter().any(|s| s.error == 0.0);
+    let mut y = logarithmic(nonzero().chain(zeros.then_some(floor)));
+    if zeros {
+        // Below, the axis has no scale.
+        y.ticks.retain(|v| *v > 1.01 * floor);
+        y.fine.retain(|v| *v > 1.01 * floor);
+    }
+    let x = logarithmic(spots.iter().map(|s| s.cost));
+    let mut chart = ChartBuilder::on(area)
+        .margin(6 * SCALE)
+        .margin_right(16 * SCALE)
+        .x_label_area_size(38 * SCALE)
+        .y_label_area_size(60 * SCALE)
+        .build_cartesian_2d(x.clone(), y.clone())
+        .map_err(|e| words(&e))?;
+    let unit = unit(column);
+    let y_words = if unit.is_empty() { "error".to_owned() } else { format!("error, {unit}") };
+    chart
+        .configure_mesh()
+        .bold_line_style(palette::rgb(palette::GRID).stroke_width(4))
+        .light_line_style(palette::rgb(palette::FINE).stroke_width(4))
+        .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
+        .label_style(text(12, palette::FAINT))
+        .axis_desc_style(text(13, palette::INK))
+        .x_desc("cost, processor seconds per simulated second")
+        .y_desc(y_words)
+        .x_label_formatter(&|v| x.label(*v))
+        .y_label_formatter(&|v| y.label(*v))
+        .draw()
+        .map_err(|e| words(&e))?;
+    let place = |s: &Spot| {
+        let error = if s.error > 0.0 { ticks::within(s.error) } else { floor };
+        (ticks::within(s.cost), error)
+    };
+    let find = |row: &usize| spots.iter().find(|s| s.row == *row);
+    for curve in &group.curves {
+        let look = looks.look(&curve.name());
+        // A line to no error at all would lead nowhere on this axis.
+        let own: Vec<&Spot> = curve.rows.iter().filter_map(find).collect();
+        for part in own.split(|s| s.error == 0.0).filter(|part| part.len() > 1) {
+            let line = LineSeries::new(part.iter().map(|s| place(s)), palette::rgb(look.colour).stroke_width(6));
+            chart.draw_series(line).map_err(|e| words(&e))?;
+        }
+    }
+    let at = |s: &Spot| chart.backend_coord(&place(s));
+    let (left, right) = (chart.backend_coord(&(x.from, y.from)).0, chart.backend_coord(&(x.to, y.from)).0);
+    if zeros {
+        let height = chart.backend_coord(&(x.from, floor)).1;
+        overlay.dashes(&[(left, height), (right, height)], palette::AXIS, "no error at all");
+        overlay.words((left - 24, height), palette::FAINT, true, "0");
+    }
+    overlay.dashes(&stairs(spots, at, right), palette::FAINT, "Pareto front");
+    for curve in &group.curves {
+        let look = looks.look(&curve.name());
+        for spot in curve.rows.iter().filter_map(find) {
+            let title = title(&works[spot.row], curve, column, unit, spot);
+            overlay.mark(look.mark, at(spot), look.colour, spot.on_front, &title);
+        }
+    }
+    Ok(())
+}
+
+/// What can be had for at most each cost: down at each run of the front, level between them.
+fn stairs(spots: &[Spot], at: impl Fn(&Spot) -> Point, right: i32) -> Vec<Point> {
+    let mut front: Vec<&Spot> = spots.iter().filter(|s| s.on_front).collect();
+    front.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let mut points: Vec<Point> = Vec::new();
+    for spot in front {
+        let (x, y) = at(spot);
+        if let Some(&(_, before)) = points.last() {
+            points.push((x, before));
+        }
+        points.push((x, y));
+    }
+    if let Some(&(_, last)) = points.last() {
+        points.push((right, last));
+    }
+    points
+}
+
+/// What a mark says when pointed at.
+fn title(work: &Work, curve: &Curve, column: &str, unit: &str, spot: &Spot) -> String {
+    let row = work.row;
+    let mut lines = vec![format!("{} {}", curve.method, curve.integrator)];
+    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || is_truth(name);
+    lines.extend(row.parameters.iter().filter(|(name, _)| !own(name)).map(|(name, value)| format!("{name} = {value}")));
+    lines.push(format!("{column}: {:.3e} {unit}", spot.error).trim_end().to_owned());
+    lines.push(format!("cost: {:.3e} s per s, {:.1} x real time", spot.cost, work.real_time_factor));
+    lines.push(format!("{}{}", row.key, if spot.on_front { ", on the Pareto front" } else { "" }));
+    lines.join("\n")
+}

@@ -1,0 +1,60 @@
+//! Numbers and names in words.
+
+use crate::results::{ParamValue, SummaryRow, is_truth};
+
+/// Three digits: plain where that is short, else with an exponent. Enough to compare by; the summary has all digits.
+pub(super) fn short(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 {
+        // Of both zeros.
+        "0".to_owned()
+    } else if !x.is_finite() || !(1e-3..1e5).contains(&size) {
+        format!("{x:.2e}")
+    } else {
+        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
+        let text = format!("{x:.decimals$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    }
+}
+
+/// Swept values of a run, `name=value`: all but those that have columns of their own and swept truths.
+pub(super) fn parameters(row: &SummaryRow) -> Vec<String> {
+    let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || is_truth(name);
+    let named = row.parameters.iter().filter(|(name, _)| !own(name));
+    named.map(|(name, value)| format!("{name}={}", brief(value))).collect()
+}
+
+/// A file by its name, others as they are.
+fn brief(value: &ParamValue) -> String {
+    let text = value.to_string();
+    let is_file = [".toml", ".urdf"].iter().any(|end| text.ends_with(end));
+    text.rsplit('/').next().filter(|_| is_file).map_or(text.clone(), str::to_owned)
+}
+
+/// Scenario, method, integrator and swept values of a run.
+pub(super) fn name(row: &SummaryRow) -> String {
+    format!("{} {}", row.scenario, manner(row))
+}
+
+/// Method, integrator and swept values of a run.
+pub(super) fn manner(row: &SummaryRow) -> String {
+    [row.method.clone(), row.integrator.clone()].into_iter().chain(parameters(row)).collect::<Vec<_>>().join(" ")
+}
+
+/// `1 run`, `2 runs`
+pub(super) fn plural(n: usize, word: &str) -> String {
+    if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits() {
+        let numbers = [0.0, -0.0, 1.0, 0.25, 1234.5, 99_999.0, 1e5, 9.81, -0.001234, 1e-4, f64::NAN, f64::INFINITY];
+        let words = numbers.map(short);
+        let expected = ["0", "0", "1", "0.25", "1234", "99999", "1.00e5", "9.81", "-0.00123", "1.00e-4", "NaN", "inf"];
+        assert_eq!(words, expected);
+    }
+}

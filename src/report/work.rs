@@ -1,0 +1,100 @@
+//! Error over cost, per group of runs that can be held against each other.
+
+use crate::files::RecordError;
+use crate::report::plot_work::{Looks, work_precision};
+use crate::report::words::{manner, plural};
+use crate::results::pareto::{Group, Work, error_columns, groups};
+use serde::Serialize;
+
+/// Pictures, at the most.
+const MOST_PICTURES: usize = 24;
+/// Marks in all pictures together, about; at 300 bytes each.
+const MOST_MARKS: usize = 10_000;
+/// Entries of a legend.
+const MOST_CURVES: usize = 40;
+/// Runs named of those left out for one reason.
+const MOST_NAMED: usize = 5;
+
+/// The section.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Section {
+    pub groups: Vec<Pictures>,
+    /// What is left out, in words.
+    pub more: String,
+}
+
+/// The pictures of a group.
+#[derive(Debug, Serialize)]
+pub(super) struct Pictures {
+    pub name: String,
+    /// Name and look of each curve.
+    pub legend: Vec<(String, String)>,
+    pub more_curves: usize,
+    /// Column and picture.
+    pub pictures: Vec<(String, String)>,
+    /// Runs that are in no picture or not in all, and why.
+    pub left_out: Vec<String>,
+}
+
+pub(super) fn work(works: &[Work]) -> Result<Section, RecordError> {
+    let mut section = Section::default();
+    let (mut pictures, mut marks, mut left) = (0, 0, 0);
+    for group in groups(works) {
+        let members: Vec<Work> = group.rows().map(|i| works[i].clone()).collect();
+        let columns = error_columns(&members);
+        if columns.is_empty() {
+            continue;
+        }
+        let full = pictures > 0 && (pictures + columns.len() > MOST_PICTURES || marks > MOST_MARKS);
+        if full {
+            left += 1;
+            continue;
+        }
+        pictures += columns.len();
+        marks += columns.len() * members.len();
+        section.groups.push(draw(works, &group, &columns)?);
+    }
+    if left > 0 {
+        section.more =
+            format!("{} more without pictures here; their errors are in the table of runs", plural(left, "group"));
+    }
+    Ok(section)
+}
+
+fn draw(works: &[Work], group: &Group, columns: &[String]) -> Result<Pictures, RecordError> {
+    let looks = Looks::of(group);
+    let mut pictures = Vec::new();
+    for column in columns {
+        if let Some(svg) = work_precision(works, group, column, &looks)? {
+            pictures.push((column.clone(), svg));
+        }
+    }
+    let mut legend = looks.legend();
+    let more_curves = legend.len().saturating_sub(MOST_CURVES);
+    legend.truncate(MOST_CURVES);
+    let left_out = left_out(works, group, columns);
+    Ok(Pictures { name: group.name(), legend, more_curves, pictures, left_out })
+}
+
+/// `error_force_rms_N: 3 runs, no error was measured: ...`
+fn left_out(works: &[Work], group: &Group, columns: &[String]) -> Vec<String> {
+    let mut reasons: Vec<(String, Vec<usize>)> = Vec::new();
+    for column in columns {
+        for row in group.rows() {
+            let Err(reason) = works[row].point(column) else { continue };
+            let reason = format!("{column}: {reason}");
+            match reasons.iter_mut().find(|(r, _)| *r == reason) {
+                Some((_, rows)) => rows.push(row),
+                None => reasons.push((reason, vec![row])),
+            }
+        }
+    }
+    let words = |(reason, rows): (String, Vec<usize>)| {
+        let mut names: Vec<String> = rows.iter().take(MOST_NAMED).map(|&i| manner(works[i].row)).collect();
+        if rows.len() > MOST_NAMED {
+            names.push(format!("and {} more", rows.len() - MOST_NAMED));
+        }
+        format!("{reason} ({}): {}", plural(rows.len(), "run"), names.join("; "))
+    };
+    reasons.into_iter().map(words).collect()
+}

@@ -1,0 +1,79 @@
+//! Changes for a person.
+
+use std::fmt::{self, Display, Formatter};
+
+use crate::results::changes::Changes;
+use crate::results::table::align;
+use crate::text::visible::visible;
+
+/// Differences that are named one by one.
+const MOST: usize = 50;
+
+impl Display for Changes {
+    /// Runs that one side lacks, outcomes, values beyond what is allowed, every column that differs, and a count.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        for (rows, side) in [(&self.only_in_a, "A"), (&self.only_in_b, "B")] {
+            rows.iter().take(MOST).try_for_each(|run| writeln!(f, "only in {side}: {}", visible(run)))?;
+            more(f, rows.len(), "runs")?;
+        }
+        for change in self.outcomes.iter().take(MOST) {
+            writeln!(f, "outcome: {}: {} in A, {} in B", visible(&change.run), change.a, change.b)?;
+        }
+        more(f, self.outcomes.len(), "outcomes")?;
+        if !self.beyond.is_empty() {
+            let header = ["beyond", "run", "A", "B", "distance", "allowed"];
+            let lines = self.beyond.iter().take(MOST).map(|d| {
+                let cell = |text: &str| if text.is_empty() { "-".to_owned() } else { text.to_owned() };
+                let distance = d.distance.map_or("-".to_owned(), |x| format!("{x:.2e}"));
+                vec![
+                    d.column.clone(),
+                    visible(&d.run).into_owned(),
+                    cell(&d.a),
+                    cell(&d.b),
+                    distance,
+                    format!("{:.2e}", d.allowed),
+                ]
+            });
+            write!(f, "{}", aligned(&header, lines))?;
+            more(f, self.beyond.len(), "values")?;
+        }
+        if !self.columns.is_empty() {
+            let header = ["column", "rows differ", "beyond", "greatest", "relative"];
+            let lines = self.columns.iter().map(|c| {
+                let short = |x: f64| format!("{x:.2e}");
+                let (differ, beyond) = (c.differ.to_string(), c.beyond.to_string());
+                vec![c.column.clone(), differ, beyond, short(c.greatest), short(c.greatest_relative)]
+            });
+            write!(f, "\n{}\n", aligned(&header, lines))?;
+        }
+        if !self.columns_in_one.is_empty() {
+            writeln!(f, "not compared, in one of them only: {}", self.columns_in_one.join(", "))?;
+        }
+        let by_key = match self.matched_by_key {
+            n if n == self.matched => String::new(),
+            n => format!(" ({n} by their keys)"),
+        };
+        let (runs, values) = (self.matched, self.beyond.len());
+        let missing = self.only_in_a.len() + self.only_in_b.len();
+        let outcomes = self.outcomes.len();
+        let verdict = if self.is_within() { "within what is allowed" } else { "different" };
+        writeln!(
+            f,
+            "{runs} runs compared{by_key}: {verdict}; {values} values beyond, {outcomes} outcomes changed, {missing} runs missing"
+        )
+    }
+}
+
+fn aligned(header: &[&str], lines: impl Iterator<Item = Vec<String>>) -> String {
+    let all: Vec<Vec<String>> =
+        std::iter::once(header.iter().map(|h| (*h).to_owned()).collect()).chain(lines).collect();
+    // Names to the left, numbers to the right.
+    align(&all, if header.contains(&"run") { 2 } else { 1 })
+}
+
+fn more(f: &mut Formatter<'_>, count: usize, what: &str) -> fmt::Result {
+    match count.saturating_sub(MOST) {
+        0 => Ok(()),
+        n => writeln!(f, "and {n} more {what}; --format json has all"),
+    }
+}

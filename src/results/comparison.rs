@@ -1,0 +1,81 @@
+//! How far a run is from its reference run and from known truths.
+
+use crate::results::number;
+use serde::{Deserialize, Serialize};
+
+/// What a comparison found. Without a reference, and where nothing could be compared, the errors are none.
+///
+/// Means are over the instants of the scenario's log and the run's end, up to the end of whichever of the two runs is
+/// shorter.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Comparison {
+    /// Key of the reference run; none without one.
+    pub reference: Option<String>,
+    /// Instants compared.
+    pub instants: u64,
+    /// The last of them, s.
+    pub until_s: Option<f64>,
+    /// Both runs were compared to their ends.
+    pub whole: bool,
+    /// Root mean square distance of the base's origins, m.
+    #[serde(with = "number::some_real")]
+    pub error_position_rms_m: Option<f64>,
+    /// Root mean square difference over the joints, rad (m where a joint slides); none without joints.
+    #[serde(with = "number::some_real")]
+    pub error_joint_rms_rad: Option<f64>,
+    /// Root mean square over the soles of the length of the force difference, N; none without soles.
+    #[serde(with = "number::some_real", rename = "error_force_rms_N")]
+    pub error_force_rms_n: Option<f64>,
+    /// Part of all soles at all instants whose contact states have one name, 0 to 1; none without soles.
+    pub contact_state_agreement: Option<f64>,
+    /// Distance of the base's origins at the last instant, m.
+    #[serde(with = "number::some_real")]
+    pub error_final_position_m: Option<f64>,
+    /// Angle between the base's orientations at the last instant, rad.
+    #[serde(with = "number::some_real")]
+    pub error_final_rotation_rad: Option<f64>,
+    /// Metrics whose truth is known, and how far what was measured is from it; none where nothing was measured.
+    pub truth: Vec<TruthError>,
+}
+
+/// A metric's distance from its truth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TruthError {
+    /// A numeric column of the summary.
+    pub metric: String,
+    /// `|measured - truth|` in the metric's unit.
+    #[serde(with = "number::some_real")]
+    pub error: Option<f64>,
+}
+
+impl TruthError {
+    /// The column that holds the distance.
+    pub fn column(&self) -> String {
+        format!("error_{}", self.metric)
+    }
+}
+
+impl Comparison {
+    /// Was there nothing to compare with?
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// Times of a run that was repeated alone on the machine, s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Repeats {
+    /// Repetitions.
+    pub count: u32,
+    /// Shortest wall-clock time.
+    pub wall_min_s: f64,
+    /// Median of the wall-clock times.
+    pub wall_median_s: f64,
+    /// Shortest processor time.
+    #[serde(with = "number::real")]
+    pub cpu_min_s: f64,
+    /// Median of the processor times.
+    #[serde(with = "number::real")]
+    pub cpu_median_s: f64,
+}

@@ -1,0 +1,115 @@
+//! JUnit XML, the format in which continuous integration reads results: a suite per scenario, a case per run.
+
+use crate::files::{RecordError, atomic};
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+use std::io::Write;
+use std::path::Path;
+use std::time::Duration;
+
+/// One run as a test case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JunitCase {
+    /// The suite it belongs to.
+    pub suite: String,
+    /// Its name, unlike that of any other case of the suite.
+    pub name: String,
+    /// How long it took, wall clock; none when it was not started.
+    pub time: Option<Duration>,
+    /// How it ended.
+    pub status: JunitStatus,
+    /// What else is known of it, by names.
+    pub properties: Vec<(&'static str, String)>,
+    /// What else there is to tell a person, by lines.
+    pub output: Vec<String>,
+}
+
+/// How a test case ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum JunitStatus {
+    /// As it should.
+    Passed,
+    /// It ended, and not as it should.
+    Failed {
+        /// In a line.
+        message: String,
+        /// Line by line.
+        detail: String,
+    },
+    /// It did not come to an end.
+    Error {
+        /// What kind of error.
+        kind: String,
+        /// In a line.
+        message: String,
+    },
+    /// Nothing is known of it.
+    Skipped {
+        /// Why.
+        message: String,
+    },
+}
+
+/// Writes cases, those of a suite side by side in the order in which they are given, as a whole file. `time` is what all of
+/// them together took.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_junit(path: &Path, cases: &[JunitCase], time: Duration) -> Result<(), RecordError> {
+    // By their whole names: what XML takes of two of them may be the same.
+    let mut suites: Vec<(&str, TestSuite)> = Vec::new();
+    let mut last = 0;
+    for case in cases {
+        let is = |suite: &(&str, TestSuite)| suite.0 == case.suite;
+        if !suites.get(last).is_some_and(is) {
+            last = suites.iter().position(is).unwrap_or(suites.len());
+        }
+        if last == suites.len() {
+            suites.push((&case.suite, TestSuite::new(clean(&case.suite))));
+        }
+        let suite = &mut suites[last].1;
+        let total = suite.time.unwrap_or_default() + case.time.unwrap_or_default();
+        suite.add_test_case(test_case(case)).set_time(total);
+    }
+    let mut report = Report::new(env!("CARGO_PKG_NAME"));
+    report.set_time(time).add_test_suites(suites.into_iter().map(|(_, suite)| suite));
+    let text = report.to_string().map_err(|source| RecordError::Junit { path: path.to_owned(), source })?;
+    atomic::write_named(path, atomic::Made::Junit, |out| out.write_all(text.as_bytes()).map_err(RecordError::io(path)))
+}
+
+fn test_case(case: &JunitCase) -> TestCase {
+    let status = match &case.status {
+        JunitStatus::Passed => TestCaseStatus::success(),
+        JunitStatus::Failed { message, detail } => {
+            let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+            status.set_type("expectation").set_message(clean(message)).set_description(clean(detail));
+            status
+        }
+        JunitStatus::Error { kind, message } => {
+            let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
+            status.set_type(clean(kind)).set_message(clean(message)).set_description(clean(message));
+            status
+        }
+        JunitStatus::Skipped { message } => {
+            let mut status = TestCaseStatus::skipped();
+            status.set_message(clean(message));
+            status
+        }
+    };
+    let mut out = TestCase::new(clean(&case.name), status);
+    out.set_classname(clean(&case.suite));
+    if let Some(time) = case.time {
+        out.set_time(time);
+    }
+    for (name, value) in &case.properties {
+        out.add_property((*name, clean(value).as_str()));
+    }
+    if !case.output.is_empty() {
+        out.set_system_out(clean(&case.output.join("\n")));
+    }
+    out
+}
+
+/// Without the two characters that XML has no place for and the writer lets through; others it drops itself.
+fn clean(text: &str) -> String {
+    text.replace(['\u{fffe}', '\u{ffff}'], "")
+}

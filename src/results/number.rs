@@ -1,0 +1,100 @@
+//! Real numbers in JSON, which has no word for infinities and NaN: those become `"inf"`, `"-inf"` and `"NaN"`, so the
+//! record of a diverged run says what it saw and reads back.
+
+use schemars::JsonSchema;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A real number that survives JSON.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Real(pub f64);
+
+impl Serialize for Real {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if self.0.is_finite() { serializer.serialize_f64(self.0) } else { serializer.collect_str(&self.0) }
+    }
+}
+
+/// What was measured, for other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Measure {
+    /// A whole number.
+    Count(u64),
+    /// A real number; `"inf"`, `"-inf"` or `"NaN"` where it is none.
+    Real(#[serde(serialize_with = "real::serialize")] f64),
+    /// Nothing.
+    Nothing,
+}
+
+impl JsonSchema for Measure {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Measure".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({
+            "description": "A number; a word where it is infinite or none; null where there is nothing.",
+            "anyOf": [{ "type": "number" }, { "enum": ["inf", "-inf", "NaN"] }, { "type": "null" }]
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for Real {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            Number(f64),
+            Word(String),
+        }
+        match Written::deserialize(deserializer)? {
+            Written::Number(x) => Ok(Self(x)),
+            Written::Word(w) => match w.as_str() {
+                "inf" => Ok(Self(f64::INFINITY)),
+                "-inf" => Ok(Self(f64::NEG_INFINITY)),
+                "NaN" => Ok(Self(f64::NAN)),
+                _ => Err(D::Error::custom(format!("`{w}` is no number"))),
+            },
+        }
+    }
+}
+
+/// `#[serde(with = "number::real")]` for an `f64`.
+pub(crate) mod real {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        Real(*value).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        Real::deserialize(deserializer).map(|r| r.0)
+    }
+}
+
+/// `#[serde(with = "number::some_real")]` for an `Option<f64>` that may be no number; one never measured is null.
+pub(crate) mod some_real {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+        value.map(Real).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+        Ok(Option::<Real>::deserialize(deserializer)?.map(|r| r.0))
+    }
+}
+
+/// `#[serde(with = "number::triple")]` for an `[f64; 3]`.
+pub(crate) mod triple {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &[f64; 3], serializer: S) -> Result<S::Ok, S::Error> {
+        value.map(Real).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 3], D::Error> {
+        <[Real; 3]>::deserialize(deserializer).map(|a| a.map(|r| r.0))
+    }
+}

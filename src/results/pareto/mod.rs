@@ -1,0 +1,108 @@
+//! Work and precision: what an error costs.
+//!
+//! The cost of a run is processor seconds per simulated second; an error is any column `error_...` of the summary. Runs
+//! that differ in how they compute, and not in what is computed, can be held against each other: they form a [`Group`].
+//! Of a group the *Pareto front* are the runs beside which no other is both cheaper and more accurate.
+
+mod group;
+mod table;
+
+pub(super) use group::compare;
+pub use group::{Curve, Group, groups};
+pub use table::pareto_table;
+
+use crate::results::{NUMERIC_COLUMNS, SummaryRow, TruthError, metric};
+use crate::sim::Outcome;
+
+/// What one run says about work and precision.
+#[derive(Clone, Debug)]
+pub struct Work<'a> {
+    /// The run.
+    pub row: &'a SummaryRow,
+    /// Processor seconds per simulated second; none when nothing was simulated.
+    pub cost: Option<f64>,
+    /// Simulated over wall-clock time: of repetitions alone on the machine the fastest, if there were any.
+    pub real_time_factor: f64,
+    /// Columns `error_...` that have a value. Only finite ones of runs that reached their end can be held against others.
+    pub errors: Vec<(String, f64)>,
+}
+
+impl<'a> Work<'a> {
+    /// What a row of the summary says.
+    pub fn of(row: &'a SummaryRow) -> Self {
+        // The least of repeated times is the one with the least of the machine's other work in it.
+        let cost = row.repeats.map_or(row.cpu_s, |r| r.cpu_min_s) / row.metrics.duration_s;
+        let fixed = NUMERIC_COLUMNS.iter().filter(|name| is_error(name)).map(|name| (*name).to_owned());
+        let columns = fixed.chain(row.comparison.truth.iter().map(TruthError::column));
+        Self {
+            row,
+            cost: (cost.is_finite() && cost > 0.0).then_some(cost),
+            real_time_factor: row.repeats.map_or(row.real_time_factor, |r| row.metrics.duration_s / r.wall_min_s),
+            errors: columns.filter_map(|name| metric(row, &name).map(|error| (name, error))).collect(),
+        }
+    }
+
+    /// Cost and size of an error.
+    ///
+    /// # Errors
+    /// Why this run cannot be held against others, in words.
+    pub fn point(&self, column: &str) -> Result<(f64, f64), String> {
+        let comparison = &self.row.comparison;
+        if !matches!(self.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen) {
+            return Err(format!("it ended as {}", self.row.outcome.name()));
+        }
+        let Some((_, error)) = self.errors.iter().find(|(name, _)| name == column) else {
+            return Err("no error was measured".to_owned());
+        };
+        let of_truth = comparison.truth.iter().any(|truth| truth.column() == column);
+        if let (false, false, Some(until)) = (of_truth, comparison.whole, comparison.until_s) {
+            return Err(format!("it was compared up to {until} s only"));
+        }
+        match (self.cost, error.abs()) {
+            (None, _) => Err("it has no cost: nothing was simulated".to_owned()),
+            (Some(_), error) if !error.is_finite() => Err(format!("the error is {error}")),
+            (Some(cost), error) => Ok((cost, error)),
+        }
+    }
+}
+
+/// A column that says how wrong a run is: the balance of energy is a residual and not among them.
+fn is_error(column: &str) -> bool {
+    column.starts_with("error_")
+}
+
+/// Columns `error_...` that any of the runs has a value for, in the order in which they are first met.
+pub fn error_columns(works: &[Work]) -> Vec<String> {
+    let mut columns: Vec<String> = Vec::new();
+    for (name, _) in works.iter().flat_map(|w| &w.errors) {
+        if !columns.contains(name) {
+            columns.push(name.clone());
+        }
+    }
+    columns
+}
+
+/// The Pareto front as far as three digits tell: what they do not tell apart is equally cheap, or equally accurate. Clocks are
+/// no finer, and a front of differences that nobody sees would be none.
+pub fn front_as_shown(points: &[(f64, f64)]) -> Vec<bool> {
+    let three = |x: f64| format!("{x:.2e}").parse().unwrap_or(x);
+    front(&points.iter().map(|&(cost, error)| (three(cost), three(error))).collect::<Vec<_>>())
+}
+
+/// Which of the points (cost, error) are on the Pareto front: no other point is at most as costly and at most as wrong,
+/// and better in one of the two. Points that are not finite are not on it.
+pub fn front(points: &[(f64, f64)]) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.retain(|&i| points[i].0.is_finite() && points[i].1.is_finite());
+    order.sort_by(|&a, &b| points[a].partial_cmp(&points[b]).unwrap_or(std::cmp::Ordering::Equal));
+    let mut on = vec![false; points.len()];
+    let mut best: Option<(f64, f64)> = None;
+    for i in order {
+        // From cheap to costly: a further one must be more accurate than all before, or equal to the last in both.
+        if best.is_none_or(|b| points[i].1 < b.1 || points[i] == b) {
+            on[i] = true;
+            best = Some(points[i]);
+        }
+    }
+    on
+}

@@ -1,0 +1,154 @@
+//! `shard.jsonl`: which runs of a plan a shard has, so that shards can be put together again and what is missing can be told.
+//!
+//! The first line is a [`ShardHead`], each further one a [`ShardRun`], in the order of the plan.
+
+use crate::files::input;
+use crate::files::{RecordError, atomic, confined};
+use crate::results::PROGRAM;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+
+/// Format version of `shard.jsonl`.
+pub const SHARD_SCHEMA: u32 = 1;
+
+/// Its name in a folder of results.
+pub const SHARD_LIST: &str = "shard.jsonl";
+
+/// What a shard is a part of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ShardHead {
+    /// Format version, [`SHARD_SCHEMA`].
+    pub schema: u32,
+    /// Program and version.
+    pub program: String,
+    /// Which shard, from 1.
+    pub shard: u64,
+    /// Of how many.
+    pub of: u64,
+    /// Runs of all shards together.
+    pub runs: usize,
+    /// A hash of their scenarios and keys in the order of the plan, hexadecimal.
+    pub plan: String,
+}
+
+/// A run of a shard.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ShardRun {
+    /// Place in the whole plan, from 0.
+    pub at: usize,
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Key.
+    pub key: String,
+}
+
+impl ShardRun {
+    /// The folder of its record.
+    pub fn folder(&self, results: &Path) -> PathBuf {
+        results.join(&self.scenario).join(&self.key)
+    }
+}
+
+impl ShardHead {
+    /// The head of a shard of this program.
+    pub fn new(shard: u64, of: u64, runs: usize, plan: String) -> Self {
+        ShardHead { schema: SHARD_SCHEMA, program: PROGRAM.to_owned(), shard, of, runs, plan }
+    }
+
+    /// Writes the list into a folder of results.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(&self, results: &Path, runs: impl Iterator<Item = ShardRun>) -> Result<(), RecordError> {
+        let path = results.join(SHARD_LIST);
+        atomic::write(&path, |out| {
+            let mut line = |text: serde_json::Result<Vec<u8>>| {
+                let mut text = text.map_err(|source| RecordError::Json { path: path.clone(), source })?;
+                text.push(b'\n');
+                out.write_all(&text).map_err(RecordError::io(&path))
+            };
+            line(serde_json::to_vec(self))?;
+            for run in runs {
+                line(serde_json::to_vec(&run))?;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// A hash of the runs of a plan.
+#[derive(Default)]
+pub struct PlanHash(blake3::Hasher);
+
+impl PlanHash {
+    /// Adds the next run.
+    pub fn add(&mut self, scenario: &str, key: &str) {
+        // No name holds a zero.
+        for word in [scenario, key] {
+            self.0.update(word.as_bytes()).update(&[0]);
+        }
+    }
+
+    /// Of all that were added.
+    pub fn end(&self) -> String {
+        self.0.finalize().to_hex()[..32].to_owned()
+    }
+}
+
+/// An open `shard.jsonl`, read line by line.
+pub struct ShardList {
+    /// What it says first.
+    pub head: ShardHead,
+    path: PathBuf,
+    lines: BufReader<File>,
+}
+
+impl ShardList {
+    /// Opens the list of a folder of results.
+    ///
+    /// # Errors
+    /// There is none, or it is none, or of another version.
+    pub fn open(results: &Path) -> Result<Self, RecordError> {
+        #[derive(Deserialize)]
+        struct Version {
+            schema: u64,
+        }
+        let path = results.join(SHARD_LIST);
+        let mut lines = BufReader::new(input::open(&path).map_err(RecordError::io(&path))?.0);
+        let mut text = String::new();
+        lines.read_line(&mut text).map_err(RecordError::io(&path))?;
+        let Version { schema } = parse(&text, &path)?;
+        if schema != u64::from(SHARD_SCHEMA) {
+            return Err(RecordError::Version { path, found: schema, expected: SHARD_SCHEMA });
+        }
+        Ok(ShardList { head: parse(&text, &path)?, path, lines })
+    }
+}
+
+impl ShardList {
+    /// A run whose names are those of folders: what is merged is copied by them, and removed.
+    fn plain(&self, run: ShardRun) -> Result<ShardRun, RecordError> {
+        let strange = [&run.scenario, &run.key].into_iter().find(|name| !confined::is_plain(name)).cloned();
+        strange.map_or(Ok(run), |name| Err(RecordError::Name { path: self.path.clone(), name }))
+    }
+}
+
+impl Iterator for ShardList {
+    type Item = Result<ShardRun, RecordError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let mut text = String::new();
+        match self.lines.read_line(&mut text) {
+            Ok(0) => None,
+            Ok(_) => Some(parse(&text, &self.path).and_then(|run| self.plain(run))),
+            Err(source) => Some(Err(RecordError::Io { path: self.path.clone(), source })),
+        }
+    }
+}
+
+fn parse<T: DeserializeOwned>(line: &str, path: &Path) -> Result<T, RecordError> {
+    serde_json::from_str(line).map_err(|source| RecordError::Json { path: path.to_owned(), source })
+}

@@ -1,0 +1,64 @@
+//! `[compare]`: how accurate a run is, and what it costs.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
+
+use crate::scenario::format::expect::METRICS;
+use crate::scenario::quantity::{json, some_count};
+use crate::text::suggest;
+
+/// Metrics that come of a reference run.
+pub const COMPARED: [&str; 6] = [
+    "error_position_rms_m",
+    "error_joint_rms_rad",
+    "error_force_rms_N",
+    "contact_state_agreement",
+    "error_final_position_m",
+    "error_final_rotation_rad",
+];
+
+/// Columns that tell of the machine.
+const TIMED: [&str; 3] = ["wall_s", "cpu_s", "real_time_factor"];
+
+/// Accuracy and cost of a run: against a reference run of the same cell, against known truths, by repeated timing. At
+/// least one of the three.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CompareSpec {
+    /// What differs in the reference run, under dotted names; left out: no reference run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<BTreeMap<String, serde_json::Value>>")]
+    pub reference: Option<BTreeMap<String, toml::Value>>,
+    /// What metrics would be without any error, in their units.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(with = "BTreeMap<String, f64>", extend("propertyNames" = { "enum": truth_metrics() }))]
+    pub truth: BTreeMap<TruthMetric, f64>,
+    /// How often a run is repeated to time it, alone on the machine; left out: never.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_count")]
+    #[schemars(with = "Option<json::Count>")]
+    pub timing_repeats: Option<u32>,
+}
+
+/// The name of a metric that may have a truth.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct TruthMetric(pub String);
+
+impl<'de> Deserialize<'de> for TruthMetric {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(d)?;
+        if truth_metrics().contains(&name.as_str()) {
+            return Ok(TruthMetric(name));
+        }
+        let help = suggest::help(&name, truth_metrics());
+        Err(D::Error::custom(format!(
+            "cannot have the key `{name}`, which is no measured column of the summary\n{help}"
+        )))
+    }
+}
+
+/// Columns of the summary that may have a truth: what costs time, or is a distance itself, has none of its own.
+fn truth_metrics() -> Vec<&'static str> {
+    METRICS.iter().copied().filter(|metric| !COMPARED.contains(metric) && !TIMED.contains(metric)).collect()
+}

@@ -1,0 +1,61 @@
+//! `push`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::format::force::ForceFrame;
+use crate::scenario::quantity::{json, non_negative, positive};
+
+/// How a push rises and ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Profile {
+    /// Full from `start` to `start + duration`.
+    #[default]
+    Constant,
+    /// Half a sine wave, full in the middle.
+    HalfSine,
+    /// Linear from 0 at `start` to full at `start + duration`, and stays.
+    Ramp,
+    /// Linear up to full in the middle and down again.
+    Triangle,
+}
+
+/// A force on a link for a time. At least one of `force` and `moment` is given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PushForce {
+    /// The link; either this or `end_effector`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<String>,
+    /// The end effector of the robot file: its frame stands for the link's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_effector: Option<String>,
+    /// Where it acts, in the link's frame, m.
+    #[serde(default)]
+    pub point: [f64; 3],
+    /// Greatest force, N.
+    #[serde(default)]
+    pub force: [f64; 3],
+    /// Greatest moment about the point, N m.
+    #[serde(default)]
+    pub moment: [f64; 3],
+    /// Axes of `force` and `moment`.
+    #[serde(default)]
+    pub frame: ForceFrame,
+    /// When it starts, s.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub start: f64,
+    /// How long it lasts, s.
+    #[serde(default = "tenth", deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub duration: f64,
+    /// How it rises and ends.
+    #[serde(default)]
+    pub profile: Profile,
+}
+
+fn tenth() -> f64 {
+    0.1
+}

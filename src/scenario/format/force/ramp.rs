@@ -1,0 +1,44 @@
+//! `ramp`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::format::force::ForceFrame;
+use crate::scenario::quantity::{json, non_negative, positive};
+
+/// A force on a link that rises linearly from 0 at `start` to full at `start + duration` and stays. At least one of `force`
+/// and `moment` is given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RampForce {
+    /// The link; either this or `end_effector`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<String>,
+    /// The end effector of the robot file: its frame stands for the link's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_effector: Option<String>,
+    /// Where it acts, in the link's frame, m.
+    #[serde(default)]
+    pub point: [f64; 3],
+    /// Full force, N.
+    #[serde(default)]
+    pub force: [f64; 3],
+    /// Full moment about the point, N m.
+    #[serde(default)]
+    pub moment: [f64; 3],
+    /// Axes of `force` and `moment`.
+    #[serde(default)]
+    pub frame: ForceFrame,
+    /// When it starts to rise, s.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub start: f64,
+    /// How long it rises, s.
+    #[serde(default = "one", deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub duration: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}

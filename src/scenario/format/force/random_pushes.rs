@@ -1,0 +1,60 @@
+//! `random-pushes`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::format::force::Profile;
+use crate::scenario::quantity::{json, non_negative, some_count, some_positive};
+
+/// Pushes drawn at random from the run's seed. Exactly one of `number` and `rate` is given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RandomPushes {
+    /// The links, each equally likely.
+    #[schemars(length(min = 1))]
+    pub links: Vec<String>,
+    /// Where each is pushed, in its frame, m.
+    #[serde(default)]
+    pub point: [f64; 3],
+    /// How many pushes, at independent uniform times.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_count")]
+    pub number: Option<u32>,
+    /// How many pushes a second on average, as a Poisson process, Hz.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub rate: Option<f64>,
+    /// Least and greatest size of the force at its peak, N.
+    pub magnitude: [f64; 2],
+    /// Shortest and longest push, s.
+    #[serde(default = "tenth")]
+    pub push_duration: [f64; 2],
+    /// Directions, each equally likely.
+    #[serde(default)]
+    pub direction: Directions,
+    /// How each rises and ends; not `ramp`.
+    #[serde(default)]
+    pub profile: Profile,
+    /// From when pushes may begin, s.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub start: f64,
+    /// For how long they may begin, s; left out: to the end of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub duration: Option<f64>,
+}
+
+/// Directions of random pushes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Directions {
+    /// Across the world's z axis.
+    #[default]
+    Horizontal,
+    /// All.
+    Any,
+}
+
+fn tenth() -> [f64; 2] {
+    [0.1, 0.1]
+}

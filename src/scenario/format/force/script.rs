@@ -1,0 +1,35 @@
+//! `script`.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::format::change::ChangeSpec;
+use crate::scenario::quantity::{json, non_negative, some_positive};
+
+/// Forces computed by a script in Luau.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScriptForce {
+    /// The script, relative to the scenario file.
+    pub file: String,
+    /// Values for its `init`.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
+    pub params: BTreeMap<String, toml::Value>,
+    /// Values that change while it acts, for its `change`; times ascend.
+    #[serde(default)]
+    pub change: Vec<ChangeSpec>,
+    /// Times at which its forces jump or have a kink, s; `start`, the end and changes need not be named.
+    #[serde(default)]
+    pub corners: Vec<f64>,
+    /// From when it acts, s.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub start: f64,
+    /// For how long, s; left out: to the end of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
+    #[schemars(with = "Option<json::Positive>")]
+    pub duration: Option<f64>,
+}
