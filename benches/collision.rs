@@ -4,7 +4,7 @@
 
 use divan::Bencher;
 use std::path::{Path, PathBuf};
-use stiction::collision::{CollisionModel, Detector, LinkPose, place};
+use stiction::collision::{CollisionModel, Detector, LinkPose, link_poses};
 use stiction::random::Stream;
 use stiction::robot::{Model, Robot};
 
@@ -80,7 +80,7 @@ fn setup(case: &Case) -> Setup {
     };
     let pose = |q: &Vec<f64>| {
         let mut poses = vec![LinkPose::IDENTITY; robot.links.len()];
-        place(&robot, q, &mut poses);
+        link_poses(&robot, q, &mut poses);
         poses
     };
     let poses = postures(&robot, case.postures).iter().map(pose).collect();
@@ -91,7 +91,7 @@ impl Setup {
     /// The next posture's boxes, and the question.
     fn ask<T>(&mut self, mut question: impl FnMut(&mut Detector, &CollisionModel) -> T) -> T {
         self.at = (self.at + 1) % POSTURES;
-        self.detector.place(&self.model, &self.poses[self.at]);
+        self.detector.set_poses(&self.model, &self.poses[self.at]);
         question(&mut self.detector, &self.model)
     }
 }
@@ -122,14 +122,14 @@ fn colliding_pairs(bencher: Bencher, case: &Case) {
 
 /// Poses of all 39 links of CB-i, to be added to any of the above.
 #[divan::bench]
-fn link_poses(bencher: Bencher) {
+fn kinematics(bencher: Bencher) {
     let cbi = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/cbi/cbi.toml");
     let robot = stiction::robot::load(&cbi).expect("our own robot").model;
     let (all, mut at) = (postures(&robot, "unrelated"), 0);
     let mut poses = vec![LinkPose::IDENTITY; robot.links.len()];
     super::each(bencher, || {
         at = (at + 1) % POSTURES;
-        place(&robot, &all[at], &mut poses);
+        link_poses(&robot, &all[at], &mut poses);
         poses[38].origin.x
     });
 }

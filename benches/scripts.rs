@@ -5,16 +5,16 @@ use divan::Bencher;
 use std::path::Path;
 use stiction::dynamics::{State, Workspace, kinematics};
 use stiction::force::profile::{Profile, Shape};
-use stiction::force::script::{Plan, ScriptForce};
 use stiction::force::wrench::Wrench;
-use stiction::force::{Applied, Force, Scene};
+use stiction::force::{AppliedForces, Force, ForceContext};
 use stiction::geometry::Plane;
 use stiction::random::Stream;
 use stiction::robot::{self, JointId, LinkId, Model};
-use stiction::script::{Named, Params, Purpose, Script};
+use stiction::script::script_force::{Schedule, ScriptForce};
+use stiction::script::script_task::ScriptTask;
+use stiction::script::{Params, Purpose, RobotNames, Script};
 use stiction::task::posture::Posture;
-use stiction::task::script::ScriptTask;
-use stiction::task::server::Situation;
+use stiction::task::server::TickInput;
 use stiction::task::{Command, Sensed, Task, TaskServer};
 
 const SINE: &str = "
@@ -49,7 +49,7 @@ fn tick(bencher: Bencher, task: impl FnOnce(&Model) -> Box<dyn Task>) {
         state.time += 1e-3;
         let floor = Plane::LEVEL;
         let now =
-            Situation { model: &model, gravity: nalgebra::Vector3::zeros(), floor, state: &state, sensed: &sensed };
+            TickInput { model: &model, gravity: nalgebra::Vector3::zeros(), floor, state: &state, sensed: &sensed };
         server.run(&now, |_, _| {}).is_ok()
     });
 }
@@ -74,7 +74,7 @@ fn evaluate(bencher: Bencher, force: impl FnOnce(&Model) -> Box<dyn Force>) {
     let model = hoap2();
     let (state, mut ws) = (State::home(&model), Workspace::new(&model));
     kinematics::update(&model, &state, &mut ws);
-    let scene = Scene {
+    let context = ForceContext {
         model: &model,
         state: &state,
         kinematics: &ws,
@@ -83,11 +83,11 @@ fn evaluate(bencher: Bencher, force: impl FnOnce(&Model) -> Box<dyn Force>) {
         within: 0.0,
     };
     let mut force = force(&model);
-    force.init(&scene).expect("it begins");
+    force.init(&context).expect("it begins");
     let (mut tau, mut arrows) = (vec![0.0; model.nv()], Vec::with_capacity(16));
     super::each(bencher, || {
         arrows.clear();
-        force.evaluate(&scene, &mut Applied::new(&mut tau, &mut arrows));
+        force.evaluate(&context, &mut AppliedForces::new(&mut tau, &mut arrows));
     });
 }
 
@@ -104,8 +104,8 @@ fn force_built_in(bencher: Bencher) {
 fn force_script(bencher: Bencher) {
     evaluate(bencher, |model| {
         let span = Profile::new(Shape::Always, 0.0, 1.0);
-        let plan = Plan { span, corners: Vec::new(), params: Params::new(), changes: Vec::new() };
+        let plan = Schedule { span, corners: Vec::new(), params: Params::new(), changes: Vec::new() };
         let script = script(PUSH, Purpose::Force, model);
-        Box::new(ScriptForce::new("bench".into(), script, Named::new(model), plan))
+        Box::new(ScriptForce::new("bench".into(), script, RobotNames::new(model), plan))
     });
 }

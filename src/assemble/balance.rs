@@ -4,9 +4,9 @@ use crate::assemble::{names, planned};
 use crate::robot::{Base, JointId, Model, SoleId};
 use crate::scenario::{BalanceControl, BalanceTask, Contacts, Diagnostic, GravityCompensationTask, Run};
 use crate::task::Task;
-use crate::task::balance::force::{Change, ForceBalance, Gains, Settings};
-use crate::task::balance::position::{self, PositionBalance};
-use crate::task::kinematic::figure;
+use crate::task::balance::force_balance::{Change, ForceBalance, Gains, Settings};
+use crate::task::balance::position_balance::{self, PositionBalance};
+use crate::task::kinematic::planned_robot;
 use nalgebra::{Vector2, Vector3};
 
 /// The task of the entry at `path`; none, with an error, for a robot that it cannot stand.
@@ -48,16 +48,16 @@ pub(super) fn balance(
             Box::new(ForceBalance::new("balance", model, soles, settings, changes.collect()))
         }
         BalanceControl::Position => {
-            planned::plannable(run, path, "a foot", figure::check(model), errors)?;
+            planned::plannable(run, path, "a foot", planned_robot::check(model), errors)?;
             let s = &spec.position;
             let mut mobility = vec![0.0; model.nj()];
-            figure::carrying_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
+            planned_robot::carrying_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
             for (JointId(j), w) in
                 names::joints(model, run, &format!("{path}.position.mobility"), s.mobility.iter(), errors)
             {
                 mobility[j] = w;
             }
-            let settings = position::Settings {
+            let settings = position_balance::Settings {
                 duration: spec.duration.unwrap_or(f64::INFINITY),
                 proportional: s.proportional,
                 damping: s.damping,
@@ -71,7 +71,7 @@ pub(super) fn balance(
                 feed_forward: s.feed_forward,
             };
             let changes = spec.change.iter().filter_map(|c| Some((c.at, c.position.as_ref()?))).map(|(at, c)| {
-                let change = position::Change {
+                let change = position_balance::Change {
                     proportional: c.proportional,
                     damping: c.damping,
                     integral: c.integral,

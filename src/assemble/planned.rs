@@ -4,7 +4,7 @@ use crate::robot::Model;
 use crate::scenario::{Diagnostic, Run, SquatTask, WalkTask};
 use crate::task::Task;
 use crate::task::gait::Stride;
-use crate::task::kinematic::{NotPlannable, figure};
+use crate::task::kinematic::{NotPlannable, planned_robot};
 use crate::task::squat::{Shape, Squat};
 use crate::task::walk::Walk;
 use crate::text::suggest;
@@ -17,7 +17,7 @@ pub(super) fn squat(
     spec: &SquatTask,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Task>> {
-    plannable(run, path, "a foot", figure::check(model), errors)?;
+    plannable(run, path, "a foot", planned_robot::check(model), errors)?;
     let shape = Shape { depth: spec.depth, period: spec.period, repetitions: spec.repetitions, settle: spec.settle };
     Some(Box::new(Squat::new(model, shape, spec.feed_forward)))
 }
@@ -30,7 +30,7 @@ pub(super) fn walk(
     spec: &WalkTask,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Task>> {
-    plannable(run, path, "two feet", figure::check_biped(model), errors)?;
+    plannable(run, path, "two feet", planned_robot::check_biped(model), errors)?;
     let first = match &spec.first {
         None => 0,
         Some(name) => first_foot(run, model, path, name, errors)?,

@@ -2,13 +2,13 @@
 
 use crate::force::Force;
 use crate::force::profile::Profile;
-use crate::force::script::{Plan, ScriptForce};
 use crate::random::Stream;
 use crate::robot::Model;
 use crate::scenario::{ChangeSpec, Diagnostic, Run, ScriptForce as ForceSpec, ScriptTask as TaskSpec};
-use crate::script::{Named, Params, Purpose, Script};
+use crate::script::script_force::{Schedule, ScriptForce};
+use crate::script::script_task::ScriptTask;
+use crate::script::{Params, Purpose, RobotNames, Script};
 use crate::task::Task;
-use crate::task::script::ScriptTask;
 use std::collections::BTreeMap;
 
 /// The task of entry `i`; a script that cannot be loaded is an error where it is named.
@@ -36,8 +36,8 @@ pub(super) fn force(
 ) -> Option<Box<dyn Force>> {
     let script = load(run, model, &format!("force.{i}"), &spec.file, Purpose::Force, &spec.change, errors)?;
     let (params, changes) = parameters(&spec.params, &spec.change);
-    let plan = Plan { span, corners: spec.corners.clone(), params, changes };
-    Some(Box::new(ScriptForce::new(spec.file.clone(), script, Named::new(model), plan)))
+    let plan = Schedule { span, corners: spec.corners.clone(), params, changes };
+    Some(Box::new(ScriptForce::new(spec.file.clone(), script, RobotNames::new(model), plan)))
 }
 
 fn load(

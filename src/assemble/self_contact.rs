@@ -1,7 +1,7 @@
 //! Self-collision of a run.
 
 use crate::collision::avoidance::{Limits, Settings};
-use crate::collision::{Detector, LinkPose, place, shared};
+use crate::collision::{Detector, LinkPose, link_poses, shared_model};
 use crate::robot::{DriveMode, Joint, Model, Robot};
 use crate::scenario::{Diagnostic, JointLimits, Run};
 use crate::sim::self_contact::SelfContactSetup;
@@ -20,7 +20,7 @@ pub(super) fn self_contact(
     errors: &mut Vec<Diagnostic>,
 ) -> Option<SelfContactSetup> {
     let spec = run.scenario.self_collision.as_ref()?;
-    let collision = shared(model, &robot.self_collision);
+    let collision = shared_model(model, &robot.self_collision);
     if collision.pairs.is_empty() {
         notes.push(format!("`self_collision`: no two bodies of `{}` are watched", model.name));
     }
@@ -55,8 +55,8 @@ pub(super) fn self_contact(
     };
     let mut detector = Detector::new(&collision);
     let mut poses = vec![LinkPose::IDENTITY; model.links.len()];
-    place(model, &start.joints, &mut poses);
-    detector.place(&collision, &poses);
+    link_poses(model, &start.joints, &mut poses);
+    detector.set_poses(&collision, &poses);
     for pair in detector.colliding(&collision, spec.margin).to_vec() {
         let distance = detector.proximity(&collision, pair).distance;
         let [a, b] = collision.pairs[pair].bodies.map(|b| collision.bodies[b].name.as_str());

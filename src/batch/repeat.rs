@@ -14,7 +14,7 @@ use super::event::{Event, Work};
 use super::execute::Drained;
 use super::{Cancellation, Job, Plan, Reason, guard};
 use crate::assemble::setup;
-use crate::script::stoppable;
+use crate::script::interruptible;
 use crate::sim::{Blind, Outcome, Setup, Simulation};
 
 /// Repeats each of these runs as often as it asks for and tells `events` of it.
@@ -40,7 +40,7 @@ pub(super) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events: &Sender<E
 
 /// The times of one repetition; words when it did not come to its end, as when it was cancelled.
 fn time(job: &Job, cancellation: &Cancellation) -> Result<Lap, String> {
-    let done = stoppable(cancellation.shared(), || advance(job, cancellation.flag()));
+    let done = interruptible(cancellation.shared(), || advance(job, cancellation.flag()));
     // What is ended from outside may fail in any way.
     done.map_err(|message| match cancellation.reason() {
         Some(Reason::TimedOut) => format!("{}: it used up its wall-clock time", Outcome::TimedOut.name()),

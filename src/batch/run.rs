@@ -11,7 +11,7 @@ use crate::results::{
     Comparison, InputHash, LeftLog, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, hash_input,
     metric,
 };
-use crate::script::stoppable;
+use crate::script::interruptible;
 use crate::sim::{AvoidanceTime, Metrics, Outcome, Problems};
 
 /// How the body of a run ended.
@@ -71,7 +71,7 @@ pub(super) fn run(
     let wanted = wanted(job, options, &folder, against);
     let clock = Clock::start();
     let mut end = match &confined {
-        Ok(()) => guard::catch(|| stoppable(cancellation.shared(), || body(job, &wanted, cancellation.flag())))
+        Ok(()) => guard::catch(|| interruptible(cancellation.shared(), || body(job, &wanted, cancellation.flag())))
             .unwrap_or_else(End::error),
         // What it would leave could not be kept.
         Err(error) => End::error(error.to_string()),

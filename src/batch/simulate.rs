@@ -17,7 +17,7 @@ use crate::remote::{Address, Remote};
 use crate::results::{Comparator, ReferenceMotion};
 use crate::robot::{Model, Robot};
 use crate::scenario::{LogTopic, Run, host_and_port};
-use crate::script::stop_flag;
+use crate::script::interruption_flag;
 use crate::sim::commander::Commander;
 use crate::sim::estimate::EstimatorSetup;
 use crate::sim::remote::RemoteRun;
@@ -25,7 +25,7 @@ use crate::sim::setup::Floor;
 use crate::sim::{Observer, Outcome, Problems, Sample, Setup, SimEvent, Simulation, Snapshot, Stop};
 
 /// Simulates a job. Ends at the next step once `cancel` is set; scripts that are being loaded end too, if the caller made
-/// them [`stoppable`](crate::script::stoppable) by it.
+/// them [`interruptible`](crate::script::interruptible) by it.
 ///
 /// Where the scenario names a robot somewhere else, that one is driven instead of a simulated one.
 pub fn simulate(job: &Job, wanted: &Wanted, cancel: &AtomicBool) -> End {
@@ -53,7 +53,7 @@ pub fn simulate_for(
     make: impl FnOnce(&Setup, Option<Arc<AtomicBool>>) -> Result<Box<dyn Commander>, Stop>,
 ) -> End {
     drive(job, wanted, cancel, audience, |mut setup, observer, cancel| {
-        let commander = match make(&setup, stop_flag()) {
+        let commander = match make(&setup, interruption_flag()) {
             Ok(commander) => commander,
             Err(stop) => return End { outcome: stop.outcome, ..End::error(stop.message) },
         };
@@ -209,7 +209,7 @@ fn elsewhere(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &
     let (host, port) = spec.backend.as_deref().and_then(host_and_port).unwrap_or_default();
     let key = spec.backend_key.as_deref().map(|written| job.run.resolve(written));
     let connected = Address::read(host, port, key.as_deref())
-        .and_then(|address| Remote::connect(&address, &setup.model, rate, None, stop_flag()));
+        .and_then(|address| Remote::connect(&address, &setup.model, rate, None, interruption_flag()));
     let mut robot = match connected {
         Ok(robot) => robot,
         Err(error) => {

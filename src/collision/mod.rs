@@ -12,12 +12,12 @@ pub mod avoidance;
 pub mod detection;
 mod inspect;
 pub mod kinematics;
-mod shared;
+mod model_cache;
 pub mod spatial;
 
 pub use avoidance::Avoider;
 pub use detection::{Counts, Detector, Proximity};
 pub use inspect::inspect;
-pub use kinematics::{LinkPose, extrapolate, place};
-pub use shared::shared;
+pub use kinematics::{LinkPose, extrapolate, link_poses};
+pub use model_cache::shared_model;
 pub use spatial::{Body, CollisionModel, Pair};

@@ -4,7 +4,7 @@ use crate::console::commands::{COMMANDS, Kind, find};
 use crate::console::session::Session;
 use crate::export::column_names;
 use crate::scenario::{ForceSpec, TaskSpec};
-use crate::task::server::Stand;
+use crate::task::server::TaskState;
 
 /// Names that completion offers, taken from a session once after each command.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +23,8 @@ impl Session {
     pub fn names(&mut self) -> Names {
         let columns = self.shown(|_, log, _| Ok(column_names(log))).unwrap_or_default();
         let model = self.model();
-        let alive = self.simulation.tasks().stand().enumerate().filter(|(_, (_, _, stand))| *stand != Stand::Ended);
+        let alive =
+            self.simulation.tasks().states().enumerate().filter(|(_, (_, _, stand))| *stand != TaskState::Ended);
         Names {
             columns,
             joints: model.joints.iter().map(|joint| joint.name.clone()).collect(),

@@ -6,17 +6,17 @@ use crate::console::document::put;
 use crate::console::error::ConsoleError;
 use crate::console::session::Session;
 use crate::console::words::Words;
-use crate::task::server::Stand;
+use crate::task::server::TaskState;
 use crate::text::suggest;
 
 impl Session {
     pub(super) fn tasks(&self) -> String {
-        let tasks = self.simulation.tasks().stand().enumerate();
-        let line = |(i, (name, start, stand)): (usize, (&str, f64, Stand))| {
+        let tasks = self.simulation.tasks().states().enumerate();
+        let line = |(i, (name, start, stand)): (usize, (&str, f64, TaskState))| {
             let stand = match stand {
-                Stand::Waiting => "waits",
-                Stand::Running => "runs",
-                Stand::Ended => "has ended",
+                TaskState::Waiting => "waits",
+                TaskState::Running => "runs",
+                TaskState::Ended => "has ended",
             };
             format!("{i} {name}: {stand}, start {start} s\n")
         };
@@ -56,14 +56,14 @@ impl Session {
 
     /// The task that a word means: its number, or a type of which one has not ended.
     fn task(&self, word: &str) -> Result<usize, ConsoleError> {
-        let stands: Vec<_> = self.simulation.tasks().stand().map(|(_, _, stand)| stand).collect();
+        let stands: Vec<_> = self.simulation.tasks().states().map(|(_, _, stand)| stand).collect();
         if let Ok(number) = word.parse::<usize>() {
             let there = (number < stands.len()).then_some(number);
             return there.ok_or_else(|| ConsoleError::usage(format!("there is no task {number} (`tasks`)")));
         }
         let specs = self.run.scenario.task.iter();
         let kinds: Vec<&str> = specs.map(|spec| spec.type_name()).collect();
-        let alive = |i: &usize| kinds[*i] == word && stands.get(*i) != Some(&Stand::Ended);
+        let alive = |i: &usize| kinds[*i] == word && stands.get(*i) != Some(&TaskState::Ended);
         let found: Vec<usize> = (0..kinds.len()).filter(alive).collect();
         match found[..] {
             [only] => Ok(only),
@@ -78,15 +78,15 @@ impl Session {
         let word = words.need("a task, or `all`")?.to_owned();
         words.done()?;
         let numbers: Vec<usize> = if word == "all" {
-            let stands = self.simulation.tasks().stand().enumerate();
-            stands.filter(|(_, (_, _, stand))| *stand != Stand::Ended).map(|(i, _)| i).collect()
+            let stands = self.simulation.tasks().states().enumerate();
+            stands.filter(|(_, (_, _, stand))| *stand != TaskState::Ended).map(|(i, _)| i).collect()
         } else {
             vec![self.task(&word)?]
         };
         if numbers.is_empty() {
             return Err(ConsoleError::usage("no task runs or waits"));
         }
-        let ended = |i: &usize| self.simulation.tasks().stand().nth(*i).is_some_and(|(_, _, s)| s == Stand::Ended);
+        let ended = |i: &usize| self.simulation.tasks().states().nth(*i).is_some_and(|(_, _, s)| s == TaskState::Ended);
         if let Some(number) = numbers.iter().find(|i| ended(i)) {
             return Err(ConsoleError::usage(format!("task {number} has ended")));
         }

@@ -9,12 +9,12 @@
 //! with m(s) = s, or the minimum-jerk progress of [`crate::task::posture`], at rest in every waypoint. Before the first
 //! waypoint the point stands there, after the last one it stands at that.
 
-use crate::task::posture::minimum_jerk;
+use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::Vector3;
 
 /// How an anchor moves. World axes, m, s.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Path {
+pub enum AnchorPath {
     /// It stands.
     Still,
     /// It drifts with this velocity u, m/s.
@@ -40,12 +40,12 @@ pub enum Path {
 /// A moving point: its path from `origin` p0 at time `start` t0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Anchor {
-    /// p0, world, m. Not used by [`Path::Waypoints`].
+    /// p0, world, m. Not used by [`AnchorPath::Waypoints`].
     pub origin: Vector3<f64>,
     /// t0, s.
     pub start: f64,
     /// How it moves.
-    pub path: Path,
+    pub path: AnchorPath,
 }
 
 impl Anchor {
@@ -53,21 +53,21 @@ impl Anchor {
     pub fn at(&self, time: f64, within: f64) -> (Vector3<f64>, Vector3<f64>) {
         let t = time - self.start;
         match &self.path {
-            Path::Still => (self.origin, Vector3::zeros()),
-            Path::Line(velocity) => (self.origin + velocity * t, *velocity),
-            Path::Sine { amplitude, frequency, phase } => {
+            AnchorPath::Still => (self.origin, Vector3::zeros()),
+            AnchorPath::Line(velocity) => (self.origin + velocity * t, *velocity),
+            AnchorPath::Sine { amplitude, frequency, phase } => {
                 let rate = std::f64::consts::TAU * frequency;
                 let (sin, cos) = (rate * t + phase).sin_cos();
                 (self.origin + amplitude * sin, amplitude * (rate * cos))
             }
-            Path::Waypoints { knots, smooth } => follow(knots, *smooth, time, within),
+            AnchorPath::Waypoints { knots, smooth } => follow(knots, *smooth, time, within),
         }
     }
 
     /// Instants at which its velocity or a derivative of it jumps, s.
     pub fn corners(&self) -> impl Iterator<Item = f64> {
         let knots = match &self.path {
-            Path::Waypoints { knots, .. } => &knots[..],
+            AnchorPath::Waypoints { knots, .. } => &knots[..],
             _ => &[],
         };
         knots.iter().map(|(at, _)| *at)
@@ -93,11 +93,11 @@ mod tests {
         let p = |x, y| Vector3::new(x, y, 1.0);
         let knots = vec![(0.5, p(0.0, 0.0)), (1.0, p(1.0, 0.5)), (2.5, p(-1.0, 0.5))];
         let paths = [
-            Path::Still,
-            Path::Line(Vector3::new(1.0, -2.0, 0.5)),
-            Path::Sine { amplitude: Vector3::new(0.1, 0.0, 0.3), frequency: 1.5, phase: 0.4 },
-            Path::Waypoints { knots: knots.clone(), smooth: true },
-            Path::Waypoints { knots, smooth: false },
+            AnchorPath::Still,
+            AnchorPath::Line(Vector3::new(1.0, -2.0, 0.5)),
+            AnchorPath::Sine { amplitude: Vector3::new(0.1, 0.0, 0.3), frequency: 1.5, phase: 0.4 },
+            AnchorPath::Waypoints { knots: knots.clone(), smooth: true },
+            AnchorPath::Waypoints { knots, smooth: false },
         ];
         paths.map(|path| Anchor { origin: p(0.2, 0.3), start: 0.25, path }).into()
     }
@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn waypoints_are_met_from_both_sides() {
         for anchor in anchors() {
-            let Path::Waypoints { knots, smooth } = &anchor.path else { continue };
+            let AnchorPath::Waypoints { knots, smooth } = &anchor.path else { continue };
             for (at, point) in knots {
                 for within in [at - 0.1, at + 0.1] {
                     let (position, velocity) = anchor.at(*at, within);

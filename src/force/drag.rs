@@ -8,7 +8,7 @@
 //! one (Newton: `rho A C_d / 2`). The force acts at the point, so it turns nothing that the point does not move.
 
 use super::profile::Profile;
-use super::{Applied, Damper, Force, Scene};
+use super::{AppliedForces, Damper, Force, ForceContext};
 use crate::dynamics::jacobian;
 use crate::robot::LinkId;
 use nalgebra::Vector3;
@@ -30,33 +30,33 @@ pub struct Drag {
 
 impl Drag {
     /// Velocity w through the air of a world point, m/s, and by what it is resisted, N s/m.
-    fn meets(&self, scene: &Scene, link: LinkId, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
-        let relative = jacobian::point_velocity(scene.kinematics, link, point) - self.wind;
+    fn meets(&self, context: &ForceContext, link: LinkId, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
+        let relative = jacobian::point_velocity(context.kinematics, link, point) - self.wind;
         (relative, self.linear + self.quadratic * relative.norm())
     }
 }
 
 impl Force for Drag {
-    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
-        let strength = self.span.factor(scene.time, scene.within);
+    fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
+        let strength = self.span.factor(context.time, context.within);
         if strength == 0.0 {
             return;
         }
         for &(link, local) in &self.points {
-            let point = scene.kinematics.point(link, &local);
-            let (relative, coefficient) = self.meets(scene, link, &point);
+            let point = context.kinematics.point(link, &local);
+            let (relative, coefficient) = self.meets(context, link, &point);
             let force = relative * -coefficient;
-            applied.wrench(scene, link, &point, &force, &Vector3::zeros());
+            applied.wrench(context, link, &point, &force, &Vector3::zeros());
         }
     }
 
-    fn dampers(&self, scene: &Scene, damper: &mut dyn FnMut(Damper)) {
-        if self.span.factor(scene.time, scene.within) == 0.0 {
+    fn dampers(&self, context: &ForceContext, damper: &mut dyn FnMut(Damper)) {
+        if self.span.factor(context.time, context.within) == 0.0 {
             return;
         }
         for &(link, local) in &self.points {
-            let point = scene.kinematics.point(link, &local);
-            damper(Damper { link, point, coefficient: self.meets(scene, link, &point).1 });
+            let point = context.kinematics.point(link, &local);
+            damper(Damper { link, point, coefficient: self.meets(context, link, &point).1 });
         }
     }
 

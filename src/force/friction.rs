@@ -1,6 +1,6 @@
 //! `joint-friction`: friction in joints, by the law of [`crate::robot::Friction`], added to what the robot has.
 
-use super::{Applied, Force, Scene};
+use super::{AppliedForces, Force, ForceContext};
 use crate::robot::Friction;
 
 /// Friction of several joints, by their numbers.
@@ -15,17 +15,17 @@ impl Force for JointFriction {
         0
     }
 
-    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
-        let nb = scene.model.nb();
+    fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
+        let nb = context.model.nb();
         for (joint, friction) in &self.joints {
-            applied.joint(scene.model, *joint, friction.effort(scene.state.v[nb + joint]));
+            applied.joint(context.model, *joint, friction.effort(context.state.v[nb + joint]));
         }
     }
 
-    fn damping(&self, scene: &Scene, out: &mut [f64]) {
-        let nb = scene.model.nb();
+    fn damping(&self, context: &ForceContext, out: &mut [f64]) {
+        let nb = context.model.nb();
         for (joint, friction) in &self.joints {
-            out[nb + joint] += friction.secant(scene.state.v[nb + joint]);
+            out[nb + joint] += friction.secant(context.state.v[nb + joint]);
         }
     }
 }

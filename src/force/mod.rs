@@ -8,7 +8,6 @@ pub mod drag;
 pub mod friction;
 pub mod profile;
 pub mod random_pushes;
-pub mod script;
 pub mod spring;
 pub mod wrench;
 
@@ -18,7 +17,7 @@ use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 
 /// The instant at which forces are wanted.
-pub struct Scene<'a> {
+pub struct ForceContext<'a> {
     /// The robot.
     pub model: &'a Model,
     /// Positions and velocities.
@@ -33,7 +32,7 @@ pub struct Scene<'a> {
     pub within: f64,
 }
 
-impl Scene<'_> {
+impl ForceContext<'_> {
     /// Rotation of a link's internal frame and position of its origin, world.
     pub fn frame(&self, link: LinkId) -> (Matrix3<f64>, Vector3<f64>) {
         let l = &self.kinematics.links[link.0];
@@ -42,27 +41,27 @@ impl Scene<'_> {
 }
 
 /// Collects the forces of one instant.
-pub struct Applied<'a> {
+pub struct AppliedForces<'a> {
     tau: &'a mut [f64],
     arrows: &'a mut Vec<(Vector3<f64>, Vector3<f64>)>,
 }
 
-impl<'a> Applied<'a> {
+impl<'a> AppliedForces<'a> {
     /// Adds into the generalised force `tau` (nv) and lists force arrows (world point, force) in `arrows`.
     pub fn new(tau: &'a mut [f64], arrows: &'a mut Vec<(Vector3<f64>, Vector3<f64>)>) -> Self {
-        Applied { tau, arrows }
+        AppliedForces { tau, arrows }
     }
 
     /// A force (N) at a world point (m) of a link and a moment (N m), world axes.
     pub fn wrench(
         &mut self,
-        scene: &Scene,
+        context: &ForceContext,
         link: LinkId,
         point: &Vector3<f64>,
         force: &Vector3<f64>,
         moment: &Vector3<f64>,
     ) {
-        crate::dynamics::force::accumulate(scene.kinematics, link, point, force, moment, self.tau);
+        crate::dynamics::force::accumulate(context.kinematics, link, point, force, moment, self.tau);
         if *force != Vector3::zeros() {
             self.arrows.push((*point, *force));
         }
@@ -85,14 +84,14 @@ pub struct Damper {
     pub coefficient: f64,
 }
 
-/// Hears what a force model has to tell: kind, subject and words of an event.
-pub type Tell<'a> = dyn FnMut(&'static str, &str, String) + 'a;
+/// Hears what a force model has to report: kind, subject and words of an event.
+pub type ReportEvent<'a> = dyn FnMut(&'static str, &str, String) + 'a;
 
 /// An external force model.
 pub trait Force: Any + Send {
     /// Called first of all on a model that takes the place of `former` while the run goes on, at `time`: what that one has
     /// told is not told again, and neither is what is over.
-    fn succeed(&mut self, _former: &dyn Any, _time: f64) {}
+    fn continue_from(&mut self, _former: &dyn Any, _time: f64) {}
 
     /// The most forces that it lists at one instant: room is made for them before the run. A script's are not known.
     fn arrows(&self) -> usize {
@@ -103,24 +102,24 @@ pub trait Force: Any + Send {
     ///
     /// # Errors
     /// In words; they end the run with outcome `error`.
-    fn init(&mut self, _scene: &Scene) -> Result<(), String> {
+    fn init(&mut self, _scene: &ForceContext) -> Result<(), String> {
         Ok(())
     }
 
     /// Called at the start of the run and at each of the instants that are corners of any force model, before anything is
     /// evaluated beyond it: the time never goes back between two such calls.
-    fn pass(&mut self, _scene: &Scene, _tell: &mut Tell) {}
+    fn pass(&mut self, _scene: &ForceContext, _tell: &mut ReportEvent) {}
 
     /// Adds its forces at this instant, which may lie before or after that of the last call. Allocates nothing.
-    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied);
+    fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces);
 
     /// Adds to `out` (nv) by how much its generalised force falls per change of each velocity, N s/m or N m s: velocity-level
     /// steps take it at the end of the step. For forces that would else turn a motion round within one; not negative.
-    fn damping(&self, _scene: &Scene, _out: &mut [f64]) {}
+    fn damping(&self, _scene: &ForceContext, _out: &mut [f64]) {}
 
     /// Names the dampers that its forces hold between points of links and what does not follow the robot: as
     /// [`damping`](Self::damping), in all directions alike.
-    fn dampers(&self, _scene: &Scene, _damper: &mut dyn FnMut(Damper)) {}
+    fn dampers(&self, _scene: &ForceContext, _damper: &mut dyn FnMut(Damper)) {}
 
     /// Times at which its value or slope jumps, s.
     fn corners(&self) -> &[f64] {
@@ -134,8 +133,8 @@ pub trait Force: Any + Send {
 }
 
 /// Stands for an entry that acts in another way than by forces.
-pub struct Nothing;
+pub struct NoForce;
 
-impl Force for Nothing {
-    fn evaluate(&mut self, _: &Scene, _: &mut Applied) {}
+impl Force for NoForce {
+    fn evaluate(&mut self, _: &ForceContext, _: &mut AppliedForces) {}
 }

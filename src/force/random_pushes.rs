@@ -7,7 +7,7 @@
 
 use super::profile::{Profile, Shape};
 use super::wrench::Wrench;
-use super::{Applied, Force, Scene, Tell};
+use super::{AppliedForces, Force, ForceContext, ReportEvent};
 use crate::random::Stream;
 use crate::robot::LinkId;
 use nalgebra::Vector3;
@@ -117,7 +117,7 @@ impl Distribution {
 }
 
 impl Force for RandomPushes {
-    fn succeed(&mut self, former: &dyn Any, time: f64) {
+    fn continue_from(&mut self, former: &dyn Any, time: f64) {
         let Some(former) = former.downcast_ref::<RandomPushes>() else { return };
         let known = &former.pushes[..former.told];
         for push in &mut self.pushes {
@@ -134,24 +134,24 @@ impl Force for RandomPushes {
         (0..self.pushes.len()).map(together).max().unwrap_or(0)
     }
 
-    fn pass(&mut self, scene: &Scene, tell: &mut Tell) {
-        while let Some(push) = self.pushes.get_mut(self.told).filter(|p| p.at <= scene.time) {
+    fn pass(&mut self, context: &ForceContext, report: &mut ReportEvent) {
+        while let Some(push) = self.pushes.get_mut(self.told).filter(|p| p.at <= context.time) {
             if !std::mem::replace(&mut push.told, true) {
                 let [x, y, z] = push.wrench.force.into();
-                tell("push", &push.name, format!("({x:.3}, {y:.3}, {z:.3}) N for {:.4} s", push.end - push.at));
+                report("push", &push.name, format!("({x:.3}, {y:.3}, {z:.3}) N for {:.4} s", push.end - push.at));
             }
             self.told += 1;
         }
     }
 
-    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
+    fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
         // Those that have begun, latest first, back to where even the longest has ended.
-        let begun = self.pushes.partition_point(|p| p.at <= scene.within);
+        let begun = self.pushes.partition_point(|p| p.at <= context.within);
         for push in self.pushes[..begun].iter_mut().rev() {
-            if push.at + self.longest < scene.within {
+            if push.at + self.longest < context.within {
                 break;
             }
-            push.wrench.evaluate(scene, applied);
+            push.wrench.evaluate(context, applied);
         }
     }
 

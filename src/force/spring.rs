@@ -10,7 +10,7 @@
 
 use super::anchor::Anchor;
 use super::profile::{Profile, Shape};
-use super::{Applied, Damper, Force, Scene, Tell};
+use super::{AppliedForces, Damper, Force, ForceContext, ReportEvent};
 use crate::dynamics::jacobian;
 use crate::robot::LinkId;
 use nalgebra::Vector3;
@@ -70,14 +70,14 @@ impl Spring {
         point && origin && self.from_point == other.from_point && a.path == b.path
     }
 
-    fn point(&self, scene: &Scene) -> Vector3<f64> {
-        let (rotation, origin) = scene.frame(self.hold.link);
+    fn point(&self, context: &ForceContext) -> Vector3<f64> {
+        let (rotation, origin) = context.frame(self.hold.link);
         origin + rotation * self.hold.point
     }
 }
 
 impl Force for Spring {
-    fn succeed(&mut self, former: &dyn Any, _time: f64) {
+    fn continue_from(&mut self, former: &dyn Any, _time: f64) {
         let Some(former) = former.downcast_ref::<Spring>().filter(|former| former.held) else { return };
         self.held = true;
         self.anew = !self.is_where(former);
@@ -86,27 +86,27 @@ impl Force for Spring {
         }
     }
 
-    fn pass(&mut self, scene: &Scene, tell: &mut Tell) {
-        let holds = (self.start..self.end).contains(&scene.time);
+    fn pass(&mut self, context: &ForceContext, report: &mut ReportEvent) {
+        let holds = (self.start..self.end).contains(&context.time);
         if holds && (!self.held || self.anew) {
             if self.from_point {
-                (self.anchor.origin, self.anchor.start) = (self.point(scene), scene.time);
+                (self.anchor.origin, self.anchor.start) = (self.point(context), context.time);
             }
-            let [x, y, z] = self.anchor.at(scene.time, scene.within).0.into();
-            tell("spring", &self.hold.name, format!("attached to ({x:.4}, {y:.4}, {z:.4})"));
+            let [x, y, z] = self.anchor.at(context.time, context.within).0.into();
+            report("spring", &self.hold.name, format!("attached to ({x:.4}, {y:.4}, {z:.4})"));
         } else if self.held && !holds {
-            tell("spring", &self.hold.name, "released".into());
+            report("spring", &self.hold.name, "released".into());
         }
         (self.held, self.anew) = (holds, false);
     }
 
-    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
-        if self.span.factor(scene.time, scene.within) == 0.0 {
+    fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
+        if self.span.factor(context.time, context.within) == 0.0 {
             return;
         }
         let Hold { link, stiffness, damping, rest_length, .. } = self.hold;
-        let point = self.point(scene);
-        let (place, velocity) = self.anchor.at(scene.time, scene.within);
+        let point = self.point(context);
+        let (place, velocity) = self.anchor.at(context.time, context.within);
         let d = place - point;
         let length = d.norm();
         let elastic = match rest_length {
@@ -114,14 +114,14 @@ impl Force for Spring {
             rest if length > 0.0 => d * (stiffness * (1.0 - rest / length)),
             _ => Vector3::zeros(),
         };
-        let approach = velocity - jacobian::point_velocity(scene.kinematics, link, &point);
-        applied.wrench(scene, link, &point, &(elastic + approach * damping), &Vector3::zeros());
+        let approach = velocity - jacobian::point_velocity(context.kinematics, link, &point);
+        applied.wrench(context, link, &point, &(elastic + approach * damping), &Vector3::zeros());
     }
 
-    fn dampers(&self, scene: &Scene, damper: &mut dyn FnMut(Damper)) {
+    fn dampers(&self, context: &ForceContext, damper: &mut dyn FnMut(Damper)) {
         let Hold { link, damping, .. } = self.hold;
-        if damping > 0.0 && self.span.factor(scene.time, scene.within) != 0.0 {
-            damper(Damper { link, point: self.point(scene), coefficient: damping });
+        if damping > 0.0 && self.span.factor(context.time, context.within) != 0.0 {
+            damper(Damper { link, point: self.point(context), coefficient: damping });
         }
     }
 

@@ -1,7 +1,7 @@
 //! `push` and `constant`: a force and a moment on a link.
 
 use super::profile::Profile;
-use super::{Applied, Force, Scene};
+use super::{AppliedForces, Force, ForceContext};
 use crate::robot::LinkId;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -23,18 +23,18 @@ pub struct Wrench {
 }
 
 impl Force for Wrench {
-    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
-        let strength = self.profile.factor(scene.time, scene.within);
+    fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
+        let strength = self.profile.factor(context.time, context.within);
         if strength == 0.0 {
             return;
         }
-        let (rotation, origin) = scene.frame(self.link);
+        let (rotation, origin) = context.frame(self.link);
         let turn = |v: &Vector3<f64>| match &self.axes {
             Some(axes) => rotation * (axes * v),
             None => *v,
         };
         let (force, moment) = (turn(&self.force) * strength, turn(&self.moment) * strength);
-        applied.wrench(scene, self.link, &(origin + rotation * self.point), &force, &moment);
+        applied.wrench(context, self.link, &(origin + rotation * self.point), &force, &moment);
     }
 
     fn corners(&self) -> &[f64] {

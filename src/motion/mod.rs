@@ -7,6 +7,7 @@
 pub mod bvh;
 pub mod columns;
 pub mod limit;
+pub mod minimum_jerk;
 pub mod postures;
 pub mod spline;
 

@@ -29,7 +29,7 @@ pub enum Ends {
 
 /// Position, velocity and acceleration.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Point {
+pub struct TrajectoryPoint {
     /// rad or m.
     pub q: f64,
     /// Per s.
@@ -42,7 +42,7 @@ pub struct Point {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Spline {
     times: Vec<f64>,
-    knots: Vec<Point>,
+    knots: Vec<TrajectoryPoint>,
 }
 
 /// Integral of the squared jerk of a quintic on an interval of length 1, as a quadratic form of its end values.
@@ -87,7 +87,7 @@ impl Spline {
             }
             (n, Ends::Natural) => System::new(&times, values).part(0..n).solve(),
         };
-        let knots = values.iter().zip(derivatives).map(|(&q, d)| Point { q, v: d.x, a: d.y }).collect();
+        let knots = values.iter().zip(derivatives).map(|(&q, d)| TrajectoryPoint { q, v: d.x, a: d.y }).collect();
         Ok(Spline { times, knots })
     }
 
@@ -97,13 +97,13 @@ impl Spline {
     }
 
     /// The point at time `t`. `cursor` (0 at first) remembers the interval, so that going forward is quick.
-    pub fn at(&self, t: f64, cursor: &mut usize) -> Point {
+    pub fn at(&self, t: f64, cursor: &mut usize) -> TrajectoryPoint {
         let last = self.times.len() - 1;
         if t < self.times[0] || last == 0 {
-            return Point { q: self.knots[0].q, ..Point::default() };
+            return TrajectoryPoint { q: self.knots[0].q, ..TrajectoryPoint::default() };
         }
         if t > self.times[last] {
-            return Point { q: self.knots[last].q, ..Point::default() };
+            return TrajectoryPoint { q: self.knots[last].q, ..TrajectoryPoint::default() };
         }
         if *cursor >= last || t < self.times[*cursor] {
             *cursor = 0;
@@ -148,13 +148,13 @@ impl Spline {
 }
 
 /// The quintic with these ends on an interval of length h, at time t in it.
-pub fn quintic(from: &Point, to: &Point, h: f64, t: f64) -> Point {
+pub fn quintic(from: &TrajectoryPoint, to: &TrajectoryPoint, h: f64, t: f64) -> TrajectoryPoint {
     let d = to.q - from.q - h * (from.v + 0.5 * h * from.a);
     let v = (to.v - from.v - h * from.a) * h;
     let a = (to.a - from.a) * h * h;
     let s = t / h;
     let (c3, c4, c5) = (10.0 * d - 4.0 * v + 0.5 * a, -15.0 * d + 7.0 * v - a, 6.0 * d - 3.0 * v + 0.5 * a);
-    Point {
+    TrajectoryPoint {
         q: from.q + t * (from.v + 0.5 * t * from.a) + s * s * s * (c3 + s * (c4 + s * c5)),
         v: from.v + t * from.a + s * s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)) / h,
         a: from.a + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5)) / (h * h),

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 /// Something that a force model does to the robot.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Effect {
+pub enum ForceEntry {
     /// A force (N) at a point in the link's internal frame (m) and a moment (N m).
     Wrench {
         /// The link.
@@ -33,15 +33,15 @@ pub enum Effect {
 
 /// Joints and links of a robot by name.
 #[derive(Clone, Debug)]
-pub struct Named {
+pub struct RobotNames {
     joints: HashMap<String, usize>,
     links: HashMap<String, (LinkId, Isometry3<f64>)>,
 }
 
-impl Named {
+impl RobotNames {
     /// Those of a robot.
     pub fn new(model: &Model) -> Self {
-        Named {
+        RobotNames {
             joints: model.joints.iter().enumerate().map(|(i, j)| (j.name.clone(), i)).collect(),
             links: super::links(model).map(|(name, link, frame)| (name.to_owned(), (link, frame))).collect(),
         }
@@ -107,7 +107,7 @@ fn number(value: &Value) -> Option<f64> {
 }
 
 /// What the list that a force model answered does. Errors in words.
-pub(super) fn effects(answer: Value, named: &Named, effects: &mut Vec<Effect>) -> Result<(), String> {
+pub(super) fn effects(answer: Value, named: &RobotNames, effects: &mut Vec<ForceEntry>) -> Result<(), String> {
     let list = match &answer {
         Value::Nil => return Ok(()),
         Value::Table(list) => list,
@@ -130,7 +130,7 @@ pub(super) fn effects(answer: Value, named: &Named, effects: &mut Vec<Effect>) -
 
 const KEYS: [&str; 7] = ["link", "point", "force", "moment", "frame", "joint", "effort"];
 
-fn effect(entry: &Table, named: &Named) -> Result<Effect, String> {
+fn effect(entry: &Table, named: &RobotNames) -> Result<ForceEntry, String> {
     for pair in entry.pairs::<Value, Value>() {
         let (key, _) = pair.map_err(|e| e.to_string())?;
         let known = key.as_string().is_some_and(|k| KEYS.iter().any(|known| known.as_bytes() == &*k.as_bytes()));
@@ -145,7 +145,7 @@ fn effect(entry: &Table, named: &Named) -> Result<Effect, String> {
         let effort = get("effort")?;
         let value = number(&effort).filter(|x| x.is_finite());
         let effort = value.ok_or_else(|| format!("`effort` must be a finite number, not {}", shown(&effort)))?;
-        return Ok(Effect::Joint { joint: index, effort });
+        return Ok(ForceEntry::Joint { joint: index, effort });
     }
     let link = get("link")?;
     let name = link
@@ -159,7 +159,7 @@ fn effect(entry: &Table, named: &Named) -> Result<Effect, String> {
         Value::String(word) if word.as_bytes() == b"link" => true,
         other => return Err(format!("`frame` must be \"world\" or \"link\", not {}", shown(&other))),
     };
-    Ok(Effect::Wrench {
+    Ok(ForceEntry::Wrench {
         link: *id,
         point: (frame * Point3::from(vector("point", &get("point")?)?)).coords,
         force: vector("force", &get("force")?)?,

@@ -1,6 +1,6 @@
 //! What a script reads of the robot: which numbers, under which names, and where they come from.
 //!
-//! A new part is a line in [`of_tasks`], with the word that asks for it.
+//! A new part is a line in [`of_tasks`], with the word that requested_data for it.
 
 use crate::dynamics::{State, Workspace, body, jacobian};
 use crate::robot::{LinkId, Model};
@@ -81,7 +81,7 @@ fn vector<const N: usize>(path: [&str; N], read: impl Fn(&View) -> Vector3<f64> 
     field(path, Shape::List(3), move |view, out| out.copy_from_slice(read(view).as_slice()))
 }
 
-/// The words with which a script asks for parts, and what they mean to the task server.
+/// The words with which a script requested_data for parts, and what they mean to the task server.
 pub const PARTS: [(&str, Needs); 15] = [
     ("com", Needs::COM),
     ("com_jacobian", Needs::COM_JACOBIAN),

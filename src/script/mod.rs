@@ -6,20 +6,22 @@
 //! line and words.
 
 mod convert;
-mod error;
 pub mod fields;
+mod interruption;
 mod sandbox;
-mod stop;
+mod script_error;
+pub mod script_force;
+pub mod script_task;
 
-pub use convert::{Effect, Named};
-pub use error::ScriptError;
+pub use convert::{ForceEntry, RobotNames};
+pub(crate) use interruption::flag as interruption_flag;
+pub use interruption::interruptible;
 pub use sandbox::{BUDGET, BYTES, MEMORY};
-pub(crate) use stop::flag as stop_flag;
-pub use stop::stoppable;
+pub use script_error::ScriptError;
 
 use crate::random::Stream;
 use crate::robot::{DriveMode, LinkId, Model};
-use crate::task::{Command, Needs, Point};
+use crate::task::{Command, Needs, PointOfInterest};
 use fields::{Field, PARTS, Shape, TaskView, View};
 use mlua::{Buffer, Function, Table, Value};
 use nalgebra::{Isometry3, Vector3};
@@ -59,7 +61,7 @@ pub struct Script {
     input: Buffer,
     output: Buffer,
     shown: Buffer,
-    points: Vec<Point>,
+    points: Vec<PointOfInterest>,
     robot: Table,
     refill: Function,
     allow: Function,
@@ -70,7 +72,7 @@ pub struct Script {
     /// Tables that `refill` writes to and nobody else.
     filled: Vec<Table>,
     /// Tables that stand still between corners.
-    still: Vec<Table>,
+    locked: Vec<Table>,
 }
 
 /// How far through its life a script is: what it may do.
@@ -84,7 +86,7 @@ impl Script {
     /// Loads a script called `file` and runs its text once, up to the end of its definitions.
     ///
     /// # Errors
-    /// What the text does wrong; a missing `run`; parts or links it asks for that there are not.
+    /// What the text does wrong; a missing `run`; parts or links it requested_data for that there are not.
     pub fn load(file: &str, text: &str, purpose: Purpose, model: &Model, stream: Stream) -> Result<Self, ScriptError> {
         let sandbox = Sandbox::new(file)?;
         let wrong = |e: mlua::Error| ScriptError::read(file, &e);
@@ -98,7 +100,7 @@ impl Script {
         given.map_err(wrong)?;
         sandbox.close()?;
         sandbox.load(text)?;
-        let (needs, fields) = asks(&sandbox, file, purpose, model)?;
+        let (needs, fields) = requested_data(&sandbox, file, purpose, model)?;
         let numbers = fields.iter().map(|f| f.shape.size()).sum();
         let input = sandbox.lua.create_buffer(vec![0; 8 * numbers]).map_err(wrong)?;
         let output = sandbox.lua.create_buffer(vec![0; 8 * 6 * model.nj()]).map_err(wrong)?;
@@ -139,9 +141,9 @@ impl Script {
             points,
             needs,
             filled,
-            still: Vec::new(),
+            locked: Vec::new(),
         };
-        script.freeze();
+        script.lock_globals();
         Ok(script)
     }
 
@@ -151,7 +153,7 @@ impl Script {
     }
 
     /// The points it shows: those of its list `points`.
-    pub fn points(&self) -> &[Point] {
+    pub fn points(&self) -> &[PointOfInterest] {
         &self.points
     }
 
@@ -175,11 +177,11 @@ impl Script {
     fn prepare(&mut self, view: &View, function: Option<Function>, params: &Params) -> Result<bool, ScriptError> {
         let Some(function) = function else { return Ok(true) };
         self.show(view, Stage::Prepare)?;
-        self.still.drain(..).for_each(|table| table.set_readonly(false));
+        self.locked.drain(..).for_each(|table| table.set_readonly(false));
         let params = convert::params(&self.sandbox.lua, params).map_err(|e| self.sandbox.error(&e))?;
         let answer: Value = self.sandbox.call(&function, (self.robot.clone(), params))?;
-        self.freeze();
-        self.goes_on(&function, answer)
+        self.lock_globals();
+        self.continues(&function, answer)
     }
 
     /// Calls `run` of a task, which may change `command`. True: it wants to be run again.
@@ -188,11 +190,16 @@ impl Script {
         let answer: Value = self.sandbox.call(&self.run, self.robot.clone())?;
         self.read(command);
         self.read_points();
-        self.goes_on(&self.run, answer)
+        self.continues(&self.run, answer)
     }
 
     /// Calls `run` of a force model: what acts, in `effects`.
-    pub fn effects(&mut self, view: &View, named: &Named, effects: &mut Vec<Effect>) -> Result<(), ScriptError> {
+    pub fn effects(
+        &mut self,
+        view: &View,
+        named: &RobotNames,
+        effects: &mut Vec<ForceEntry>,
+    ) -> Result<(), ScriptError> {
         effects.clear();
         self.show(view, Stage::Run)?;
         let answer: Value = self.sandbox.call(&self.run, self.robot.clone())?;
@@ -204,7 +211,7 @@ impl Script {
         ScriptError::new(&self.file, function.info().line_defined, message)
     }
 
-    fn goes_on(&self, function: &Function, answer: Value) -> Result<bool, ScriptError> {
+    fn continues(&self, function: &Function, answer: Value) -> Result<bool, ScriptError> {
         match &answer {
             Value::Nil | Value::Boolean(true) => Ok(true),
             Value::Boolean(false) => Ok(false),
@@ -220,11 +227,11 @@ impl Script {
     }
 
     /// Forces are functions of time and state: between corners their globals stand still, and all tables in them.
-    fn freeze(&mut self) {
+    fn lock_globals(&mut self) {
         if self.purpose == Purpose::Force {
-            self.still = reach([self.sandbox.lua.globals()]);
-            self.still.retain(|table| !table.is_readonly());
-            self.still.iter().for_each(|table| table.set_readonly(true));
+            self.locked = reachable_tables([self.sandbox.lua.globals()]);
+            self.locked.retain(|table| !table.is_readonly());
+            self.locked.iter().for_each(|table| table.set_readonly(true));
         }
     }
 
@@ -279,25 +286,30 @@ impl Script {
 }
 
 /// The points that a task shows, by its list `points`; nowhere yet.
-fn points(sandbox: &Sandbox, file: &str, purpose: Purpose) -> Result<Vec<Point>, ScriptError> {
-    let names = words(sandbox, file, "points")?;
+fn points(sandbox: &Sandbox, file: &str, purpose: Purpose) -> Result<Vec<PointOfInterest>, ScriptError> {
+    let names = string_list(sandbox, file, "points")?;
     if purpose == Purpose::Force && !names.is_empty() {
         return Err(ScriptError::new(file, None, "`points` are shown by tasks, not by forces"));
     }
     if let Some(twice) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
         return Err(ScriptError::new(file, None, format!("`points` names \"{}\" twice", names[twice])));
     }
-    Ok(names.into_iter().map(|name| Point { name, position: None }).collect())
+    Ok(names.into_iter().map(|name| PointOfInterest { name, position: None }).collect())
 }
 
-/// The parts of the augmented data and all numbers that a script reads: those that every script has, and what it asks for
+/// The parts of the augmented data and all numbers that a script reads: those that every script has, and what it requested_data for
 /// in its lists `needs` and `links`.
-fn asks(sandbox: &Sandbox, file: &str, purpose: Purpose, model: &Model) -> Result<(Needs, Vec<Field>), ScriptError> {
+fn requested_data(
+    sandbox: &Sandbox,
+    file: &str,
+    purpose: Purpose,
+    model: &Model,
+) -> Result<(Needs, Vec<Field>), ScriptError> {
     let wrong = |message: String| ScriptError::new(file, None, message);
     let task = purpose == Purpose::Task;
     let parts = || PARTS.iter().filter(|(name, _)| task || *name == "com");
     let mut needs = Needs::NONE;
-    for word in words(sandbox, file, "needs")? {
+    for word in string_list(sandbox, file, "needs")? {
         let Some((_, part)) = parts().find(|(name, _)| *name == word) else {
             let help = crate::text::suggest(&word, parts().map(|(name, _)| *name).collect::<Vec<_>>());
             return Err(wrong(format!("`needs` has no part \"{word}\"; {help}")));
@@ -311,7 +323,7 @@ fn asks(sandbox: &Sandbox, file: &str, purpose: Purpose, model: &Model) -> Resul
     } else if needs.contains(Needs::COM) {
         fields.extend(fields::of_mass());
     }
-    for name in words(sandbox, file, "links")? {
+    for name in string_list(sandbox, file, "links")? {
         let Some((link, frame)) = model.link(&name) else {
             let help = crate::text::suggest(&name, links(model).map(|(name, ..)| name).collect::<Vec<_>>());
             return Err(wrong(format!("`links`: the robot `{}` has no link \"{name}\"; {help}", model.name)));
@@ -323,7 +335,7 @@ fn asks(sandbox: &Sandbox, file: &str, purpose: Purpose, model: &Model) -> Resul
 }
 
 /// A global list of words; none is an empty one.
-fn words(sandbox: &Sandbox, file: &str, list: &str) -> Result<Vec<String>, ScriptError> {
+fn string_list(sandbox: &Sandbox, file: &str, list: &str) -> Result<Vec<String>, ScriptError> {
     let value: Value = sandbox.lua.globals().get(list).map_err(|e| sandbox.error(&e))?;
     let shape = || ScriptError::new(file, None, format!("`{list}` must be a list of words"));
     match value {
@@ -334,7 +346,7 @@ fn words(sandbox: &Sandbox, file: &str, list: &str) -> Result<Vec<String>, Scrip
 }
 
 /// Tables that can be reached from these, themselves included.
-fn reach(from: impl IntoIterator<Item = Table>) -> Vec<Table> {
+fn reachable_tables(from: impl IntoIterator<Item = Table>) -> Vec<Table> {
     let (mut found, mut seen) = (Vec::new(), HashSet::new());
     let mut ahead: Vec<Table> = from.into_iter().collect();
     while let Some(table) = ahead.pop() {
@@ -362,7 +374,7 @@ fn close(inside: &Table) -> mlua::Result<Vec<Table>> {
     filled.retain(closed);
     filled.sort_by_key(Table::to_pointer);
     filled.dedup_by_key(|table| table.to_pointer());
-    reach([robot, kept]).iter().filter(|t| closed(t)).for_each(|table| table.set_readonly(true));
+    reachable_tables([robot, kept]).iter().filter(|t| closed(t)).for_each(|table| table.set_readonly(true));
     Ok(filled)
 }
 

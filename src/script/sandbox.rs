@@ -1,12 +1,12 @@
 //! An interpreter of its own for each script of each run, from which nothing of the machine can be reached.
 //!
 //! There are no files, no network, no clock, no other modules and no code made from strings. Memory is limited, and so
-//! is what one call may do: the interpreter asks at every call and every turn of a loop whether to go on, and what is
+//! is what one call may do: the interpreter requested_data at every call and every turn of a loop whether to go on, and what is
 //! counted is these questions, not time, so that a run ends at the same place everywhere. Library functions that go through
 //! long data count by its size (`counted.luau`), and so does memory as it is allocated.
 
-use super::error::ScriptError;
-use super::stop;
+use super::interruption;
+use super::script_error::ScriptError;
 use mlua::chunk::ChunkMode;
 use mlua::chunk::Compiler;
 use mlua::{FromLuaMulti, Function, IntoLuaMulti, Lua, LuaOptions, StdLib, VmState};
@@ -108,7 +108,7 @@ impl Sandbox {
     /// Closes the libraries to changes and sets the limits.
     pub fn close(&self) -> Result<(), ScriptError> {
         self.count().map_err(|e| self.error(&e))?;
-        let (meter, file, stop) = (self.meter.clone(), self.file.clone(), stop::flag());
+        let (meter, file, stop) = (self.meter.clone(), self.file.clone(), interruption::flag());
         let closed = self.lua.sandbox(true).and_then(|()| self.lua.set_memory_limit(2 * MEMORY));
         closed.map_err(|e| self.error(&e))?;
         self.lua.set_interrupt(move |lua| {

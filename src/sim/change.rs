@@ -162,7 +162,7 @@ impl Plant {
         }
         for (i, mut force) in change.forces.drain(..) {
             let former: &dyn Any = &*self.forces[i];
-            force.succeed(former, self.state.time);
+            force.continue_from(former, self.state.time);
             self.forces[i] = force;
             self.init_force(i)?;
         }

@@ -10,7 +10,7 @@
 
 use super::plant::Plant;
 use crate::dynamics::{DynamicsError, TreeMatrix, Workspace, crba, factor};
-use crate::force::{Damper, Force, Scene};
+use crate::force::{Damper, Force, ForceContext};
 use crate::robot::LinkId;
 use nalgebra::Vector3;
 
@@ -37,13 +37,13 @@ impl Dampers {
     }
 
     /// Those of all force models for a step of size `dt`.
-    pub(super) fn gather(&mut self, forces: &[Box<dyn Force>], scene: &Scene, dt: f64) {
+    pub(super) fn gather(&mut self, forces: &[Box<dyn Force>], context: &ForceContext, dt: f64) {
         let mut add = |d: Damper| {
             if d.coefficient > 0.0 {
                 self.points.push((d.link, d.point, dt * d.coefficient));
             }
         };
-        forces.iter().for_each(|force| force.dampers(scene, &mut add));
+        forces.iter().for_each(|force| force.dampers(context, &mut add));
     }
 
     /// The matrix; none when there are no dampers.

@@ -23,7 +23,7 @@ impl Simulation {
         }
         let has = self.loads.len();
         self.loads.add(setup.loads.into_iter().skip(has));
-        self.tasks.go_on_as(setup.tasks);
+        self.tasks.extend_with(setup.tasks);
         self.changes.truncate(self.happened);
         self.changes.extend(setup.changes.into_iter().skip(self.happened));
         self.saved.resize_with(setup.saved_states, || Saved::new(&self.plant, &self.anchors));

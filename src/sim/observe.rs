@@ -9,7 +9,7 @@ use crate::dynamics::body;
 use crate::geometry::stable_point::Edge;
 use crate::geometry::{convex_hull, stable_point};
 use crate::robot::{DriveMode, Model};
-use crate::task::{Point, Sensed, TaskServer};
+use crate::task::{PointOfInterest, Sensed, TaskServer};
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::fmt::Write;
 
@@ -137,14 +137,14 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
 }
 
 /// The points that tasks show, nowhere yet.
-pub(super) fn blank_points(tasks: &TaskServer) -> Vec<Point> {
-    let mut points: Vec<Point> = Vec::new();
+pub(super) fn blank_points(tasks: &TaskServer) -> Vec<PointOfInterest> {
+    let mut points: Vec<PointOfInterest> = Vec::new();
     for (name, _) in tasks.points() {
         // Two tasks may have a point of one name.
         let taken = |name: &str| points.iter().any(|point| point.name == name);
         let names = std::iter::once(name.to_owned()).chain((2..).map(|n| format!("{name}.{n}")));
         let free = names.into_iter().find(|name| !taken(name)).unwrap_or_default();
-        points.push(Point::named(free));
+        points.push(PointOfInterest::named(free));
     }
     points
 }

@@ -19,7 +19,7 @@ use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::state::States;
 use crate::contact::search::candidate::{Solution, share_static};
 use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
-use crate::force::{Applied, Force, Scene, Tell};
+use crate::force::{AppliedForces, Force, ForceContext, ReportEvent};
 use crate::integrate::System;
 use crate::robot::{LinkId, Model, RigidInertia, SoleId};
 use crate::task::Command;
@@ -283,7 +283,7 @@ impl Plant {
         self.external.fill(0.0);
         self.arrows.clear();
         self.dampers.clear();
-        let scene = Scene {
+        let context = ForceContext {
             model: &self.model,
             state: &self.state,
             kinematics: &self.ws,
@@ -292,15 +292,15 @@ impl Plant {
             time: if dt.is_some() { self.within } else { self.state.time },
             within: self.within,
         };
-        let mut applied = Applied::new(&mut self.external, &mut self.arrows);
+        let mut applied = AppliedForces::new(&mut self.external, &mut self.arrows);
         for force in &mut self.forces {
-            force.evaluate(&scene, &mut applied);
+            force.evaluate(&context, &mut applied);
         }
         if let Some(dt) = dt {
             self.external_give.fill(0.0);
-            self.forces.iter().for_each(|force| force.damping(&scene, &mut self.external_give));
+            self.forces.iter().for_each(|force| force.damping(&context, &mut self.external_give));
             self.external_give.iter_mut().for_each(|give| *give *= dt);
-            self.dampers.gather(&self.forces, &scene, dt);
+            self.dampers.gather(&self.forces, &context, dt);
         }
         self.tau.copy_from_slice(&self.external);
         for (tau, (servo, passive)) in self.tau[nb..].iter_mut().zip(self.servo.iter().zip(&self.passive)) {
@@ -323,7 +323,7 @@ impl Plant {
     /// Calls `init` of one force model at the present state, whose kinematics it brings up to date.
     pub(super) fn init_force(&mut self, i: usize) -> Result<(), String> {
         self.move_links();
-        let scene = Scene {
+        let context = ForceContext {
             model: &self.model,
             state: &self.state,
             kinematics: &self.ws,
@@ -331,13 +331,13 @@ impl Plant {
             time: self.state.time,
             within: self.within,
         };
-        self.forces[i].init(&scene)
+        self.forces[i].init(&context)
     }
 
     /// Calls every force model's `pass` at the present state, whose kinematics it brings up to date.
-    pub(super) fn pass_forces(&mut self, tell: &mut Tell) {
+    pub(super) fn pass_forces(&mut self, tell: &mut ReportEvent) {
         self.move_links();
-        let scene = Scene {
+        let context = ForceContext {
             model: &self.model,
             state: &self.state,
             kinematics: &self.ws,
@@ -346,7 +346,7 @@ impl Plant {
             // The piece that begins here.
             within: self.state.time,
         };
-        self.forces.iter_mut().for_each(|force| force.pass(&scene, tell));
+        self.forces.iter_mut().for_each(|force| force.pass(&context, tell));
     }
 
     fn finish_free(&mut self) {

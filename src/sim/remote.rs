@@ -14,7 +14,7 @@ use crate::contact::model::state::SoleState;
 use crate::dynamics::State;
 use crate::dynamics::chain::FrameMotion;
 use crate::robot::Model;
-use crate::task::server::Situation;
+use crate::task::server::TickInput;
 use crate::task::{Augmented, Command, Needs, Sensed, TaskServer};
 use nalgebra::{Isometry3, Translation3, Vector3};
 use std::fmt::Write;
@@ -182,7 +182,7 @@ impl RemoteRun {
         let time = sensed.time;
         let due = time + 1e-9 * self.tasks.period();
         self.ends.iter().filter(|(at, _)| *at <= due).for_each(|(_, task)| self.tasks.end(*task));
-        let situation = Situation {
+        let situation = TickInput {
             model: &self.model,
             gravity: self.gravity,
             floor: self.floor.plane(),

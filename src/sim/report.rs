@@ -5,7 +5,7 @@ use super::ledger::Balance;
 use crate::contact::model::frozen::Frozen;
 use crate::contact::model::residual::Residual;
 use crate::contact::model::state::SoleState;
-use crate::task::Point;
+use crate::task::PointOfInterest;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 /// The state of a run at one logged instant. World axes, SI units.
@@ -44,7 +44,7 @@ pub struct Snapshot {
     /// Point of optimal stability of that hull on the floor plane, see [`crate::geometry::stable_point`]; none in flight.
     pub stable_point: Option<Vector3<f64>>,
     /// Points that tasks show, always the same ones.
-    pub points: Vec<Point>,
+    pub points: Vec<PointOfInterest>,
     /// One per sole, in the model's order.
     pub soles: Vec<SoleSnapshot>,
     /// External forces now acting: point, force.

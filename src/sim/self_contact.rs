@@ -14,8 +14,8 @@ use std::sync::Arc;
 use super::error::Stop;
 use super::report::{AvoidanceTime, Metrics, Observer, Outcome, SelfContactSnapshot, SimEvent};
 use super::simulation::Simulation;
-use crate::collision::avoidance::{self, Asked, Avoider, Settings};
-use crate::collision::{CollisionModel, Detector, LinkPose, place};
+use crate::collision::avoidance::{self, Avoider, JointCommands, Settings};
+use crate::collision::{CollisionModel, Detector, LinkPose, link_poses};
 use crate::dynamics::{State, Workspace};
 use crate::robot::{DriveMode, Model};
 use crate::task::Command;
@@ -91,19 +91,19 @@ impl SelfContact {
         for (follows, mode) in self.follows.iter_mut().zip(&command.mode) {
             *follows = matches!(mode, DriveMode::Position | DriveMode::Kinematic);
         }
-        let mut asked = Asked {
+        let mut asked = JointCommands {
             follows: &self.follows,
             measured: &self.measured.0,
             rates: &self.measured.1,
             position: &mut command.position,
             velocity: &mut command.velocity,
         };
-        let cycles = avoider.tally.cycles;
+        let cycles = avoider.statistics.cycles;
         avoider.tick(model, state.time, &mut asked);
         // Not every system has a clock per thread; NaN says so.
         let spent = clock.and_then(|c| c.try_elapsed().ok()).map_or(f64::NAN, |d| d.as_secs_f64());
         self.spent.total_s += spent;
-        if avoider.tally.cycles > cycles {
+        if avoider.statistics.cycles > cycles {
             self.spent.cycles_s += spent;
         }
     }
@@ -138,8 +138,8 @@ impl SelfContact {
 
     /// Least distance in a posture, m; infinite without pairs.
     fn test(&mut self, model: &Model, q: &[f64]) -> f64 {
-        place(model, q, &mut self.poses);
-        self.detector.place(&self.collision, &self.poses);
+        link_poses(model, q, &mut self.poses);
+        self.detector.set_poses(&self.collision, &self.poses);
         self.tested.copy_from_slice(q);
         self.least = self.detector.closest(&self.collision, f64::INFINITY).map_or(f64::INFINITY, |p| p.distance);
         self.least
@@ -147,14 +147,14 @@ impl SelfContact {
 
     /// Fills a snapshot with the posture of `ws`.
     pub fn fill(&mut self, model: &Model, state: &State, ws: &Workspace, out: &mut SelfContactSnapshot) {
-        place(model, &state.joints, &mut self.poses);
-        self.detector.place(&self.collision, &self.poses);
+        link_poses(model, &state.joints, &mut self.poses);
+        self.detector.set_poses(&self.collision, &self.poses);
         let nearest = self.detector.closest(&self.collision, f64::INFINITY);
         let world = |p| ws.links[0].rotation * p + ws.links[0].origin + ws.position;
         out.nearest = nearest.map(|p| (p.distance, p.pair, world(p.on_a), world(p.on_b)));
         if let Some(avoider) = &self.avoider {
-            (out.cycles, out.tests) = (avoider.tally.cycles, avoider.tally.tests_last);
-            out.frozen.copy_from_slice(avoider.frozen());
+            (out.cycles, out.tests) = (avoider.statistics.cycles, avoider.statistics.tests_last);
+            out.frozen.copy_from_slice(avoider.stopped());
             out.wanted.iter_mut().enumerate().for_each(|(j, w)| *w = avoider.wanted(j));
         }
     }
@@ -176,7 +176,7 @@ impl SelfContact {
         m.min_self_distance_m = Some(self.smallest).filter(|d| d.is_finite());
         m.self_collisions = Some(self.collisions);
         m.self_near_s = Some(self.near);
-        let Some(tally) = self.avoider.as_ref().map(|a| &a.tally) else { return };
+        let Some(tally) = self.avoider.as_ref().map(|a| &a.statistics) else { return };
         m.avoidance_cycles = Some(tally.cycles);
         m.avoidance_early_cycles = Some(tally.early);
         m.avoidance_blocked_cycles = Some(tally.blocked);

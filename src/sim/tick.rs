@@ -4,7 +4,7 @@ use super::error::Stop;
 use super::report::{Observer, Outcome, SimEvent};
 use super::simulation::Simulation;
 use crate::task::Needs;
-use crate::task::server::Situation;
+use crate::task::server::TickInput;
 
 impl Simulation {
     /// A control tick: reads the sensors, has it decided what the joints are asked, and passes that on.
@@ -40,7 +40,7 @@ impl Simulation {
     fn call_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         let time = self.plant.state.time;
         let plant = &self.plant;
-        let situation = Situation {
+        let situation = TickInput {
             model: &plant.model,
             gravity: plant.gravity,
             floor: plant.floor.plane(),

@@ -4,9 +4,9 @@
 //! Velocities are central differences of the samples, so none is greater than the greatest step between two samples over
 //! the time between them.
 
-use super::fade::Fade;
+use super::blend_in::BlendIn;
 use super::{Command, Context, Status, Task, TaskResult};
-use crate::motion::spline::Point;
+use crate::motion::spline::TrajectoryPoint;
 use crate::robot::JointId;
 
 /// See the module.
@@ -19,20 +19,20 @@ pub struct Mocap {
     start: f64,
     /// Time of the first sample: the first tick.
     first: f64,
-    fade: Fade,
+    fade: BlendIn,
 }
 
 impl Mocap {
     /// Follows samples taken `rate` times a second, at the ticks from the first on; `blend`: s that the command before takes to fade.
     pub fn new(joints: Vec<(JointId, Vec<f64>)>, rate: f64, blend: f64) -> Self {
-        Mocap { fade: Fade::new(blend, joints.len()), joints, rate, start: 0.0, first: 0.0 }
+        Mocap { fade: BlendIn::new(blend, joints.len()), joints, rate, start: 0.0, first: 0.0 }
     }
 
-    fn point(&self, i: usize, at: usize) -> Point {
+    fn point(&self, i: usize, at: usize) -> TrajectoryPoint {
         let samples = &self.joints[i].1;
         let sample = |k: usize| samples[k.min(samples.len() - 1)];
         let (before, after) = (sample(at.saturating_sub(1)), sample(at + 1));
-        Point { q: sample(at), v: 0.5 * (after - before) * self.rate, a: 0.0 }
+        TrajectoryPoint { q: sample(at), v: 0.5 * (after - before) * self.rate, a: 0.0 }
     }
 }
 

@@ -2,25 +2,23 @@
 //!
 //! As in the paper's section II.B a task has an initialisation, a run and a change function. Tasks of a scenario start and
 //! end by time; where several drive the same joint at once, the one later in the file wins. A task that has ended leaves
-//! its joints where it last put them; what else is left of it, and what an earlier one does then, say [`layers`].
+//! its joints where it last put them; what else is left of it, and what an earlier one does then, say [`handover`].
 //!
 //! Besides the state of the robot a task is given [`Augmented`] data: Jacobians, the centre of mass and so on. Each part
 //! is computed only in ticks at which a task asks for it by its [`Needs`].
 
 pub mod augmented;
 pub mod balance;
+pub mod blend_in;
 pub mod command;
-pub mod fade;
 pub mod gait;
-pub mod glide;
+pub mod handover;
 pub mod kinematic;
-pub mod layers;
 pub mod mocap;
 pub mod needs;
 pub mod playback;
-pub mod point;
+pub mod point_of_interest;
 pub mod posture;
-pub mod script;
 pub mod sensed;
 pub mod server;
 pub mod sine;
@@ -30,7 +28,7 @@ pub mod walk;
 pub use augmented::Augmented;
 pub use command::Command;
 pub use needs::Needs;
-pub use point::Point;
+pub use point_of_interest::PointOfInterest;
 pub use sensed::Sensed;
 pub use server::TaskServer;
 
@@ -79,7 +77,7 @@ impl Context<'_> {
 
 /// Is something that lasts `duration` seconds over `t` seconds after its start? A tick whose time is the end's but for rounding
 /// is the end.
-pub fn over(t: f64, duration: f64) -> bool {
+pub fn has_elapsed(t: f64, duration: f64) -> bool {
     t >= duration - 1e-9
 }
 
@@ -116,10 +114,10 @@ pub trait Task: Any + Send {
 
     /// Takes over the changes of `newer`, which was made from the same entry with changes added at its end. Those that were
     /// made already stay as they are.
-    fn succeed(&mut self, _newer: Box<dyn Task>) {}
+    fn adopt_changes(&mut self, _newer: Box<dyn Task>) {}
 
     /// Do the modes and efforts it sets hold only as long as it lasts? It then sets them at every tick.
-    fn lends(&self) -> bool {
+    fn is_temporary(&self) -> bool {
         false
     }
 
@@ -129,7 +127,7 @@ pub trait Task: Any + Send {
     }
 
     /// The points it shows, always the same ones in the same order; where they are may change with every call.
-    fn points(&self) -> &[Point] {
+    fn points(&self) -> &[PointOfInterest] {
         &[]
     }
 
@@ -138,6 +136,6 @@ pub trait Task: Any + Send {
 }
 
 /// A task of a certain type, if it is one.
-fn of_type<T: Task>(task: Box<dyn Task>) -> Option<Box<T>> {
+pub(crate) fn of_type<T: Task>(task: Box<dyn Task>) -> Option<Box<T>> {
     (task as Box<dyn Any>).downcast().ok()
 }

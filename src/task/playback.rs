@@ -7,10 +7,10 @@
 //! m: curves of least jerk, see [`crate::motion::spline`]; s: the motion's own time, the integral of a speed that goes over
 //! to new values without a jump; e: what is left of the command before, see [`super::fade`].
 
-use super::fade::Fade;
-use super::glide::Glide;
-use super::{Command, Context, Status, Task, TaskResult, over};
-use crate::motion::spline::{Point, Spline};
+use super::blend_in::BlendIn;
+use super::{Command, Context, Status, Task, TaskResult, has_elapsed};
+use crate::motion::minimum_jerk::SmoothTransition;
+use crate::motion::spline::{Spline, TrajectoryPoint};
 use crate::robot::JointId;
 
 /// See the module.
@@ -25,10 +25,10 @@ pub struct Playback {
     times: Vec<f64>,
     speeds: Vec<f64>,
     start: f64,
-    speed: Glide,
+    speed: SmoothTransition,
     /// The motion's time when its speed last changed, s.
     passed: f64,
-    fade: Fade,
+    fade: BlendIn,
 }
 
 impl Playback {
@@ -43,13 +43,13 @@ impl Playback {
             cursors: vec![0; joints.len()],
             span: (first, last),
             repeat: repeat && last > first,
-            fade: Fade::new(blend, joints.len()),
+            fade: BlendIn::new(blend, joints.len()),
             joints,
             blend,
             times,
             speeds,
             start: 0.0,
-            speed: Glide::constant(speed, 0.0),
+            speed: SmoothTransition::constant(speed, 0.0),
             passed: 0.0,
         }
     }
@@ -62,16 +62,16 @@ impl Playback {
     }
 
     /// Joint number `i` at the motion's time `s`, by simulated time.
-    fn point(&mut self, i: usize, s: f64, time: f64) -> Point {
+    fn point(&mut self, i: usize, s: f64, time: f64) -> TrajectoryPoint {
         let m = self.joints[i].1.at(s, &mut self.cursors[i]);
-        Point { v: self.speed.value(time) * m.v, ..m }
+        TrajectoryPoint { v: self.speed.value(time) * m.v, ..m }
     }
 }
 
 impl Task for Playback {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
         self.start = context.start;
-        self.speed = Glide::constant(self.speed.value(0.0), self.start);
+        self.speed = SmoothTransition::constant(self.speed.value(0.0), self.start);
         for i in 0..self.joints.len() {
             let point = self.point(i, 0.0, self.start);
             self.fade.begin(i, self.joints[i].0, command, &point);
@@ -82,7 +82,7 @@ impl Task for Playback {
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
         let s = self.motion_time(context.time);
-        let over = !self.repeat && over(s, self.span.1) && self.fade.is_over(t);
+        let over = !self.repeat && has_elapsed(s, self.span.1) && self.fade.is_over(t);
         for i in 0..self.joints.len() {
             let joint = self.joints[i].0;
             let point = self.point(i, if over { self.span.1 } else { s }, context.time);
@@ -100,7 +100,7 @@ impl Task for Playback {
         Ok(Status::Running)
     }
 
-    fn succeed(&mut self, newer: Box<dyn Task>) {
+    fn adopt_changes(&mut self, newer: Box<dyn Task>) {
         if let Some(newer) = super::of_type::<Self>(newer) {
             self.times = newer.times;
             self.speeds = newer.speeds;

@@ -1,30 +1,30 @@
 //! Starts, runs, changes and ends the tasks of a scenario.
 
-use super::layers::{Layers, Loan};
+use super::handover::{Handover, TemporaryEfforts};
 use super::{Augmented, Command, Context, Needs, Sensed, Status, Task};
 use crate::dynamics::State;
 use crate::geometry::Plane;
 use crate::robot::Model;
 use nalgebra::Vector3;
 
-struct Slot {
+struct TaskSlot {
     start: f64,
     task: Box<dyn Task>,
     begun: bool,
     ended: bool,
     /// Is it to end at the next tick, whatever it says itself?
-    dismissed: bool,
+    end_requested: bool,
     /// Parameter changes made so far.
     changed: usize,
-    loan: Loan,
+    temporary: TemporaryEfforts,
 }
 
 /// The tasks of one run and the command they have produced.
 pub struct TaskServer {
-    slots: Vec<Slot>,
+    slots: Vec<TaskSlot>,
     /// What the joints are asked now.
     pub command: Command,
-    layers: Layers,
+    handover: Handover,
     augmented: Augmented,
     rate: f64,
     tick: u64,
@@ -36,7 +36,7 @@ pub struct TaskServer {
 
 /// What a task is doing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Stand {
+pub enum TaskState {
     /// Its time has not come.
     Waiting,
     /// It is called at every tick.
@@ -46,7 +46,7 @@ pub enum Stand {
 }
 
 /// The robot at a tick.
-pub struct Situation<'a> {
+pub struct TickInput<'a> {
     /// The robot.
     pub model: &'a Model,
     /// Free fall in world axes, m/s^2.
@@ -64,7 +64,7 @@ impl TaskServer {
     pub fn new(rate: f64, model: &Model, command: Command) -> Self {
         TaskServer {
             slots: Vec::new(),
-            layers: Layers::new(&command),
+            handover: Handover::new(&command),
             command,
             augmented: Augmented::new(model),
             rate,
@@ -98,35 +98,43 @@ impl TaskServer {
 
     /// Adds a task that begins at the first tick at or after `start` seconds, its own time 0. Later ones win where they overlap.
     pub fn add(&mut self, start: f64, task: Box<dyn Task>) {
-        let loan = Loan::new(self.command.mode.len());
-        self.slots.push(Slot { start, task, begun: false, ended: false, dismissed: false, changed: 0, loan });
+        let temporary = TemporaryEfforts::new(self.command.mode.len());
+        self.slots.push(TaskSlot {
+            start,
+            task,
+            begun: false,
+            ended: false,
+            end_requested: false,
+            changed: 0,
+            temporary,
+        });
     }
 
     /// Ends a task, by the order in which they were added, at the next tick. One that has not begun never does.
     pub fn end(&mut self, number: usize) {
         if let Some(slot) = self.slots.get_mut(number) {
-            slot.dismissed = true;
+            slot.end_requested = true;
             slot.ended |= !slot.begun;
         }
     }
 
     /// Goes on as the server of a scenario that has more tasks at its end, and more changes at the end of those it had.
-    pub fn go_on_as(&mut self, newer: TaskServer) {
+    pub fn extend_with(&mut self, newer: TaskServer) {
         for (i, slot) in newer.slots.into_iter().enumerate() {
             match self.slots.get_mut(i) {
-                Some(own) => own.task.succeed(slot.task),
+                Some(own) => own.task.adopt_changes(slot.task),
                 None => self.slots.push(slot),
             }
         }
     }
 
     /// How the tasks stand: names, starts, and what each is doing.
-    pub fn stand(&self) -> impl Iterator<Item = (&str, f64, Stand)> {
+    pub fn states(&self) -> impl Iterator<Item = (&str, f64, TaskState)> {
         self.slots.iter().map(|slot| {
             let stand = match (slot.begun, slot.ended) {
-                (_, true) => Stand::Ended,
-                (true, false) => Stand::Running,
-                (false, false) => Stand::Waiting,
+                (_, true) => TaskState::Ended,
+                (true, false) => TaskState::Running,
+                (false, false) => TaskState::Waiting,
             };
             (slot.task.name(), slot.start, stand)
         })
@@ -141,12 +149,12 @@ impl TaskServer {
         if self.always {
             return Some(self.tick as f64 / self.rate);
         }
-        let due = |s: &Slot| {
+        let due = |s: &TaskSlot| {
             let earliest = if s.begun { 0 } else { (s.start * self.rate - 1e-9).ceil().max(0.0) as u64 };
             earliest.max(self.tick) as f64 / self.rate
         };
         let next = self.tick as f64 / self.rate;
-        let fades = (next < self.layers.until() + self.period()).then_some(next);
+        let fades = (next < self.handover.until() + self.period()).then_some(next);
         self.slots.iter().filter(|s| !s.ended).map(due).chain(fades).min_by(f64::total_cmp)
     }
 
@@ -169,11 +177,11 @@ impl TaskServer {
     ///
     /// # Errors
     /// The words of the first task that failed, with its name.
-    pub fn run(&mut self, now: &Situation, mut report: impl FnMut(&str, &str)) -> Result<(), String> {
+    pub fn run(&mut self, now: &TickInput, mut report: impl FnMut(&str, &str)) -> Result<(), String> {
         let time = now.state.time;
         self.tick = (time * self.rate).round() as u64 + 1;
         let soon = time + 1e-9 / self.rate;
-        let active = |s: &Slot| !s.ended && s.start <= soon;
+        let active = |s: &TaskSlot| !s.ended && s.start <= soon;
         let needs = self.needs(time);
         self.augmented.update(now.model, now.state, now.sensed, &now.gravity, &now.floor, needs);
         let mut context = Context {
@@ -186,24 +194,24 @@ impl TaskServer {
             sensed: now.sensed,
             data: &self.augmented,
         };
-        self.layers.begin(time, &mut self.command);
+        self.handover.begin(time, &mut self.command);
         for slot in self.slots.iter_mut().filter(|s| active(s)) {
             context.start = slot.start;
-            self.layers.before(&self.command);
+            self.handover.before(&self.command);
             let ended = slot.call(&context, &mut self.command, soon, &mut report);
             slot.ended = ended.map_err(|why| format!("task {}: {why}", slot.task.name()))?;
-            let loan = slot.task.lends().then_some(&mut slot.loan);
-            self.layers.after(loan, slot.ended, time, &mut self.command);
+            let temporary = slot.task.is_temporary().then_some(&mut slot.temporary);
+            self.handover.after(temporary, slot.ended, time, &mut self.command);
             if slot.ended {
                 report("ends", slot.task.name());
             }
         }
-        self.layers.end(time, &mut self.command);
+        self.handover.end(time, &mut self.command);
         Ok(())
     }
 }
 
-impl Slot {
+impl TaskSlot {
     /// Everything that is due at a tick; is the task done?
     fn call(
         &mut self,
@@ -212,7 +220,7 @@ impl Slot {
         soon: f64,
         report: &mut impl FnMut(&str, &str),
     ) -> Result<bool, String> {
-        if self.dismissed {
+        if self.end_requested {
             return Ok(true);
         }
         if !self.begun {

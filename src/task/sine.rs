@@ -9,9 +9,9 @@
 //! again at the end. Amplitude A, middle c and frequency f go over to new values within the ramp likewise; the phase is the
 //! integral of the frequency, in closed form, and so goes on through every change.
 
-use super::glide::Glide;
-use super::posture::minimum_jerk;
-use super::{Command, Context, Status, Task, TaskResult, over};
+use super::{Command, Context, Status, Task, TaskResult, has_elapsed};
+use crate::motion::minimum_jerk::SmoothTransition;
+use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::{JointId, JointKind};
 use std::f64::consts::TAU;
 
@@ -59,9 +59,9 @@ pub struct Sine {
 #[derive(Clone, Copy, Debug)]
 struct Now {
     from: f64,
-    amplitude: Glide,
-    frequency: Glide,
-    offset: Glide,
+    amplitude: SmoothTransition,
+    frequency: SmoothTransition,
+    offset: SmoothTransition,
     /// Phase at the last turn of the frequency, rad.
     phase: f64,
 }
@@ -76,7 +76,7 @@ impl Sine {
         changes: Vec<(f64, Vec<SwingChange>)>,
         limited: bool,
     ) -> Self {
-        let still = Glide::constant(0.0, 0.0);
+        let still = SmoothTransition::constant(0.0, 0.0);
         let blank = Now { from: 0.0, amplitude: still, frequency: still, offset: still, phase: 0.0 };
         let now = vec![blank; joints.len()];
         let (times, changes) = changes.into_iter().unzip();
@@ -110,7 +110,7 @@ impl Task for Sine {
                 let swing = format!("{:.4} about {from:.4}", swing.amplitude);
                 return Err(format!("a swing of `{name}` of {swing} leaves its range, {lower:.4} to {upper:.4}"));
             }
-            let constant = |value| Glide::constant(value, self.start);
+            let constant = |value| SmoothTransition::constant(value, self.start);
             *now = Now {
                 from,
                 amplitude: constant(swing.amplitude),
@@ -125,7 +125,7 @@ impl Task for Sine {
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
         let left = self.duration - t;
-        let over = over(t, self.duration);
+        let over = has_elapsed(t, self.duration);
         let (up, up_rate) = minimum_jerk(t, self.ramp);
         let (down, down_rate) = if left < self.ramp { minimum_jerk(left.max(0.0), self.ramp) } else { (1.0, 0.0) };
         let rise = if left < self.ramp { (down, -down_rate) } else { (up, up_rate) };
@@ -155,7 +155,7 @@ impl Task for Sine {
         Ok(Status::Running)
     }
 
-    fn succeed(&mut self, newer: Box<dyn Task>) {
+    fn adopt_changes(&mut self, newer: Box<dyn Task>) {
         if let Some(newer) = super::of_type::<Self>(newer) {
             self.times = newer.times;
             self.changes = newer.changes;

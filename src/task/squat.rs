@@ -8,9 +8,9 @@
 //! with D the depth and T the period. Before that the centre of mass is brought over the middle of the soles and the root
 //! upright. Joints follow from the goal by [`super::kinematic`].
 
-use super::kinematic::{Figure, Poser};
-use super::posture::minimum_jerk;
-use super::{Command, Context, Point, Status, Task, TaskResult, over};
+use super::kinematic::{PlannedRobot, PosturePlanner};
+use super::{Command, Context, PointOfInterest, Status, Task, TaskResult, has_elapsed};
+use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -56,56 +56,56 @@ impl Shape {
 /// See the module.
 pub struct Squat {
     shape: Shape,
-    poser: Poser,
+    planner: PosturePlanner,
     feed_forward: bool,
     start: f64,
     over: Vector3<f64>,
     upright: UnitQuaternion<f64>,
     /// The centre of mass as planned.
-    points: [Point; 1],
+    points: [PointOfInterest; 1],
 }
 
 impl Squat {
-    /// For a robot that [`super::kinematic::figure::check`] has let through.
+    /// For a robot that [`super::kinematic::planned_robot::check`] has let through.
     pub fn new(model: &Model, shape: Shape, feed_forward: bool) -> Self {
-        let poser = Poser::new(model);
-        let points = [Point::named("squat.com")];
+        let planner = PosturePlanner::new(model);
+        let points = [PointOfInterest::named("squat.com")];
         let (over, upright) = (Vector3::zeros(), UnitQuaternion::identity());
-        Squat { shape, poser, feed_forward, start: 0.0, over, upright, points }
+        Squat { shape, planner, feed_forward, start: 0.0, over, upright, points }
     }
 }
 
 impl Task for Squat {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
-        self.poser.begin(context, command).map_err(|e| e.to_string())?;
+        self.planner.begin(context, command).map_err(|e| e.to_string())?;
         self.start = context.start;
-        let figure = &self.poser.figure;
-        let support = figure.support();
-        self.over = Vector3::new(support.x, support.y, figure.com().z);
-        self.upright = Figure::upright(&figure.state.rotation);
+        let planned = &self.planner.planned;
+        let support = planned.support();
+        self.over = Vector3::new(support.x, support.y, planned.com().z);
+        self.upright = PlannedRobot::upright(&planned.state.rotation);
         Ok(Status::Running)
     }
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
-        self.poser.settle(t, self.shape.settle, self.over, self.upright);
+        self.planner.approach(t, self.shape.settle, self.over, self.upright);
         let (drop, rate, bend) = self.shape.drop(t - self.shape.settle);
-        self.poser.goal.com.z -= drop;
-        self.poser.rates.com.z += rate;
-        self.points[0].position = Some(self.poser.goal.com);
-        self.poser.pose(context, command)?;
+        self.planner.goal.com.z -= drop;
+        self.planner.rates.com.z += rate;
+        self.points[0].position = Some(self.planner.goal.com);
+        self.planner.write_joints(context, command)?;
         if self.feed_forward {
             let part = minimum_jerk(t, self.shape.settle).0;
-            self.poser.support(context, command, &Vector3::new(0.0, 0.0, bend), &self.over.xy(), part);
+            self.planner.add_feed_forward(context, command, &Vector3::new(0.0, 0.0, bend), &self.over.xy(), part);
         }
-        Ok(if over(t, self.shape.duration()) { Status::Done } else { Status::Running })
+        Ok(if has_elapsed(t, self.shape.duration()) { Status::Done } else { Status::Running })
     }
 
-    fn lends(&self) -> bool {
+    fn is_temporary(&self) -> bool {
         true
     }
 
-    fn points(&self) -> &[Point] {
+    fn points(&self) -> &[PointOfInterest] {
         &self.points
     }
 

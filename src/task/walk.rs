@@ -5,10 +5,10 @@
 //! upright. Joints follow from all that by [`super::kinematic`] at every tick.
 
 use super::gait::{Footsteps, Preview, Sample, Stride};
-use super::kinematic::{Figure, Poser};
-use super::posture::minimum_jerk;
-use super::{Command, Context, Point, Status, Task, TaskResult, over};
+use super::kinematic::{PlannedRobot, PosturePlanner};
+use super::{Command, Context, PointOfInterest, Status, Task, TaskResult, has_elapsed};
 use crate::dynamics::Motion;
+use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
@@ -29,13 +29,13 @@ pub struct Walk {
     feed_forward: bool,
     /// How long it can go on, s: what comes later is not planned.
     until: f64,
-    poser: Poser,
+    planner: PosturePlanner,
     start: f64,
     over: Vector3<f64>,
     upright: UnitQuaternion<f64>,
     plan: Option<Plan>,
     /// Centre of mass and zero-moment point as planned, then where each sole stands or is to come down.
-    points: [Point; 4],
+    points: [PointOfInterest; 4],
 }
 
 /// What is known once the task has begun.
@@ -60,7 +60,7 @@ impl Plan {
 }
 
 impl Walk {
-    /// For a robot that [`super::kinematic::figure::check_biped`] has let through, in a run that ends `until` seconds after the
+    /// For a robot that [`super::kinematic::planned_robot::check_biped`] has let through, in a run that ends `until` seconds after the
     /// start.
     pub fn new(
         model: &Model,
@@ -76,16 +76,16 @@ impl Walk {
             settle,
             feed_forward,
             until,
-            poser: Poser::new(model),
+            planner: PosturePlanner::new(model),
             start: 0.0,
             over: Vector3::zeros(),
             upright: UnitQuaternion::identity(),
             plan: None,
             points: [
-                Point::named("walk.com"),
-                Point::named("walk.zmp"),
-                Point::named(format!("walk.foot.{}", model.soles[0].name)),
-                Point::named(format!("walk.foot.{}", model.soles[1].name)),
+                PointOfInterest::named("walk.com"),
+                PointOfInterest::named("walk.zmp"),
+                PointOfInterest::named(format!("walk.foot.{}", model.soles[0].name)),
+                PointOfInterest::named(format!("walk.foot.{}", model.soles[1].name)),
             ],
         }
     }
@@ -93,11 +93,11 @@ impl Walk {
 
 impl Task for Walk {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
-        self.poser.begin(context, command).map_err(|e| e.to_string())?;
+        self.planner.begin(context, command).map_err(|e| e.to_string())?;
         self.start = context.start;
-        let figure = &self.poser.figure;
-        self.upright = Figure::upright(&figure.state.rotation);
-        let lean = |s: usize| figure.normal(context.model, s).map_or(0.0, |n| n.angle(&Vector3::z()));
+        let planned = &self.planner.planned;
+        self.upright = PlannedRobot::upright(&planned.state.rotation);
+        let lean = |s: usize| planned.normal(context.model, s).map_or(0.0, |n| n.angle(&Vector3::z()));
         if let Some(s) = (0..2).find(|&s| lean(s) > LEVEL) {
             let name = &context.model.soles[s].name;
             return Err(format!("the sole `{name}` is tilted by {:.3} rad; it walks on level soles only", lean(s)));
@@ -108,9 +108,9 @@ impl Task for Walk {
                 "gravity is tilted by {down:.3} rad from the vertical; it walks where that is straight down"
             ));
         }
-        let soles = [0, 1].map(|s| figure.sole(s).translation.vector);
-        let support = figure.support();
-        let height = self.height.unwrap_or(figure.com().z - support.z);
+        let soles = [0, 1].map(|s| planned.sole(s).translation.vector);
+        let support = planned.support();
+        let height = self.height.unwrap_or(planned.com().z - support.z);
         self.over = Vector3::new(support.x, support.y, support.z + height);
         let gravity = context.gravity.norm();
         let preview = Preview::new(height, gravity, PERIOD, HORIZON)
@@ -131,40 +131,40 @@ impl Task for Walk {
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let Some(plan) = &self.plan else { return Ok(Status::Done) };
         let t = context.time - self.start;
-        self.poser.settle(t, self.settle, self.over, self.upright);
+        self.planner.approach(t, self.settle, self.over, self.upright);
         let since = t - self.settle;
-        let done = over(since, plan.footsteps.duration());
+        let done = has_elapsed(since, plan.footsteps.duration());
         let (mut acceleration, mut zmp) = (Vector3::zeros(), self.over.xy());
         if since > 0.0 {
             let [x, y] = plan.com(since);
-            self.poser.goal.com = Vector3::new(x[0], y[0], self.over.z);
+            self.planner.goal.com = Vector3::new(x[0], y[0], self.over.z);
             let moving = if done { 0.0 } else { 1.0 };
-            self.poser.rates.com = Vector3::new(x[1], y[1], 0.0) * moving;
+            self.planner.rates.com = Vector3::new(x[1], y[1], 0.0) * moving;
             acceleration = Vector3::new(x[2], y[2], 0.0) * moving;
             zmp = Vector2::new(x[0], y[0]) - acceleration.xy() * plan.lag;
             for s in 0..2 {
                 let (place, velocity) = plan.footsteps.sole(s, since);
-                self.poser.goal.soles[s].translation.vector = place;
-                self.poser.rates.soles[s] = Motion::new(velocity, Vector3::zeros());
+                self.planner.goal.soles[s].translation.vector = place;
+                self.planner.rates.soles[s] = Motion::new(velocity, Vector3::zeros());
             }
         }
         let reference = plan.footsteps.zmp(since.max(0.0));
         let (ground, feet) = (plan.ground, [0, 1].map(|s| plan.footsteps.landing(s, since)));
-        let places = [self.poser.goal.com, Vector3::new(reference.x, reference.y, ground), feet[0], feet[1]];
+        let places = [self.planner.goal.com, Vector3::new(reference.x, reference.y, ground), feet[0], feet[1]];
         self.points.iter_mut().zip(places).for_each(|(point, at)| point.position = Some(at));
-        self.poser.pose(context, command)?;
+        self.planner.write_joints(context, command)?;
         if self.feed_forward {
             let part = minimum_jerk(t, self.settle).0;
-            self.poser.support(context, command, &acceleration, &zmp, part);
+            self.planner.add_feed_forward(context, command, &acceleration, &zmp, part);
         }
         Ok(if done { Status::Done } else { Status::Running })
     }
 
-    fn lends(&self) -> bool {
+    fn is_temporary(&self) -> bool {
         true
     }
 
-    fn points(&self) -> &[Point] {
+    fn points(&self) -> &[PointOfInterest] {
         &self.points
     }
 

@@ -5,7 +5,7 @@ use super::support::{run, simulation, watch};
 use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;
 use stiction::assemble;
-use stiction::force::{Applied, Force, Scene};
+use stiction::force::{AppliedForces, Force, ForceContext};
 use stiction::robot::LinkId;
 use stiction::sim::{Blind, Outcome, Simulation};
 
@@ -42,10 +42,10 @@ fn from_higher_up_the_same_block_bounces_on() {
 struct Contrary(f64);
 
 impl Force for Contrary {
-    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
-        let sign = if scene.state.v[0] > 0.0 { -1.0 } else { 1.0 };
-        let at = scene.state.position - Vector3::new(0.0, 0.0, 0.05);
-        applied.wrench(scene, LinkId(0), &at, &Vector3::new(sign * self.0, 0.0, 0.0), &Vector3::zeros());
+    fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
+        let sign = if context.state.v[0] > 0.0 { -1.0 } else { 1.0 };
+        let at = context.state.position - Vector3::new(0.0, 0.0, 0.05);
+        applied.wrench(context, LinkId(0), &at, &Vector3::new(sign * self.0, 0.0, 0.0), &Vector3::zeros());
     }
 }
 

@@ -4,8 +4,8 @@
 use super::cbi;
 use crate::identities::allocations;
 use std::sync::{Arc, LazyLock};
-use stiction::collision::avoidance::{Asked, Avoider, Limits, Settings};
-use stiction::collision::{CollisionModel, Detector, LinkPose, place};
+use stiction::collision::avoidance::{Avoider, JointCommands, Limits, Settings};
+use stiction::collision::{CollisionModel, Detector, LinkPose, link_poses};
 use stiction::random::Stream;
 use stiction::robot::{Model, Robot};
 
@@ -88,7 +88,7 @@ impl Bench {
     fn ask(&mut self, (mut position, mut velocity): (Vec<f64>, Vec<f64>)) -> (Vec<f64>, Vec<f64>) {
         let n = position.len();
         let (follows, nothing) = (vec![true; n], vec![0.0; n]);
-        let mut asked = Asked {
+        let mut asked = JointCommands {
             follows: &follows,
             measured: &nothing,
             rates: &nothing,
@@ -103,8 +103,8 @@ impl Bench {
     }
 
     fn distance(&mut self, q: &[f64]) -> f64 {
-        place(&CBI.0.model, q, &mut self.poses);
-        self.detector.place(&CBI.1, &self.poses);
+        link_poses(&CBI.0.model, q, &mut self.poses);
+        self.detector.set_poses(&CBI.1, &self.poses);
         self.detector.closest(&CBI.1, f64::INFINITY).expect("there are pairs").distance
     }
 
@@ -209,7 +209,7 @@ fn where_nothing_is_in_the_way_joints_are_asked_what_they_are_told() {
         head.iter().for_each(|&j| (position[j], velocity[j]) = (q[j], v[j]));
         assert_eq!(bench.ask((position.clone(), velocity.clone())), (position, velocity), "tick {k}");
     }
-    assert_eq!((bench.avoider.tally.blocked, bench.avoider.tally.greatest), (0, 0.0));
+    assert_eq!((bench.avoider.statistics.blocked, bench.avoider.statistics.greatest), (0, 0.0));
 }
 
 #[test]
@@ -237,13 +237,13 @@ fn the_other_joints_go_on_by_method_2_and_all_stop_by_method_1() {
         assert!(bench.least >= MARGIN - 5e-5, "method {method}: {}", bench.least);
         if method == 1 {
             assert!(off("L_SFE") > 0.1 && off("B_HN") > 0.05, "{last:?}");
-            assert!(bench.avoider.frozen().iter().all(|f| *f));
+            assert!(bench.avoider.stopped().iter().all(|f| *f));
         } else {
             // To rounding of the sums that a path is made of, or exactly, where it is free.
             assert!(off("L_SFE") < 1e-9 && off("B_HN") < 1e-9, "{last:?}");
             // The waist is where it is wanted: stopped with the arm, and never moved.
             assert!(["B_TR", "B_TAA", "B_TFE"].iter().all(|n| off(n) == 0.0), "{last:?}");
-            let frozen = bench.avoider.frozen();
+            let frozen = bench.avoider.stopped();
             assert!(frozen[joint("R_SAA")] && !frozen[joint("L_SFE")] && !frozen[joint("B_HN")]);
         }
         missed.push(["R_SAA", "R_HR", "R_WFE"].iter().map(|n| off(n).powi(2)).sum::<f64>());
@@ -259,7 +259,7 @@ fn what_was_in_the_way_is_forgotten() {
     for method in 1..=4 {
         let mut bench = Bench::new(method, 10.0, 0.002);
         bench.run(&*motion, 15.0);
-        assert!(bench.avoider.tally.blocked > 0);
+        assert!(bench.avoider.statistics.blocked > 0);
         // Home again, at once: it gets there by itself and is then asked exactly that.
         for _ in 0..3000 {
             bench.ask((model.home.clone(), vec![0.0; model.nj()]));
@@ -299,7 +299,7 @@ fn joints_that_follow_nothing_are_seen_where_they_are() {
         let mut told = position.clone();
         told[limp] = 0.0;
         told_near += u32::from(bench.distance(&told) < MARGIN);
-        let mut asked = Asked {
+        let mut asked = JointCommands {
             follows: &follows,
             measured: &measured,
             rates: &rates,
@@ -313,7 +313,7 @@ fn joints_that_follow_nothing_are_seen_where_they_are() {
         assert!(bench.distance(&position) > MARGIN, "at {t}");
     }
     assert!(told_near > 100, "{told_near}");
-    assert!(bench.avoider.tally.blocked > 0);
+    assert!(bench.avoider.statistics.blocked > 0);
 }
 
 #[test]
@@ -328,7 +328,7 @@ fn the_same_bits_again_and_no_allocation() {
             let t = f64::from(k) * 0.002;
             let (mut position, mut velocity) = motion(t);
             let told = (position.clone(), velocity.clone());
-            let mut asked = Asked {
+            let mut asked = JointCommands {
                 follows: &follows,
                 measured: &nothing,
                 rates: &nothing,
@@ -340,7 +340,7 @@ fn the_same_bits_again_and_no_allocation() {
             let (again, _) = other.ask(told);
             assert!(again.iter().zip(&position).all(|(a, b)| a.to_bits() == b.to_bits()), "method {method}, tick {k}");
         }
-        assert!(one.avoider.tally.blocked > 0);
+        assert!(one.avoider.statistics.blocked > 0);
     }
 }
 
@@ -405,7 +405,7 @@ fn a_joint_outside_its_range_comes_back() {
     for k in 0..600 {
         let follows: Vec<bool> = (0..n).map(|j| j != nod || k >= 100).collect();
         let (mut position, mut velocity) = (model.home.clone(), zero.clone());
-        let mut asked = Asked {
+        let mut asked = JointCommands {
             follows: &follows,
             measured: &measured,
             rates: &zero,

@@ -2,7 +2,7 @@
 
 use super::cbi;
 use crate::identities::allocations;
-use stiction::collision::{CollisionModel, Detector, LinkPose, place};
+use stiction::collision::{CollisionModel, Detector, LinkPose, link_poses};
 use stiction::random::Stream;
 use stiction::robot::Model;
 
@@ -41,12 +41,12 @@ fn answers_depend_on_nothing_but_the_posture() {
     let mut motion = Motion::new(&robot.model, 1);
     let (mut free, mut hit) = (0, 0);
     for step in 0..3_000 {
-        place(&robot.model, motion.next(&robot.model), &mut poses);
+        link_poses(&robot.model, motion.next(&robot.model), &mut poses);
         cold.forget();
-        cold.place(&model, &poses);
+        cold.set_poses(&model, &poses);
         let truth: Vec<f64> = cold.distances(&model).iter().map(|p| p.distance).collect();
         let least = truth.iter().copied().fold(f64::INFINITY, f64::min);
-        warm.place(&model, &poses);
+        warm.set_poses(&model, &poses);
         let margin = [0.0, 0.005, 0.03][step % 3];
         // The order of the questions changes as well: each starts from what the others left.
         for question in 0..4 {
@@ -95,8 +95,8 @@ fn queries_allocate_nothing() {
         motion.next(&robot.model);
         let allocations = allocations::count(|| {
             stiction::collision::extrapolate(&robot.model, &motion.q, &still, &still, 0.1, &mut ahead);
-            place(&robot.model, &ahead, &mut poses);
-            detector.place(&model, &poses);
+            link_poses(&robot.model, &ahead, &mut poses);
+            detector.set_poses(&model, &poses);
             std::hint::black_box(detector.distances(&model).len());
             std::hint::black_box(detector.closest(&model, f64::INFINITY));
             std::hint::black_box(detector.intersects(&model, 0.01));
@@ -115,9 +115,9 @@ fn work_is_counted() {
     let model = CollisionModel::new(&robot.model, &robot.self_collision);
     let n = model.pairs.len() as u64;
     let mut poses = vec![LinkPose::IDENTITY; robot.model.links.len()];
-    place(&robot.model, &robot.model.home, &mut poses);
+    link_poses(&robot.model, &robot.model.home, &mut poses);
     let mut detector = Detector::new(&model);
-    detector.place(&model, &poses);
+    detector.set_poses(&model, &poses);
     detector.distances(&model);
     assert_eq!((detector.counts.postures, detector.counts.boxes, detector.counts.exact), (1, 0, n));
     detector.counts = Default::default();
@@ -137,12 +137,12 @@ fn a_posture_that_is_not_finite_counts_as_a_collision() {
     let mut poses = vec![LinkPose::IDENTITY; robot.model.links.len()];
     let mut detector = Detector::new(&model);
     poses.iter_mut().for_each(|p| p.origin.fill(f64::NAN));
-    detector.place(&model, &poses);
+    detector.set_poses(&model, &poses);
     assert!(detector.intersects(&model, 0.0));
     assert_eq!(detector.colliding(&model, 0.0).len(), model.pairs.len());
     assert_eq!(detector.distances(&model).len(), model.pairs.len());
     // It leaves no trace.
-    place(&robot.model, &robot.model.home, &mut poses);
-    detector.place(&model, &poses);
+    link_poses(&robot.model, &robot.model.home, &mut poses);
+    detector.set_poses(&model, &poses);
     assert!(!detector.intersects(&model, 0.0));
 }

@@ -2,7 +2,7 @@
 
 use super::cbi;
 use nalgebra::Vector3;
-use stiction::collision::{LinkPose, extrapolate, place};
+use stiction::collision::{LinkPose, extrapolate, link_poses};
 use stiction::dynamics::{State, Workspace, kinematics};
 
 #[test]
@@ -15,7 +15,7 @@ fn poses_are_those_of_the_dynamics() {
     let mut ws = Workspace::new(&model);
     kinematics::positions(&model, &state, &mut ws);
     let mut poses = vec![LinkPose::IDENTITY; model.links.len()];
-    place(&model, &state.joints, &mut poses);
+    link_poses(&model, &state.joints, &mut poses);
     for (pose, link) in poses.iter().zip(&ws.links) {
         // The same products in the same order.
         assert!((pose.rotation - link.rotation).norm() < 1e-14 && (pose.origin - link.origin).norm() < 1e-14);

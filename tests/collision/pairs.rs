@@ -3,7 +3,7 @@
 use super::cbi;
 use std::collections::HashSet;
 use stiction::collision::spatial::{Search, WhyBody, WhyPair};
-use stiction::collision::{CollisionModel, Detector, LinkPose, place};
+use stiction::collision::{CollisionModel, Detector, LinkPose, link_poses};
 use stiction::random::Stream;
 use stiction::robot::Robot;
 
@@ -115,8 +115,8 @@ fn pairs_that_cannot_meet_do_not_meet() {
             joint.lower + (joint.upper - joint.lower) * (1.4 * r.unit() - 0.2).clamp(0.0, 1.0)
         };
         let q: Vec<f64> = robot.model.joints.iter().map(draw).collect();
-        place(&robot.model, &q, &mut poses);
-        detector.place(&dropped, &poses);
+        link_poses(&robot.model, &q, &mut poses);
+        detector.set_poses(&dropped, &poses);
         assert!(!detector.intersects(&dropped, 0.0), "{q:?}");
     }
     // Twice the search with other numbers drops the same pairs.

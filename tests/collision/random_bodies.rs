@@ -44,7 +44,7 @@ pub fn model(polytopes: Vec<Polytope>) -> CollisionModel {
 /// The only pair of a model of two bodies.
 pub fn single(model: &CollisionModel, poses: &[LinkPose]) -> Proximity {
     let mut detector = Detector::new(model);
-    detector.place(model, poses);
+    detector.set_poses(model, poses);
     detector.distances(model)[0]
 }
 

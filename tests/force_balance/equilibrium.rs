@@ -9,7 +9,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use stiction::dynamics::{State, Workspace, body, force, kinematics, rnea};
 use stiction::geometry::Plane;
 use stiction::robot::{DriveMode, Model, SoleId, load};
-use stiction::task::balance::force::{ForceBalance, Gains, Settings};
+use stiction::task::balance::force_balance::{ForceBalance, Gains, Settings};
 use stiction::task::{Augmented, Command, Context, Sensed, Task};
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -G);

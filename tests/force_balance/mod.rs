@@ -4,5 +4,5 @@ mod broken;
 mod change;
 mod distribution;
 mod equilibrium;
-mod slack;
+mod null_space_motion;
 mod standing;

@@ -17,7 +17,7 @@ use stiction::dynamics::State;
 use stiction::robot;
 use stiction::scenario::{self, Diagnostics, Run};
 use stiction::sim::{Metrics, Simulation};
-use stiction::task::server::Situation;
+use stiction::task::server::TickInput;
 use stiction::task::{Command, Sensed};
 
 /// A folder with the files of a scenario.
@@ -90,7 +90,7 @@ pub fn asked(folder: &Folder, text: &str) -> Vec<Asked> {
     let ticks = (run.scenario.duration * run.scenario.control.rate).round() as usize;
     let tick = |k: usize| {
         state.time = k as f64 / run.scenario.control.rate;
-        let now = Situation {
+        let now = TickInput {
             model: &setup.model,
             gravity: setup.gravity,
             floor: setup.floor.plane(),
@@ -142,7 +142,7 @@ fn nothing_is_allocated_at_a_tick() {
     let (mut state, sensed) = (State::home(&setup.model), Sensed::blank(&setup.model));
     let mut tick = |k: usize| {
         state.time = k as f64 / run.scenario.control.rate;
-        let now = Situation {
+        let now = TickInput {
             model: &setup.model,
             gravity: setup.gravity,
             floor: setup.floor.plane(),

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use stiction::collision::{CollisionModel, Detector, LinkPose, place};
+use stiction::collision::{CollisionModel, Detector, LinkPose, link_poses};
 
 #[derive(Deserialize)]
 struct Oracle {
@@ -50,8 +50,8 @@ fn compare(path: &Path) -> [f64; 2] {
     for (k, posture) in oracle.postures.iter().enumerate() {
         let mut q = vec![0.0; model.nj()];
         order.iter().zip(&posture.q).for_each(|(&j, x)| q[j] = *x);
-        place(model, &q, &mut poses);
-        detector.place(&bodies, &poses);
+        link_poses(model, &q, &mut poses);
+        detector.set_poses(&bodies, &poses);
         let ours = detector.distances(&bodies);
         for ((at, truth), pair) in places.iter().zip(&posture.distances).zip(&oracle.pairs) {
             let own = ours[*at].distance;

@@ -7,7 +7,7 @@ use stiction::contact::model::residual::Residual;
 use stiction::log::{Document, LogHeader, LogWriter, Topics};
 use stiction::robot::{Base, Drive, Geometry, Joint, JointKind, Link, LinkId, Merged, Model, Shape, Sole};
 use stiction::sim::{Balance, Observer, SelfContactSnapshot, SimEvent, Snapshot, SoleSnapshot};
-use stiction::task::Point;
+use stiction::task::PointOfInterest;
 
 pub const URDF: &str = r#"<robot name="sample">
   <link name="trunk"><visual><geometry><box size="0.2 0.3 0.1"/></geometry></visual></link>
@@ -180,8 +180,8 @@ pub fn snapshot(tick: usize) -> Snapshot {
         stable_point: (state != "free").then(|| vector(tick, 209)),
         support_polygon: if state == "free" { Vec::new() } else { (0..5).map(|i| vector(tick, 300 + i)).collect() },
         points: vec![
-            Point { name: "goal".into(), position: Some(vector(tick, 420)) },
-            Point { name: "now and then".into(), position: (tick % 4 == 1).then(|| vector(tick, 430)) },
+            PointOfInterest { name: "goal".into(), position: Some(vector(tick, 420)) },
+            PointOfInterest { name: "now and then".into(), position: (tick % 4 == 1).then(|| vector(tick, 430)) },
         ],
         soles: model
             .soles

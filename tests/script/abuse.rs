@@ -85,13 +85,13 @@ fn scripts_are_ended_from_outside() {
     let flag = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
     let script = "function init()\nfor i = 1, 9e5 do end\nend\nfunction run() end";
     let beside = beside(script);
-    let mut sim = stiction::script::stoppable(flag.clone(), || beside.simulation());
+    let mut sim = stiction::script::interruptible(flag.clone(), || beside.simulation());
     flag.store(true, std::sync::atomic::Ordering::Relaxed);
     // The run itself knows nothing of it: the script does.
     let (outcome, message) = sim.run(&mut Blind, &std::sync::atomic::AtomicBool::new(false));
     assert!(outcome == Outcome::Error && message.contains("interrupted"), "{outcome:?} {message}");
     flag.store(false, std::sync::atomic::Ordering::Relaxed);
-    let mut sim = stiction::script::stoppable(flag.clone(), || beside.simulation());
+    let mut sim = stiction::script::interruptible(flag.clone(), || beside.simulation());
     flag.store(true, std::sync::atomic::Ordering::Relaxed);
     assert_eq!(sim.run(&mut Blind, &flag).0, Outcome::Cancelled);
 }

@@ -4,7 +4,7 @@ use super::super::motion::{Folder, robot_of};
 use stiction::assemble;
 use stiction::dynamics::State;
 use stiction::robot::DriveMode;
-use stiction::task::server::Situation;
+use stiction::task::server::TickInput;
 use stiction::task::{Command, Sensed};
 
 const CBI: &str = "duration = 1.0
@@ -26,7 +26,7 @@ fn ticks(folder: &Folder, text: &str, end: f64) -> (Told, Vec<(String, f64)>) {
     let (mut told, mut ended) = (Vec::new(), Vec::new());
     while let Some(time) = setup.tasks.next_tick().filter(|t| *t <= end + 1e-9) {
         state.time = time;
-        let now = Situation {
+        let now = TickInput {
             model: &setup.model,
             gravity: setup.gravity,
             floor: setup.floor.plane(),

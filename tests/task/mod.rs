@@ -8,12 +8,12 @@ mod motion;
 
 use crate::robot::shipped;
 use stiction::robot::Model;
-use stiction::task::kinematic::Figure;
+use stiction::task::kinematic::PlannedRobot;
 
 /// HOAP-2 in its home posture.
-fn hoap2() -> (Model, Figure) {
+fn hoap2() -> (Model, PlannedRobot) {
     let model = shipped("hoap2/hoap2.toml").model;
-    let mut figure = Figure::new(&model);
-    figure.update(&model);
-    (model, figure)
+    let mut planned = PlannedRobot::new(&model);
+    planned.update(&model);
+    (model, planned)
 }

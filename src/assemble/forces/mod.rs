@@ -12,7 +12,7 @@ use crate::assemble::script;
 use crate::force::friction::JointFriction;
 use crate::force::profile::{Profile, Shape};
 use crate::force::wrench::Wrench;
-use crate::force::{Force, Nothing};
+use crate::force::{Force, NoForce};
 use crate::robot::{Friction, Model};
 use crate::scenario::{
     ConstantForce, Diagnostic, ForceFrame, ForceSpec, Profile as ProfileSpec, PushForce, RampForce, Run,
@@ -50,7 +50,7 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
                 forces.extend(script::force(run, model, i, spec, span, errors));
             }
             // No force, but inertia: see `loads`. It keeps its number among the forces.
-            ForceSpec::CarriedObject(_) => forces.push(Box::new(Nothing)),
+            ForceSpec::CarriedObject(_) => forces.push(Box::new(NoForce)),
             ForceSpec::JointFriction(spec) => {
                 let unused: Vec<f64> = spec.joints.values().map(|_| 0.0).collect();
                 names::joints(model, run, &format!("force.{i}.joints"), spec.joints.keys().zip(&unused), errors);

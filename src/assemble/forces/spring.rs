@@ -2,7 +2,7 @@
 
 use crate::assemble::forces::Held;
 use crate::force::Force;
-use crate::force::anchor::{Anchor, Path};
+use crate::force::anchor::{Anchor, AnchorPath};
 use crate::force::spring::{Hold, Spring};
 use crate::scenario::{AnchorSpec, PathShape, SpringForce};
 use nalgebra::Point3;
@@ -23,16 +23,16 @@ pub(super) fn spring(held: Held, spec: &SpringForce) -> Box<dyn Force> {
     Box::new(Spring::new(hold, anchor, from_point, spec.start, spec.duration.unwrap_or(f64::INFINITY)))
 }
 
-fn path(spec: &AnchorSpec) -> Path {
+fn path(spec: &AnchorSpec) -> AnchorPath {
     if let Some(velocity) = spec.velocity {
-        return Path::Line(velocity.into());
+        return AnchorPath::Line(velocity.into());
     }
     if let Some(sine) = spec.sine {
-        return Path::Sine { amplitude: sine.amplitude.into(), frequency: sine.frequency, phase: sine.phase };
+        return AnchorPath::Sine { amplitude: sine.amplitude.into(), frequency: sine.frequency, phase: sine.phase };
     }
     if spec.waypoints.is_empty() {
-        return Path::Still;
+        return AnchorPath::Still;
     }
     let knots = spec.waypoints.iter().map(|w| (w.at, w.position.into())).collect();
-    Path::Waypoints { knots, smooth: spec.path == PathShape::MinimumJerk }
+    AnchorPath::Waypoints { knots, smooth: spec.path == PathShape::MinimumJerk }
 }

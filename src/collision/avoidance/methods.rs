@@ -11,9 +11,9 @@
 
 use super::Limits;
 use super::avoider::Avoider;
-use super::path::Path;
-use super::trial::Robot;
-use crate::motion::spline::Point;
+use super::candidate::Robot;
+use super::joint_path::JointPath;
+use crate::motion::spline::TrajectoryPoint;
 
 /// A joint this near to its goal is there, rad or m.
 pub(super) const AT_GOAL: f64 = 1e-3;
@@ -33,17 +33,17 @@ const LONGER: (f64, f64) = (1.2, 30.0);
 /// The path with the shortest of a series of durations from `shortest` on that keeps the limits; `target` says where it leads
 /// after a duration.
 pub(super) fn soonest(
-    here: Point,
+    here: TrajectoryPoint,
     begin: f64,
     shortest: f64,
     limits: &Limits,
-    target: impl Fn(f64) -> Point,
-) -> Option<Path> {
+    target: impl Fn(f64) -> TrajectoryPoint,
+) -> Option<JointPath> {
     // From rest to rest over x the jerk is 54 x / T^3; none much shorter keeps its limit.
     let way = (target(shortest).q - here.q).abs();
     let mut duration = shortest.max(0.5 * (54.0 * way / limits.jerk).cbrt());
     while duration <= LONGER.1.max(2.0 * shortest) {
-        let path = Path::go(here, begin, target(duration), duration, limits);
+        let path = JointPath::go(here, begin, target(duration), duration, limits);
         if path.is_some() {
             return path;
         }
@@ -52,22 +52,22 @@ pub(super) fn soonest(
     None
 }
 
-/// Leaves a proven set of paths in the trial. True when it leads where the tasks want the joints.
+/// Leaves a proven set of paths in the candidate. True when it leads where the tasks want the joints.
 pub(super) fn decide(avoider: &mut Avoider, robot: Robot) -> bool {
-    if avoider.trial.succeeds(robot) {
+    if avoider.candidate.succeeds(robot) {
         avoider.detour.end();
         return true;
     }
     match avoider.settings.method {
         1 => {
-            (0..avoider.frozen.len()).for_each(|j| {
-                avoider.frozen[j] = !avoider.trial.loose[j];
-                avoider.trial.reset(j);
+            (0..avoider.stopped.len()).for_each(|j| {
+                avoider.stopped[j] = !avoider.candidate.uncontrolled[j];
+                avoider.candidate.reset(j);
             });
         }
         method => {
-            let first = avoider.trial.colliding[0];
-            avoider.freeze_involved(robot);
+            let first = avoider.candidate.colliding[0];
+            avoider.stop_involved(robot);
             avoider.release_sides(robot);
             if method == 4 {
                 avoider.go_around(robot, first);
@@ -82,19 +82,19 @@ pub(super) fn decide(avoider: &mut Avoider, robot: Robot) -> bool {
 
 impl Avoider {
     /// Stops the joints between bodies that would touch, until nothing does.
-    fn freeze_involved(&mut self, robot: Robot) {
-        self.culprits.clear();
-        while !self.trial.colliding.is_empty() {
-            for i in 0..self.trial.colliding.len() {
-                let pair = self.trial.colliding[i];
-                self.culprits.push(pair);
+    fn stop_involved(&mut self, robot: Robot) {
+        self.blocking.clear();
+        while !self.candidate.colliding.is_empty() {
+            for i in 0..self.candidate.colliding.len() {
+                let pair = self.candidate.colliding[i];
+                self.blocking.push(pair);
                 for lever in robot.levers.of(pair) {
-                    self.frozen[lever.joint] = !self.trial.loose[lever.joint];
-                    self.trial.reset(lever.joint);
+                    self.stopped[lever.joint] = !self.candidate.uncontrolled[lever.joint];
+                    self.candidate.reset(lever.joint);
                 }
             }
             // Each round stops at least one joint more: a pair of which all have stopped is not in question.
-            self.trial.succeeds(robot);
+            self.candidate.succeeds(robot);
         }
     }
 
@@ -102,7 +102,7 @@ impl Avoider {
     /// one after the other.
     fn release_sides(&mut self, robot: Robot) {
         for second in [false, true] {
-            let all = self.culprits.len();
+            let all = self.blocking.len();
             if self.release(robot, second, 0..all) || all == 1 {
                 continue;
             }
@@ -113,10 +113,10 @@ impl Avoider {
     }
 
     /// Lets one side of some of the pairs in question go, if that is free.
-    fn release(&mut self, robot: Robot, second: bool, culprits: std::ops::Range<usize>) -> bool {
+    fn release(&mut self, robot: Robot, second: bool, blocking: std::ops::Range<usize>) -> bool {
         self.marked.fill(false);
-        for k in culprits {
-            let side = robot.levers.of(self.culprits[k]).iter().filter(|l| l.second == second);
+        for k in blocking {
+            let side = robot.levers.of(self.blocking[k]).iter().filter(|l| l.second == second);
             side.for_each(|l| self.marked[l.joint] = true);
         }
         if !self.mark_only_movable() {
@@ -126,30 +126,30 @@ impl Avoider {
             self.undo_marked();
             return false;
         }
-        (0..self.marked.len()).for_each(|j| self.frozen[j] &= !self.marked[j]);
+        (0..self.marked.len()).for_each(|j| self.stopped[j] &= !self.marked[j]);
         true
     }
 
-    /// Of the marked joints keeps those that are frozen and could go somewhere.
+    /// Of the marked joints keeps those that are stopped and could go somewhere.
     fn mark_only_movable(&mut self) -> bool {
         for j in 0..self.marked.len() {
-            self.marked[j] &= self.frozen[j] && self.proposed[j] != self.trial.otherwise[j];
+            self.marked[j] &= self.stopped[j] && self.proposed[j] != self.candidate.fallback[j];
         }
         self.marked.contains(&true)
     }
 
     /// Keeps the present paths of the marked joints in mind, and tries others; a joint without another keeps its own.
-    pub(super) fn try_marked(&mut self, robot: Robot, path: impl Fn(&Self, usize) -> Option<Path>) -> bool {
+    pub(super) fn try_marked(&mut self, robot: Robot, path: impl Fn(&Self, usize) -> Option<JointPath>) -> bool {
         for j in 0..self.marked.len() {
             if !self.marked[j] {
                 continue;
             }
-            self.best[j] = self.trial.paths[j];
+            self.best[j] = self.candidate.paths[j];
             if let Some(path) = path(self, j) {
-                self.trial.set(j, path);
+                self.candidate.set(j, path);
             }
         }
-        self.trial.succeeds(robot)
+        self.candidate.succeeds(robot)
     }
 
     /// Takes back what was tried last.
@@ -157,56 +157,56 @@ impl Avoider {
         for j in 0..self.marked.len() {
             if self.marked[j] {
                 let path = self.best[j];
-                self.trial.set(j, path);
-                if path == self.trial.otherwise[j] {
-                    self.trial.reset(j);
+                self.candidate.set(j, path);
+                if path == self.candidate.fallback[j] {
+                    self.candidate.reset(j);
                 }
             }
         }
-        self.trial.colliding.clear();
+        self.candidate.colliding.clear();
     }
 
     /// A path of a joint to rest at `q`.
-    pub(super) fn way_to_rest(&self, j: usize, q: f64) -> Option<Path> {
+    pub(super) fn path_to_rest(&self, j: usize, q: f64) -> Option<JointPath> {
         let limits = &self.settings.limits[j];
-        let here = self.trial.otherwise[j].at(self.trial.begin);
-        let target = Point { q: q.clamp(limits.lower, limits.upper), v: 0.0, a: 0.0 };
-        let shortest = self.now - self.trial.begin + 1.0 / self.settings.rate;
-        soonest(here, self.trial.begin, shortest, limits, |_| target)
+        let here = self.candidate.fallback[j].at(self.candidate.begin);
+        let target = TrajectoryPoint { q: q.clamp(limits.lower, limits.upper), v: 0.0, a: 0.0 };
+        let shortest = self.now - self.candidate.begin + 1.0 / self.settings.rate;
+        soonest(here, self.candidate.begin, shortest, limits, |_| target)
     }
 
-    /// Sum of the squares of what the frozen joints miss of their goals where their present paths end.
-    pub(super) fn missing(&self) -> f64 {
-        let missed = |j: &usize| (self.trial.paths[*j].rest() - self.goal[*j]).powi(2);
-        (0..self.frozen.len()).filter(|j| self.frozen[*j]).map(|j| missed(&j)).sum()
+    /// Sum of the squares of what the stopped joints miss of their goals where their present paths end.
+    pub(super) fn goal_error(&self) -> f64 {
+        let missed = |j: &usize| (self.candidate.paths[*j].rest() - self.goal[*j]).powi(2);
+        (0..self.stopped.len()).filter(|j| self.stopped[*j]).map(|j| missed(&j)).sum()
     }
 
-    /// Marks the joints that methods 3 and 4 may move: frozen, and not where they are wanted.
+    /// Marks the joints that methods 3 and 4 may move: stopped, and not where they are wanted.
     pub(super) fn mark_movable(&mut self) {
         for j in 0..self.marked.len() {
-            self.marked[j] = self.frozen[j] && (self.goal[j] - self.trial.anchor[j]).abs() > AT_GOAL;
+            self.marked[j] = self.stopped[j] && (self.goal[j] - self.candidate.anchor[j]).abs() > AT_GOAL;
         }
     }
 
-    /// Method 3: random postures of the frozen joints.
+    /// Method 3: random postures of the stopped joints.
     fn perturb(&mut self, robot: Robot) {
         self.mark_movable();
         let count = self.marked.iter().filter(|m| **m).count();
         if count == 0 {
             return;
         }
-        let (mut proofs, mut least) = (0, self.missing());
+        let (mut proofs, mut least) = (0, self.goal_error());
         for _ in 0..DRAWS {
-            let missing = self.draw(count);
-            if missing > WORTH.0 * least - WORTH.1 {
+            let goal_error = self.draw(count);
+            if goal_error > WORTH.0 * least - WORTH.1 {
                 continue;
             }
             proofs += 1;
-            let free = self.try_marked(robot, |avoider, j| avoider.way_to_rest(j, avoider.posture[j]));
+            let free = self.try_marked(robot, |avoider, j| avoider.path_to_rest(j, avoider.posture[j]));
             // Less is reached where a joint has no path to there.
-            let missing = self.missing();
-            if free && missing <= WORTH.0 * least - WORTH.1 {
-                least = missing;
+            let goal_error = self.goal_error();
+            if free && goal_error <= WORTH.0 * least - WORTH.1 {
+                least = goal_error;
             } else {
                 self.undo_marked();
             }
@@ -221,12 +221,12 @@ impl Avoider {
     fn draw(&mut self, count: usize) -> f64 {
         let kind = self.random.below(3);
         let one = self.random.below(count as u64) as usize;
-        let (mut k, mut missing) = (0, 0.0);
+        let (mut k, mut goal_error) = (0, 0.0);
         for j in 0..self.marked.len() {
             if !self.marked[j] {
                 continue;
             }
-            let here = self.trial.paths[j].rest();
+            let here = self.candidate.paths[j].rest();
             let way = self.goal[j] - here;
             let to = match kind {
                 0 if k != one => here,
@@ -235,9 +235,9 @@ impl Avoider {
             };
             let limits = &self.settings.limits[j];
             self.posture[j] = to.clamp(limits.lower, limits.upper);
-            missing += (self.posture[j] - self.goal[j]).powi(2);
+            goal_error += (self.posture[j] - self.goal[j]).powi(2);
             k += 1;
         }
-        missing
+        goal_error
     }
 }

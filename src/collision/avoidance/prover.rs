@@ -12,9 +12,9 @@
 //! is taken as colliding.
 //! Whole levels of halves are looked at before smaller ones, so that a collision is soon found.
 
-use super::bound::Levers;
-use super::path::Path;
-use crate::collision::kinematics::{LinkPose, place};
+use super::joint_path::JointPath;
+use super::levers::Levers;
+use crate::collision::kinematics::{LinkPose, link_poses};
 use crate::collision::{CollisionModel, Detector};
 use crate::robot::Model;
 
@@ -61,9 +61,9 @@ impl Prover {
     }
 
     /// Puts the robot into a posture for questions to `detector`.
-    pub fn place(&mut self, model: &Model, collision: &CollisionModel, detector: &mut Detector, q: &[f64]) {
-        place(model, q, &mut self.poses);
-        detector.place(collision, &self.poses);
+    pub fn set_posture(&mut self, model: &Model, collision: &CollisionModel, detector: &mut Detector, q: &[f64]) {
+        link_poses(model, q, &mut self.poses);
+        detector.set_poses(collision, &self.poses);
     }
 
     /// Poses of the links where the robot was last put.
@@ -78,14 +78,14 @@ impl Prover {
         &mut self,
         (model, collision, levers): (&Model, &CollisionModel, &Levers),
         detector: &mut Detector,
-        paths: &[Path],
+        paths: &[JointPath],
         begin: f64,
         margin: f64,
         pairs: &[usize],
         colliding: &mut Vec<usize>,
     ) -> bool {
         colliding.clear();
-        let end = paths.iter().map(Path::end).fold(begin, f64::max);
+        let end = paths.iter().map(JointPath::end).fold(begin, f64::max);
         self.pairs.clear();
         self.pairs.extend_from_slice(pairs);
         self.level.clear();
@@ -102,8 +102,8 @@ impl Prover {
                     self.posture[j] = q;
                     self.travel[j] = (high - q).max(q - low);
                 }
-                place(model, &self.posture, &mut self.poses);
-                detector.place(collision, &self.poses);
+                link_poses(model, &self.posture, &mut self.poses);
+                detector.set_poses(collision, &self.poses);
                 postures += 1;
                 let start = self.next_pairs.len();
                 for &pair in &self.pairs[first..last] {

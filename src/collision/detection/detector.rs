@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 
 use super::epa::Epa;
 use super::gjk::{self, Nearest, Outcome, Warm};
-use super::placed::Placed;
-use super::scene::Scene;
+use super::posed_bodies::PosedBodies;
+use super::support_mapping::SupportMapping;
 use crate::collision::CollisionModel;
 use crate::collision::kinematics::LinkPose;
 
@@ -41,14 +41,14 @@ pub struct Counts {
     pub depths: u64,
 }
 
-/// Workspace: [`Detector::place`] a posture, then ask. Nothing is allocated after construction. A posture that is not finite
+/// Workspace: [`Detector::set_poses`] a posture, then ask. Nothing is allocated after construction. A posture that is not finite
 /// counts as a collision.
 ///
 /// # Panics
 /// Its functions may, when they are given another model than the one it was made for.
 #[derive(Clone, Debug)]
 pub struct Detector {
-    scene: Scene,
+    scene: PosedBodies,
     warm: Vec<Warm>,
     epa: Epa,
     /// The pairs' bodies.
@@ -70,7 +70,7 @@ impl Detector {
     pub fn new(model: &CollisionModel) -> Self {
         let n = model.pairs.len();
         Self {
-            scene: Scene::new(&model.bodies),
+            scene: PosedBodies::new(&model.bodies),
             warm: vec![Warm::COLD; n],
             epa: Epa::default(),
             pairs: model.pairs.iter().map(|p| p.bodies).collect(),
@@ -91,9 +91,9 @@ impl Detector {
 
     /// Moves the bodies to the posture that the next queries are about. `poses` has one entry per link of the robot, in any
     /// frame they share.
-    pub fn place(&mut self, model: &CollisionModel, poses: &[LinkPose]) {
+    pub fn set_poses(&mut self, model: &CollisionModel, poses: &[LinkPose]) {
         self.counts.postures += 1;
-        self.scene.place(&model.bodies, poses);
+        self.scene.set_poses(&model.bodies, poses);
     }
 
     /// Distances and nearest points of all pairs, in the pairs' order.
@@ -204,8 +204,8 @@ impl Detector {
 /// The exact layer for one pair; `None` when it is farther apart than `beyond`.
 fn exact(
     pair: usize,
-    a: &impl Placed,
-    b: &impl Placed,
+    a: &impl SupportMapping,
+    b: &impl SupportMapping,
     beyond: f64,
     (warm, epa, counts): (&mut Warm, &mut Epa, &mut Counts),
 ) -> Option<Proximity> {

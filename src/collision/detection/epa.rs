@@ -13,8 +13,8 @@
 
 use nalgebra::Vector3;
 
-use super::placed::Placed;
 use super::simplex::Simplex;
+use super::support_mapping::SupportMapping;
 
 /// The bounds meet when they are this near, m.
 const MEET: f64 = 1e-11;
@@ -67,7 +67,7 @@ impl Default for Epa {
 
 impl Epa {
     /// The depth of A in B, from a simplex of `A - B` that holds the origin.
-    pub fn depth(&mut self, a: &impl Placed, b: &impl Placed, simplex: &Simplex) -> Depth {
+    pub fn depth(&mut self, a: &impl SupportMapping, b: &impl SupportMapping, simplex: &Simplex) -> Depth {
         self.w.clear();
         self.from.clear();
         self.faces.clear();
@@ -105,7 +105,7 @@ impl Epa {
         }
     }
 
-    fn answer(&self, a: &impl Placed, depth: f64, face: &Face) -> Depth {
+    fn answer(&self, a: &impl SupportMapping, depth: f64, face: &Face) -> Depth {
         let [p, q, r] = face.corners.map(|k| self.w[k as usize]);
         let normal = (q - p).cross(&(r - p));
         let foot = face.normal * face.distance;
@@ -118,7 +118,7 @@ impl Epa {
     }
 
     /// Makes a tetrahedron of the simplex that holds the origin; false when `A - B` is flat.
-    fn complete(&mut self, a: &impl Placed, b: &impl Placed) -> bool {
+    fn complete(&mut self, a: &impl SupportMapping, b: &impl SupportMapping) -> bool {
         while self.w.len() < 4 {
             let first = self.w[0];
             let directions: [Vector3<f64>; 3] = match self.w.len() {
@@ -228,7 +228,7 @@ fn across(along: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
 }
 
 /// No depth at all: the bodies share one point.
-fn touching(a: &impl Placed, from: &[u16; 2]) -> Depth {
+fn touching(a: &impl SupportMapping, from: &[u16; 2]) -> Depth {
     let at = a.vertex(from[0]);
     Depth { depth: 0.0, normal: Vector3::z(), on_a: at, on_b: at }
 }

@@ -14,8 +14,8 @@
 
 use nalgebra::Vector3;
 
-use super::placed::Placed;
 use super::simplex::Simplex;
+use super::support_mapping::SupportMapping;
 
 /// The bounds meet when they are this near, m. Coordinates of about 1 m carry rounding errors of 1e-16 m.
 const MEET: f64 = 1e-12;
@@ -36,7 +36,7 @@ impl Warm {
     /// Nothing known yet.
     pub const COLD: Self = Warm { len: 0, a: [0; 4], b: [0; 4] };
 
-    fn simplex(&self, a: &impl Placed, b: &impl Placed) -> Simplex {
+    fn simplex(&self, a: &impl SupportMapping, b: &impl SupportMapping) -> Simplex {
         let mut s = Simplex::EMPTY;
         for i in 0..(self.len as usize).max(1) {
             let (ia, ib) = (self.a[i], self.b[i]);
@@ -83,7 +83,7 @@ pub struct Nearest {
 }
 
 /// From `v` and the weights of [`Outcome::Apart`].
-pub fn nearest(a: &impl Placed, b: &impl Placed, v: &Vector3<f64>, simplex: &Simplex) -> Nearest {
+pub fn nearest(a: &impl SupportMapping, b: &impl SupportMapping, v: &Vector3<f64>, simplex: &Simplex) -> Nearest {
     let weights = simplex.l.iter().take(simplex.len);
     let on_a = simplex.a.iter().zip(weights.clone()).map(|(k, l)| a.vertex(*k) * *l).sum();
     let on_b = simplex.b.iter().zip(weights).map(|(k, l)| b.vertex(*k) * *l).sum();
@@ -92,7 +92,7 @@ pub fn nearest(a: &impl Placed, b: &impl Placed, v: &Vector3<f64>, simplex: &Sim
 }
 
 /// The distance of A and B, or [`Outcome::Beyond`] as soon as it is proven to be above `beyond`, m (infinity: never).
-pub fn distance(a: &impl Placed, b: &impl Placed, warm: &mut Warm, beyond: f64) -> Outcome {
+pub fn distance(a: &impl SupportMapping, b: &impl SupportMapping, warm: &mut Warm, beyond: f64) -> Outcome {
     let mut s = warm.simplex(a, b);
     let mut v = s.reduce();
     let (mut ia, mut ib) = (s.a[s.len - 1], s.b[s.len - 1]);

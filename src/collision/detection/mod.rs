@@ -1,14 +1,14 @@
 //! Which bodies of a posture touch, and how far apart the others are.
 
-mod boxes;
+mod axis_box;
 mod detector;
 mod epa;
 mod gjk;
-mod nearness;
-mod placed;
-mod scene;
+mod pair_distance;
+mod posed_bodies;
 mod simplex;
+mod support_mapping;
 
 pub use detector::{Counts, Detector, Proximity};
 pub(crate) use gjk::{Nearest, Warm};
-pub(crate) use nearness::Nearness;
+pub(crate) use pair_distance::PairDistance;

@@ -1,9 +1,9 @@
 //! Where the links are, and where they will be.
 
 mod extrapolate;
-mod place;
+mod link_poses;
 
 pub(crate) use extrapolate::capped_travel;
 pub use extrapolate::extrapolate;
-pub(crate) use place::place_link;
-pub use place::{LinkPose, place};
+pub(crate) use link_poses::link_pose;
+pub use link_poses::{LinkPose, link_poses};

@@ -1,16 +1,16 @@
 //! The robot as convex bodies, and which pairs of them can meet.
 
 mod body;
-mod inner;
+mod enclosed_bodies;
+mod link_tree;
 mod model;
 mod oriented_box;
-mod paths;
+mod pair_search;
 mod polytope;
-mod reach;
 mod tessellate;
 
 pub use body::{Body, DroppedBody, WhyBody};
 pub use model::{CollisionModel, DroppedPair, Pair, WhyPair};
 pub use oriented_box::OrientedBox;
+pub use pair_search::Search;
 pub use polytope::Polytope;
-pub use reach::Search;

@@ -1,11 +1,11 @@
 //! The bodies of a robot and the pairs of them that are watched.
 
 use super::body::{Body, DroppedBody, WhyBody};
-use super::inner::drop_inner;
-use super::paths::{carriers, joints_between};
-use super::reach::{Search, closest_found};
-use crate::collision::detection::Nearness;
-use crate::collision::kinematics::{LinkPose, place};
+use super::enclosed_bodies::drop_enclosed;
+use super::link_tree::{carriers, joints_between};
+use super::pair_search::{Search, closest_found};
+use crate::collision::detection::PairDistance;
+use crate::collision::kinematics::{LinkPose, link_poses};
 use crate::robot::{JointId, LinkId, Model, SelfCollision};
 
 /// Two bodies that are watched.
@@ -153,7 +153,7 @@ fn bodies(model: &Model, settings: &SelfCollision) -> (Vec<Body>, Vec<DroppedBod
     }
     // What the robot file lists is watched, inside another body or not.
     if settings.bodies.is_none() {
-        let (kept, inner) = drop_inner(model, bodies, Search::default().seed);
+        let (kept, inner) = drop_enclosed(model, bodies, Search::default().seed);
         bodies = kept;
         dropped.extend(inner);
     }
@@ -164,8 +164,8 @@ fn bodies(model: &Model, settings: &SelfCollision) -> (Vec<Body>, Vec<DroppedBod
 /// For every pair how deep it overlaps at home, m.
 fn depths_at_home(model: &Model, bodies: &[Body], pairs: &[[usize; 2]]) -> Vec<Option<f64>> {
     let mut poses = vec![LinkPose::IDENTITY; model.links.len()];
-    place(model, &model.home, &mut poses);
-    let mut near = Nearness::new(bodies);
-    near.place(bodies, &poses);
+    link_poses(model, &model.home, &mut poses);
+    let mut near = PairDistance::new(bodies);
+    near.set_poses(bodies, &poses);
     pairs.iter().map(|pair| near.depth(bodies, *pair)).collect()
 }

@@ -1,6 +1,6 @@
 use super::*;
 
-fn at(spline: &Spline, t: f64) -> Point {
+fn at(spline: &Spline, t: f64) -> TrajectoryPoint {
     spline.at(t, &mut 0)
 }
 
@@ -178,13 +178,13 @@ fn velocities_are_derivatives_and_outside_it_stands() {
             // h^2 / 6 times the third derivative (some 1e2), and rounding over h.
             assert!((slope - at(&spline, t).v).abs() < 1e-8 && (bend - at(&spline, t).a).abs() < 1e-6);
         }
-        assert_eq!(at(&spline, 0.1), Point { q: 0.3, v: 0.0, a: 0.0 });
-        assert_eq!(at(&spline, 3.1), Point { q: 0.3, v: 0.0, a: 0.0 });
+        assert_eq!(at(&spline, 0.1), TrajectoryPoint { q: 0.3, v: 0.0, a: 0.0 });
+        assert_eq!(at(&spline, 3.1), TrajectoryPoint { q: 0.3, v: 0.0, a: 0.0 });
     }
     let alone = Spline::new(vec![1.0], &[0.7], Ends::Natural).unwrap();
-    assert_eq!(at(&alone, 1.0), Point { q: 0.7, v: 0.0, a: 0.0 });
+    assert_eq!(at(&alone, 1.0), TrajectoryPoint { q: 0.7, v: 0.0, a: 0.0 });
     let line = Spline::new(vec![1.0, 3.0], &[0.0, 1.0], Ends::Natural).unwrap();
-    assert_eq!(at(&line, 2.0), Point { q: 0.5, v: 0.5, a: 0.0 });
+    assert_eq!(at(&line, 2.0), TrajectoryPoint { q: 0.5, v: 0.5, a: 0.0 });
 }
 
 #[test]

@@ -8,9 +8,9 @@ mod contacts;
 mod efforts;
 mod end_effectors;
 mod links;
+mod load_split;
 mod mass_center;
 mod soles;
-mod split;
 mod support;
 
 pub use contacts::{ContactPoint, LIGHT};
@@ -59,7 +59,7 @@ pub struct Augmented {
     /// Radius of the largest disc in the support polygon, m ([`Needs::STABLE_POINT`]).
     pub stable_radius: f64,
     gravity: Vector3<f64>,
-    splitter: split::Splitter,
+    splitter: load_split::Splitter,
     edges: Vec<crate::geometry::stable_point::Edge>,
 }
 
@@ -83,7 +83,7 @@ impl Augmented {
             stable_point: None,
             stable_radius: 0.0,
             gravity: Vector3::zeros(),
-            splitter: split::Splitter::new(model),
+            splitter: load_split::Splitter::new(model),
             edges: Vec::with_capacity(2 * points),
         }
     }

@@ -1,8 +1,8 @@
 //! `balance`: keep the centre of mass above the soles. One file per way of control.
 
-pub mod course;
 pub mod distribution;
-pub mod force;
-pub mod position;
-pub mod slack;
+pub mod force_balance;
+pub mod null_space_motion;
+pub mod position_balance;
+pub mod reference_trajectory;
 pub mod stance;

@@ -17,7 +17,7 @@
 //! which lifts off and lands without velocity or acceleration and clears the floor by H half way. The zero-moment point
 //! rests under the standing foot's centroid and crosses over in double support along the same quintic.
 
-use crate::task::posture::minimum_jerk;
+use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::{Vector2, Vector3};
 
 /// What a walk is asked to be.

@@ -12,28 +12,28 @@
 //! the line of centroids, and the shares a_s in proportion to where z lies on that line. A robot with another number of soles
 //! than two is taken to share evenly.
 
-use super::Figure;
+use super::PlannedRobot;
 use crate::dynamics::{jacobian, rnea};
 use crate::robot::Model;
 use nalgebra::{Vector2, Vector3};
 
 /// Writes the joints' part of tau (N m or N, one per joint) to `out`. `zmp` in world axes, m; `acceleration` is c'',
-/// `gravity` free fall, m/s^2. The figure's kinematics are those of its state.
+/// `gravity` free fall, m/s^2. The planned's kinematics are those of its state.
 pub fn efforts(
     model: &Model,
-    figure: &mut Figure,
+    planned: &mut PlannedRobot,
     gravity: &Vector3<f64>,
     acceleration: &Vector3<f64>,
     zmp: &Vector2<f64>,
     out: &mut [f64],
 ) {
     let felt = gravity - acceleration;
-    rnea::bias(model, &mut figure.ws, &felt);
+    rnea::bias(model, &mut planned.ws, &felt);
     let nb = model.nb();
-    out.copy_from_slice(&figure.ws.bias[nb..]);
+    out.copy_from_slice(&planned.ws.bias[nb..]);
     let force = felt * -model.mass();
-    let feet = figure.feet.len();
-    let place = |s: usize| figure.sole(s).translation.vector;
+    let feet = planned.feet.len();
+    let place = |s: usize| planned.sole(s).translation.vector;
     let along = if feet == 2 {
         let (a, b) = (place(0).xy(), place(1).xy());
         ((zmp - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0)
@@ -50,8 +50,8 @@ pub fn efforts(
     for s in 0..feet {
         let point = place(s) + Vector3::new(beside.x, beside.y, 0.0);
         let carried = force * share(s);
-        for &k in figure.ws.support(figure.feet[s].link).iter().filter(|k| **k >= nb) {
-            out[k - nb] -= jacobian::column(&figure.ws, k, &point).linear.dot(&carried);
+        for &k in planned.ws.support(planned.feet[s].link).iter().filter(|k| **k >= nb) {
+            out[k - nb] -= jacobian::column(&planned.ws, k, &point).linear.dot(&carried);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Where a figure is to be.
+//! Where a planned is to be.
 
 use crate::dynamics::Motion;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};

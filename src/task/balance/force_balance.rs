@@ -21,13 +21,13 @@
 //! contact forces f_i together are an exact equilibrium. Where the cones do not allow F and N, (4) is taken with the forces
 //! that they do allow, and stays consistent.
 
-use super::course::Course;
 use super::distribution::{Distribution, Measure, Wrench};
-use super::slack::Slack;
+use super::null_space_motion::NullSpaceMotion;
+use super::reference_trajectory::ReferenceTrajectory;
 use super::stance::{Stance, turn_to, upwards};
 use crate::dynamics::{Workspace, body, crba, force, jacobian, kinematics};
 use crate::robot::{DriveMode, JointId, LinkId, Model, SoleId};
-use crate::task::{Command, Context, Needs, Point, Status, Task, TaskResult, over};
+use crate::task::{Command, Context, Needs, PointOfInterest, Status, Task, TaskResult, has_elapsed};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Acceleration per displacement (1/s^2) and per velocity (1/s).
@@ -87,13 +87,13 @@ pub struct ForceBalance {
     settings: Settings,
     stance: Stance,
     split: Distribution,
-    slack: Slack,
+    slack: NullSpaceMotion,
     /// Inertia that each joint moves at the start, D.
     inertia: Vec<f64>,
     joints: Vec<JointId>,
     start: f64,
     /// Of the reference of the centre of mass from the centre of the soles, m.
-    reference: Course<3>,
+    reference: ReferenceTrajectory<3>,
     /// Times of the changes, s, and what they bring.
     times: Vec<f64>,
     changes: Vec<Change>,
@@ -102,7 +102,7 @@ pub struct ForceBalance {
     effort: Vec<f64>,
     motion: Vec<f64>,
     /// Where it wants the centre of mass, and the zero-moment point of the forces (3).
-    points: [Point; 2],
+    points: [PointOfInterest; 2],
 }
 
 impl ForceBalance {
@@ -121,11 +121,11 @@ impl ForceBalance {
         ForceBalance {
             name,
             split: Distribution::new(vertices),
-            slack: Slack::new(0, &[], 0),
+            slack: NullSpaceMotion::new(0, &[], 0),
             inertia: vec![0.0; model.nj()],
             joints: (0..model.nj()).filter(driven).map(JointId).collect(),
             start: 0.0,
-            reference: Course::new(1 + changes.len()),
+            reference: ReferenceTrajectory::new(1 + changes.len()),
             times,
             changes,
             orientation: UnitQuaternion::identity(),
@@ -133,7 +133,7 @@ impl ForceBalance {
             motion: vec![0.0; model.nv()],
             settings,
             stance,
-            points: ["com", "zmp"].map(|what| Point::named(format!("{name}.{what}"))),
+            points: ["com", "zmp"].map(|what| PointOfInterest::named(format!("{name}.{what}"))),
         }
     }
 
@@ -256,7 +256,7 @@ impl ForceBalance {
 }
 
 /// Holds a point of a link where it is, and its orientation if `turning`.
-fn hold_link(slack: &mut Slack, ws: &Workspace, link: LinkId, point: &Vector3<f64>, turning: bool) {
+fn hold_link(slack: &mut NullSpaceMotion, ws: &Workspace, link: LinkId, point: &Vector3<f64>, turning: bool) {
     let chain = ws.support(link);
     for axis in 0..if turning { 6 } else { 3 } {
         slack.hold(|k| {
@@ -282,7 +282,7 @@ impl Task for ForceBalance {
         // Joints that it does not drive stay where they are: they would cost more than all others together.
         let mut weights = vec![1e6 * self.inertia.iter().fold(0.0, |m: f64, x| m.max(*x)); nj];
         self.joints.iter().for_each(|j| weights[j.0] = self.inertia[j.0]);
-        self.slack = Slack::new(nb, &weights, 6 * self.stance.soles().len() + 6);
+        self.slack = NullSpaceMotion::new(nb, &weights, 6 * self.stance.soles().len() + 6);
         self.start = context.start;
         self.place(context);
         let now = context.data.com - self.stance.centre;
@@ -296,7 +296,7 @@ impl Task for ForceBalance {
     }
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
-        if over(context.time - self.start, self.settings.duration) {
+        if has_elapsed(context.time - self.start, self.settings.duration) {
             // Servos hold what they find; modes and efforts go back by themselves.
             for &JointId(j) in &self.joints {
                 command.position[j] = context.q()[j];
@@ -333,7 +333,7 @@ impl Task for ForceBalance {
         Ok(Status::Running)
     }
 
-    fn succeed(&mut self, newer: Box<dyn Task>) {
+    fn adopt_changes(&mut self, newer: Box<dyn Task>) {
         if let Some(newer) = crate::task::of_type::<Self>(newer) {
             self.times = newer.times;
             self.changes = newer.changes;
@@ -349,11 +349,11 @@ impl Task for ForceBalance {
         Needs::LINKS | Needs::COM | Needs::COM_JACOBIAN | loads
     }
 
-    fn lends(&self) -> bool {
+    fn is_temporary(&self) -> bool {
         true
     }
 
-    fn points(&self) -> &[Point] {
+    fn points(&self) -> &[PointOfInterest] {
         &self.points
     }
 

@@ -1,6 +1,6 @@
 //! What tasks give back when they end, so that nothing of them acts under whatever follows and nothing jumps.
 //!
-//! - **Modes and efforts** of a task that *lends* them ([`super::Task::lends`]) hold as long as it lasts. Beneath are those
+//! - **Modes and efforts** of a task that *is_temporary* them ([`super::Task::is_temporary`]) hold as long as it lasts. Beneath are those
 //!   that the robot, or a script, has set; each tick begins with them.
 //! - **Efforts** that such a task leaves on a joint that follows positions or velocities go over into those beneath within
 //!   [`RETURN`] seconds. On other joints the effort beneath holds at once.
@@ -10,8 +10,8 @@
 //! Both fade along the quintic of [`super::fade`].
 
 use super::Command;
-use super::over;
-use crate::motion::spline::{Point, quintic};
+use super::has_elapsed;
+use crate::motion::spline::{TrajectoryPoint, quintic};
 use crate::robot::DriveMode;
 
 /// Time in which what an ended task leaves fades, s.
@@ -20,31 +20,31 @@ pub const RETURN: f64 = 0.5;
 /// A difference that fades.
 #[derive(Clone, Copy, Debug)]
 struct Fading {
-    from: Point,
+    from: TrajectoryPoint,
     since: f64,
 }
 
 impl Fading {
-    const NONE: Fading = Fading { from: Point { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY };
+    const NONE: Fading = Fading { from: TrajectoryPoint { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY };
 
     /// What is left of it; none when it is over.
-    fn at(&self, time: f64) -> Option<Point> {
+    fn at(&self, time: f64) -> Option<TrajectoryPoint> {
         let t = time - self.since;
-        (!over(t, RETURN)).then(|| quintic(&self.from, &Point::default(), RETURN, t))
+        (!has_elapsed(t, RETURN)).then(|| quintic(&self.from, &TrajectoryPoint::default(), RETURN, t))
     }
 }
 
 /// What one task has lent.
 #[derive(Clone, Debug, Default)]
-pub struct Loan {
+pub struct TemporaryEfforts {
     /// By joint: the last effort, if it has set the joint's effort or mode.
     efforts: Vec<Option<f64>>,
 }
 
-impl Loan {
+impl TemporaryEfforts {
     /// Of a robot with so many joints.
     pub fn new(joints: usize) -> Self {
-        Loan { efforts: vec![None; joints] }
+        TemporaryEfforts { efforts: vec![None; joints] }
     }
 }
 
@@ -52,12 +52,12 @@ impl Loan {
 #[derive(Clone, Copy, Debug)]
 struct Returned {
     beneath: (f64, f64),
-    apart: Point,
+    apart: TrajectoryPoint,
 }
 
 /// See the module.
 #[derive(Clone, Debug)]
-pub struct Layers {
+pub struct Handover {
     mode: Vec<DriveMode>,
     effort: Vec<f64>,
     efforts: Vec<Fading>,
@@ -73,11 +73,11 @@ pub struct Layers {
     until: f64,
 }
 
-impl Layers {
+impl Handover {
     /// Beneath all tasks is `command`.
     pub fn new(command: &Command) -> Self {
         let n = command.position.len();
-        Layers {
+        Handover {
             mode: command.mode.clone(),
             effort: command.effort.clone(),
             efforts: vec![Fading::NONE; n],
@@ -116,11 +116,11 @@ impl Layers {
         self.before.copy_from(command);
     }
 
-    /// After a task was called that lends what it sets, by `loan`, or sets it for good; has it ended?
-    pub fn after(&mut self, loan: Option<&mut Loan>, ended: bool, time: f64, command: &mut Command) {
-        match loan {
+    /// After a task was called that is_temporary what it sets, by `temporary`, or sets it for good; has it ended?
+    pub fn after(&mut self, temporary: Option<&mut TemporaryEfforts>, ended: bool, time: f64, command: &mut Command) {
+        match temporary {
             None => self.keep(command),
-            Some(loan) => self.lend(loan, ended, time, command),
+            Some(temporary) => self.lend(temporary, ended, time, command),
         }
         for j in 0..self.mode.len() {
             let before = (self.before.position[j], self.before.velocity[j]);
@@ -128,7 +128,7 @@ impl Layers {
             if now == before {
                 continue;
             }
-            let apart = Point { q: now.0 - before.0, v: now.1 - before.1, a: 0.0 };
+            let apart = TrajectoryPoint { q: now.0 - before.0, v: now.1 - before.1, a: 0.0 };
             self.returned[j] = (ended && self.moved[j]).then_some(Returned { beneath: before, apart });
             self.moved[j] = true;
         }
@@ -146,19 +146,20 @@ impl Layers {
         }
     }
 
-    fn lend(&mut self, loan: &mut Loan, ended: bool, time: f64, command: &mut Command) {
+    fn lend(&mut self, temporary: &mut TemporaryEfforts, ended: bool, time: f64, command: &mut Command) {
         for j in 0..self.mode.len() {
             let set = command.effort[j] != self.before.effort[j] || command.mode[j] != self.before.mode[j];
             if set {
-                loan.efforts[j] = Some(command.effort[j]);
+                temporary.efforts[j] = Some(command.effort[j]);
             }
-            let Some(last) = loan.efforts[j].filter(|_| ended) else { continue };
+            let Some(last) = temporary.efforts[j].filter(|_| ended) else { continue };
             // Is what lies beneath not that of an earlier task that goes on?
             let bottom = self.before.mode[j] == self.mode[j] && self.before.effort[j] == self.beneath(j, time);
             let fades = matches!(self.mode[j], DriveMode::Position | DriveMode::Velocity);
             self.efforts[j] = Fading::NONE;
             if fades {
-                self.efforts[j] = Fading { from: Point { q: last - self.effort[j], v: 0.0, a: 0.0 }, since: time };
+                self.efforts[j] =
+                    Fading { from: TrajectoryPoint { q: last - self.effort[j], v: 0.0, a: 0.0 }, since: time };
                 self.until = time + RETURN;
             }
             if bottom {
@@ -174,7 +175,8 @@ impl Layers {
             if let Some(Returned { beneath, apart }) = self.returned[j].take() {
                 (command.position[j], command.velocity[j]) = beneath;
                 let e = fading.unwrap_or_default();
-                self.positions[j] = Fading { from: Point { q: e.q + apart.q, v: e.v + apart.v, a: e.a }, since: time };
+                self.positions[j] =
+                    Fading { from: TrajectoryPoint { q: e.q + apart.q, v: e.v + apart.v, a: e.a }, since: time };
                 self.until = time + RETURN;
             }
             if let Some(e) = self.positions[j].at(time) {

@@ -1,9 +1,9 @@
 //! Bodies inside others: nothing can touch them first.
 
 use super::body::{Body, DroppedBody, WhyBody};
-use super::paths::joints_between;
-use super::reach::Sampler;
-use crate::collision::kinematics::{LinkPose, place};
+use super::link_tree::joints_between;
+use super::pair_search::Sampler;
+use crate::collision::kinematics::{LinkPose, link_poses};
 use crate::robot::Model;
 
 /// Postures looked at, beside home; a quarter of the joints is at either end of its range in each.
@@ -12,12 +12,12 @@ const POSTURES: usize = 200;
 const ROUNDING: f64 = 1e-12;
 
 /// Takes out bodies that are inside another one in all postures tried.
-pub(super) fn drop_inner(model: &Model, bodies: Vec<Body>, seed: u64) -> (Vec<Body>, Vec<DroppedBody>) {
+pub(super) fn drop_enclosed(model: &Model, bodies: Vec<Body>, seed: u64) -> (Vec<Body>, Vec<DroppedBody>) {
     let mut postures = vec![model.home.clone()];
     let mut sampler = Sampler::new(model, seed, "inner");
     postures.extend((0..POSTURES).map(|_| sampler.posture(model)));
     let mut poses = vec![vec![LinkPose::IDENTITY; model.links.len()]; postures.len()];
-    postures.iter().zip(&mut poses).for_each(|(q, poses)| place(model, q, poses));
+    postures.iter().zip(&mut poses).for_each(|(q, poses)| link_poses(model, q, poses));
 
     let outside = |inner: &Body, outer: &Body, poses: &[LinkPose]| {
         let (i, o) = (&poses[inner.link.0], &poses[outer.link.0]);

@@ -21,11 +21,11 @@
 //! of acceleration at the ends of pieces, of speed there and where a = 0, of position there and where v = 0.
 
 use super::Limits;
-use crate::motion::spline::Point;
+use crate::motion::spline::TrajectoryPoint;
 
 /// `from` after `s` seconds of constant jerk.
-fn after(from: &Point, jerk: f64, s: f64) -> Point {
-    Point {
+fn after(from: &TrajectoryPoint, jerk: f64, s: f64) -> TrajectoryPoint {
+    TrajectoryPoint {
         q: from.q + s * (from.v + s * (0.5 * from.a + s * jerk / 6.0)),
         v: from.v + s * (from.a + 0.5 * s * jerk),
         a: from.a + s * jerk,
@@ -45,13 +45,13 @@ const ROUNDING: f64 = 1e-6;
 struct Piece {
     begin: f64,
     end: f64,
-    from: Point,
+    from: TrajectoryPoint,
     jerk: f64,
 }
 
 /// See the module.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Path {
+pub struct JointPath {
     pieces: [Piece; PIECES],
     count: usize,
     /// Where it ends, at rest.
@@ -59,32 +59,32 @@ pub struct Path {
     end: f64,
 }
 
-impl Path {
+impl JointPath {
     /// At rest.
     pub fn resting(q: f64) -> Self {
-        Path { pieces: [Piece::default(); PIECES], count: 0, rest: q, end: f64::NEG_INFINITY }
+        JointPath { pieces: [Piece::default(); PIECES], count: 0, rest: q, end: f64::NEG_INFINITY }
     }
 
     /// As it moves for `duration`, and then at rest at once: what is known of a joint that follows nothing.
     pub fn drift(q: f64, v: f64, begin: f64, duration: f64) -> Self {
-        let mut path = Path::resting(q);
+        let mut path = JointPath::resting(q);
         if v != 0.0 {
-            path.rest = path.push(Point { q, v, a: 0.0 }, begin, duration, 0.0).q;
+            path.rest = path.push(TrajectoryPoint { q, v, a: 0.0 }, begin, duration, 0.0).q;
         }
         path
     }
 
     /// From `from` at `begin` to rest, in the shortest stop that keeps the limits of acceleration and jerk. Whether speed and
     /// range allow it says [`Self::keeps`].
-    pub fn stop(from: Point, begin: f64, limits: &Limits) -> Self {
-        let mut path = Path::resting(from.q);
+    pub fn stop(from: TrajectoryPoint, begin: f64, limits: &Limits) -> Self {
+        let mut path = JointPath::resting(from.q);
         path.append_stop(from, begin, limits);
         path
     }
 
     /// From `from` at `begin` to `to` after `duration`, and on to rest; none when that breaks a limit.
-    pub fn go(from: Point, begin: f64, to: Point, duration: f64, limits: &Limits) -> Option<Self> {
-        let mut path = Path::resting(to.q);
+    pub fn go(from: TrajectoryPoint, begin: f64, to: TrajectoryPoint, duration: f64, limits: &Limits) -> Option<Self> {
+        let mut path = JointPath::resting(to.q);
         let d = duration / 3.0;
         let a = (to.a - from.a) / d;
         let b = (to.v - from.v - 3.0 * d * from.a) / (d * d);
@@ -103,14 +103,14 @@ impl Path {
         path.keeps(limits).then_some(path)
     }
 
-    fn push(&mut self, from: Point, begin: f64, length: f64, jerk: f64) -> Point {
+    fn push(&mut self, from: TrajectoryPoint, begin: f64, length: f64, jerk: f64) -> TrajectoryPoint {
         self.pieces[self.count] = Piece { begin, end: begin + length, from, jerk };
         self.count += 1;
         self.end = begin + length;
         after(&from, jerk, length)
     }
 
-    fn append_stop(&mut self, from: Point, begin: f64, limits: &Limits) {
+    fn append_stop(&mut self, from: TrajectoryPoint, begin: f64, limits: &Limits) {
         self.rest = from.q;
         self.end = begin;
         if from.v == 0.0 && from.a == 0.0 {
@@ -146,10 +146,10 @@ impl Path {
     }
 
     /// The motion at time `t`.
-    pub fn at(&self, t: f64) -> Point {
+    pub fn at(&self, t: f64) -> TrajectoryPoint {
         match self.pieces[..self.count].iter().find(|p| t < p.end) {
             Some(p) => after(&p.from, p.jerk, (t - p.begin).max(0.0)),
-            None => Point { q: self.rest, v: 0.0, a: 0.0 },
+            None => TrajectoryPoint { q: self.rest, v: 0.0, a: 0.0 },
         }
     }
 
@@ -201,7 +201,7 @@ impl Path {
 }
 
 /// Times at which v = 0, seconds from the start of a piece.
-fn turns(m: &Point, jerk: f64) -> [Option<f64>; 2] {
+fn turns(m: &TrajectoryPoint, jerk: f64) -> [Option<f64>; 2] {
     let (a, b, c) = (0.5 * jerk, m.a, m.v);
     let root = b * b - 4.0 * a * c;
     if root < 0.0 || (a == 0.0 && b == 0.0) {
@@ -219,8 +219,8 @@ mod tests {
 
     const LIMITS: Limits = Limits { lower: -2.0, upper: 2.0, speed: 5.0, acceleration: 40.0, jerk: 800.0 };
 
-    fn random(r: &mut Stream) -> Point {
-        Point { q: r.normal() * 0.5, v: r.normal(), a: 10.0 * r.normal() }
+    fn random(r: &mut Stream) -> TrajectoryPoint {
+        TrajectoryPoint { q: r.normal() * 0.5, v: r.normal(), a: 10.0 * r.normal() }
     }
 
     #[test]
@@ -230,7 +230,7 @@ mod tests {
         for _ in 0..2000 {
             let (from, to) = (random(&mut r), random(&mut r));
             let duration = 0.1 + r.unit();
-            let Some(path) = Path::go(from, 3.0, to, duration, &LIMITS) else { continue };
+            let Some(path) = JointPath::go(from, 3.0, to, duration, &LIMITS) else { continue };
             gone += 1;
             // Rounding of d^3 j with j up to 800, and of the cubes' sums, relative to 1.
             let (start, end) = (path.at(3.0), after(&path.pieces[2].from, path.pieces[2].jerk, duration / 3.0));
@@ -248,8 +248,8 @@ mod tests {
         let mut r = Stream::new(2, &["limits"]);
         for _ in 0..500 {
             let (from, to) = (random(&mut r), random(&mut r));
-            let stop = Path::stop(from, 0.0, &LIMITS);
-            let go = Path::go(from, 0.0, to, 0.1 + r.unit(), &LIMITS);
+            let stop = JointPath::stop(from, 0.0, &LIMITS);
+            let go = JointPath::go(from, 0.0, to, 0.1 + r.unit(), &LIMITS);
             for (path, whole) in [(Some(stop), false), (go, true)] {
                 let Some(path) = path else { continue };
                 let n = 4000;
@@ -283,17 +283,17 @@ mod tests {
 
     #[test]
     fn what_breaks_a_limit_is_no_path() {
-        let rest = |q| Point { q, v: 0.0, a: 0.0 };
+        let rest = |q| TrajectoryPoint { q, v: 0.0, a: 0.0 };
         // 54 x / T^3 of jerk: 0.5 in 0.3 s takes 1000; 0.4 s are enough.
-        assert!(Path::go(rest(0.0), 0.0, rest(0.5), 0.3, &LIMITS).is_none());
-        assert!(Path::go(rest(0.0), 0.0, rest(0.5), 0.4, &LIMITS).is_some());
+        assert!(JointPath::go(rest(0.0), 0.0, rest(0.5), 0.3, &LIMITS).is_none());
+        assert!(JointPath::go(rest(0.0), 0.0, rest(0.5), 0.4, &LIMITS).is_some());
         // Beyond the range, even where it ends within it.
-        assert!(Path::go(rest(0.0), 0.0, rest(2.1), 5.0, &LIMITS).is_none());
-        let up = Point { q: 1.99, v: 1.0, a: 0.0 };
-        assert!(Path::go(up, 0.0, rest(1.99), 0.5, &LIMITS).is_none());
+        assert!(JointPath::go(rest(0.0), 0.0, rest(2.1), 5.0, &LIMITS).is_none());
+        let up = TrajectoryPoint { q: 1.99, v: 1.0, a: 0.0 };
+        assert!(JointPath::go(up, 0.0, rest(1.99), 0.5, &LIMITS).is_none());
         // The mean speed of 2 rad in 0.88 s is within 5, the greatest, 2.25 times that at the middle, is not.
         let wide = Limits { acceleration: 1e3, jerk: 1e5, ..LIMITS };
-        assert!(Path::go(rest(0.0), 0.0, rest(2.0), 0.88, &wide).is_none());
-        assert!(Path::go(rest(0.0), 0.0, rest(2.0), 0.92, &wide).is_some());
+        assert!(JointPath::go(rest(0.0), 0.0, rest(2.0), 0.88, &wide).is_none());
+        assert!(JointPath::go(rest(0.0), 0.0, rest(2.0), 0.92, &wide).is_some());
     }
 }

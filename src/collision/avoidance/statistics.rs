@@ -2,7 +2,7 @@
 
 /// Work and effect since the start.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Tally {
+pub struct AvoidanceStatistics {
     /// Cycles.
     pub cycles: u64,
     /// Of these, those between the regular ones: a joint moved as its last test did not foresee.
@@ -25,7 +25,7 @@ pub struct Tally {
     pub greatest: f64,
 }
 
-impl Tally {
+impl AvoidanceStatistics {
     /// Postures tested in a cycle, on average; none without cycles.
     pub fn tests_mean(&self) -> Option<f64> {
         (self.cycles > 0).then(|| self.tests as f64 / self.cycles as f64)

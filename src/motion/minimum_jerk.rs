@@ -6,26 +6,33 @@
 //! integral from t0 of p dt = p0 (t - t0) + (p1 - p0) T (5/2 s^4 - 3 s^5 + s^6)     (s <= 1)
 //! ```
 
-use super::posture::minimum_jerk;
+/// Progress and its rate (1/s) of a minimum-jerk move of length `duration` at time `t` after its start.
+pub fn minimum_jerk(t: f64, duration: f64) -> (f64, f64) {
+    if t >= duration {
+        return (1.0, 0.0);
+    }
+    let s = (t / duration).max(0.0);
+    (s * s * s * (10.0 + s * (6.0 * s - 15.0)), 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration)
+}
 
 /// See the module. Times in s.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Glide {
+pub struct SmoothTransition {
     from: f64,
     to: f64,
     start: f64,
     duration: f64,
 }
 
-impl Glide {
+impl SmoothTransition {
     /// A value that stays from `start` on.
     pub fn constant(value: f64, start: f64) -> Self {
-        Glide { from: value, to: value, start, duration: 0.0 }
+        SmoothTransition { from: value, to: value, start, duration: 0.0 }
     }
 
     /// From where it is at `time` to `value` within `duration` seconds (0: at once).
     pub fn turn(&mut self, value: f64, time: f64, duration: f64) {
-        *self = Glide { from: self.value(time), to: value, start: time, duration };
+        *self = SmoothTransition { from: self.value(time), to: value, start: time, duration };
     }
 
     /// Value at a time.
@@ -57,8 +64,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn minimum_jerk_has_its_closed_form() {
+        assert_eq!(minimum_jerk(0.0, 2.0), (0.0, 0.0));
+        assert_eq!(minimum_jerk(2.0, 2.0), (1.0, 0.0));
+        let (half, peak) = minimum_jerk(1.0, 2.0);
+        // Half way at half time; the greatest rate is 15/8 of the mean.
+        assert!((half - 0.5).abs() < 1e-15 && (peak - 15.0 / 16.0).abs() < 1e-15);
+        // The rate is the derivative: central difference, error of order h^2 times the third derivative (60 / T^3).
+        let h = 1e-5;
+        let slope = (minimum_jerk(0.7 + h, 2.0).0 - minimum_jerk(0.7 - h, 2.0).0) / (2.0 * h);
+        assert!((slope - minimum_jerk(0.7, 2.0).1).abs() < 1e-9);
+    }
+
+    #[test]
     fn rate_and_integral_belong_to_the_value() {
-        let mut glide = Glide::constant(2.0, 1.0);
+        let mut glide = SmoothTransition::constant(2.0, 1.0);
         assert_eq!((glide.value(5.0), glide.rate(5.0), glide.integral(5.0)), (2.0, 0.0, 8.0));
         glide.turn(-1.0, 5.0, 0.8);
         let h = 1e-5;

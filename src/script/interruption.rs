@@ -9,7 +9,7 @@ thread_local! {
 }
 
 /// Does `body`; the scripts that it loads end with an error once `flag` is raised.
-pub fn stoppable<R>(flag: Arc<AtomicBool>, body: impl FnOnce() -> R) -> R {
+pub fn interruptible<R>(flag: Arc<AtomicBool>, body: impl FnOnce() -> R) -> R {
     /// Puts back what was there, however the body ends.
     struct Before(Option<Arc<AtomicBool>>);
     impl Drop for Before {

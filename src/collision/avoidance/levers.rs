@@ -161,7 +161,7 @@ fn pair_levers(model: &Model, collision: &CollisionModel, pair: &Pair) -> Vec<Le
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::{Detector, place};
+    use crate::collision::{Detector, link_poses};
     use crate::random::Stream;
 
     #[test]
@@ -198,7 +198,7 @@ mod tests {
         let collision = CollisionModel::every_pair(&robot.model, &robot.self_collision);
         let levers = Levers::new(&robot.model, &collision);
         let mut poses = vec![LinkPose::IDENTITY; robot.model.links.len()];
-        place(&robot.model, &[0.0; 3], &mut poses);
+        link_poses(&robot.model, &[0.0; 3], &mut poses);
         let mut radii = vec![0.0; levers.count()];
         let pair = collision.pairs.iter().position(|p| p.joints.len() == 3).expect("root and hand");
         levers.measure(pair, &poses, &mut radii);
@@ -229,11 +229,11 @@ mod tests {
                     (0..model.nj()).map(|j| if alone && j != one { 0.0 } else { step * r.unit() }).collect();
                 let there: Vec<f64> =
                     q.iter().zip(&travel).map(|(q, t)| if r.below(2) == 0 { q + t } else { q - t }).collect();
-                place(model, &there, &mut poses);
-                detector.place(&collision, &poses);
+                link_poses(model, &there, &mut poses);
+                detector.set_poses(&collision, &poses);
                 let far: Vec<f64> = detector.distances(&collision).iter().map(|p| p.distance).collect();
-                place(model, &q, &mut poses);
-                detector.place(&collision, &poses);
+                link_poses(model, &q, &mut poses);
+                detector.set_poses(&collision, &poses);
                 let near: Vec<f64> = detector.distances(&collision).iter().map(|p| p.distance).collect();
                 for pair in 0..collision.pairs.len() {
                     levers.measure(pair, &poses, &mut radii);

@@ -17,11 +17,11 @@
 //! joints' target until they are there, until the direct way is free, or for [`PATIENCE`] cycles.
 
 use super::avoider::Avoider;
+use super::candidate::Robot;
+use super::joint_path::JointPath;
 use super::methods::soonest;
-use super::path::Path;
-use super::trial::Robot;
 use crate::collision::Proximity;
-use crate::motion::spline::Point;
+use crate::motion::spline::TrajectoryPoint;
 use crate::robot::JointKind;
 
 /// Cycles for which a detour is followed.
@@ -71,31 +71,31 @@ impl Avoider {
             self.follow(robot);
         }
         if !self.detour.is_on() {
-            self.look_around(robot, first);
+            self.search(robot, first);
         }
     }
 
     fn follow(&mut self, robot: Robot) {
         let Detour { posture, joints, left, .. } = &mut self.detour;
         *left -= 1;
-        let arrived = |j: usize| !joints[j] || (self.trial.anchor[j] - posture[j]).abs() < THERE;
+        let arrived = |j: usize| !joints[j] || (self.candidate.anchor[j] - posture[j]).abs() < THERE;
         if (0..joints.len()).all(arrived) {
             *left = 0;
             return;
         }
         // Joints that are in the way only now stay, those that no longer are go where they are wanted.
-        for ((marked, frozen), part) in self.marked.iter_mut().zip(&self.frozen).zip(joints) {
-            *marked = *frozen && *part;
+        for ((marked, stopped), part) in self.marked.iter_mut().zip(&self.stopped).zip(joints) {
+            *marked = *stopped && *part;
         }
-        let reached = self.try_marked(robot, |avoider, j| avoider.way_to_rest(j, avoider.detour.posture[j]));
-        if !reached || !self.leads_on(robot) {
+        let reached = self.try_marked(robot, |avoider, j| avoider.path_to_rest(j, avoider.detour.posture[j]));
+        if !reached || !self.goal_is_reachable(robot) {
             self.undo_marked();
             self.detour.end();
         }
     }
 
-    fn look_around(&mut self, robot: Robot, pair: usize) {
-        let n = self.frozen.len();
+    fn search(&mut self, robot: Robot, pair: usize) {
+        let n = self.stopped.len();
         self.mark_movable();
         self.detour.joints.copy_from_slice(&self.marked);
         if !self.find_gradient(robot, pair) {
@@ -103,7 +103,7 @@ impl Avoider {
         }
         let mut against = 0.0;
         for j in 0..n {
-            let toward = if self.detour.joints[j] { self.goal[j] - self.trial.anchor[j] } else { 0.0 };
+            let toward = if self.detour.joints[j] { self.goal[j] - self.candidate.anchor[j] } else { 0.0 };
             self.detour.toward[j] = toward;
             against += toward * self.detour.gradient[j];
         }
@@ -112,11 +112,11 @@ impl Avoider {
             for j in 0..n {
                 let (limits, u) = (&self.settings.limits[j], self.detour.gradient[j]);
                 let step = along * (self.detour.toward[j] - against * u) + away * u;
-                self.detour.posture[j] = (self.trial.anchor[j] + step).clamp(limits.lower, limits.upper);
+                self.detour.posture[j] = (self.candidate.anchor[j] + step).clamp(limits.lower, limits.upper);
             }
             self.marked.copy_from_slice(&self.detour.joints);
-            let reached = self.try_marked(robot, |avoider, j| avoider.way_to_rest(j, avoider.detour.posture[j]));
-            if reached && self.leads_on(robot) {
+            let reached = self.try_marked(robot, |avoider, j| avoider.path_to_rest(j, avoider.detour.posture[j]));
+            if reached && self.goal_is_reachable(robot) {
                 self.detour.left = PATIENCE;
                 return;
             }
@@ -124,20 +124,20 @@ impl Avoider {
         }
     }
 
-    /// Can the goal be reached from where the trial ends?
-    fn leads_on(&mut self, robot: Robot) -> bool {
-        let (rate, begin) = (1.0 / self.settings.rate, self.trial.begin);
+    /// Can the goal be reached from where the candidate ends?
+    fn goal_is_reachable(&mut self, robot: Robot) -> bool {
+        let (rate, begin) = (1.0 / self.settings.rate, self.candidate.begin);
         for (j, limits) in self.settings.limits.iter().enumerate() {
-            let from = Point { q: self.trial.paths[j].rest(), v: 0.0, a: 0.0 };
-            if self.trial.loose[j] {
-                self.onward[j] = Path::resting(from.q);
+            let from = TrajectoryPoint { q: self.candidate.paths[j].rest(), v: 0.0, a: 0.0 };
+            if self.candidate.uncontrolled[j] {
+                self.continuation[j] = JointPath::resting(from.q);
                 continue;
             }
-            let target = Point { q: self.goal[j], v: 0.0, a: 0.0 };
+            let target = TrajectoryPoint { q: self.goal[j], v: 0.0, a: 0.0 };
             let on = soonest(from, begin, rate, limits, |_| target);
-            self.onward[j] = on.unwrap_or(Path::resting(from.q));
+            self.continuation[j] = on.unwrap_or(JointPath::resting(from.q));
         }
-        self.trial.is_free(robot, &self.onward)
+        self.candidate.is_free(robot, &self.continuation)
     }
 
     /// The unit gradient of a pair's distance over the joints to be moved where the wanted motion first comes too near; false when
@@ -146,7 +146,7 @@ impl Avoider {
         let nearest = self.first_too_near(robot, pair);
         let gradient = &mut self.detour.gradient;
         gradient.fill(0.0);
-        let poses = self.trial.prover.poses();
+        let poses = self.candidate.prover.poses();
         for lever in robot.levers.of(pair).iter().filter(|l| self.detour.joints[l.joint]) {
             let pose = &poses[lever.joint + 1];
             let axis = pose.rotation.column(2).into_owned();
@@ -164,11 +164,11 @@ impl Avoider {
 
     /// Nearest points of a pair at the first sample of the wanted motion within the margin, or else at the nearest one.
     fn first_too_near(&mut self, robot: Robot, pair: usize) -> Proximity {
-        let end = self.proposed.iter().map(Path::end).fold(self.trial.begin, f64::max);
+        let end = self.proposed.iter().map(JointPath::end).fold(self.candidate.begin, f64::max);
         let mut nearest: Option<(f64, Proximity)> = None;
         for k in 1..=SAMPLES {
-            let t = self.trial.begin + (end - self.trial.begin) * k as f64 / SAMPLES as f64;
-            let found = self.trial.proximity_at(robot, &self.proposed, t, pair);
+            let t = self.candidate.begin + (end - self.candidate.begin) * k as f64 / SAMPLES as f64;
+            let found = self.candidate.proximity_at(robot, &self.proposed, t, pair);
             let nearer = nearest.is_none_or(|(_, n)| found.distance < n.distance);
             if nearer {
                 nearest = Some((t, found));
@@ -179,7 +179,7 @@ impl Avoider {
         }
         let (t, found) = nearest.expect("there are samples");
         // Poses are those of the last sample: go back to the nearest.
-        self.trial.proximity_at(robot, &self.proposed, t, pair);
+        self.candidate.proximity_at(robot, &self.proposed, t, pair);
         found
     }
 }

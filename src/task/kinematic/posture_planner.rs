@@ -1,21 +1,21 @@
 //! From a goal to the joints of a command: what tasks share that plan with positions.
 
-use super::{Figure, Goal, Inverse, NotPlannable, Rates, feed_forward, figure};
+use super::{Goal, InverseKinematics, NotPlannable, PlannedRobot, Rates, feed_forward, planned_robot};
+use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::Model;
-use crate::task::posture::minimum_jerk;
 use crate::task::{Command, Context};
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
-/// A figure on two legs or more, its goal, and the solver between them.
+/// A planned on two legs or more, its goal, and the solver between them.
 #[derive(Clone, Debug)]
-pub struct Poser {
+pub struct PosturePlanner {
     /// The robot as planned.
-    pub figure: Figure,
+    pub planned: PlannedRobot,
     /// Where it is to be.
     pub goal: Goal,
     /// How fast that moves.
     pub rates: Rates,
-    inverse: Inverse,
+    inverse: InverseKinematics,
     joints: Vec<usize>,
     /// Joints that are given efforts: all that carry.
     carrying: Vec<usize>,
@@ -24,34 +24,43 @@ pub struct Poser {
     from: (Vector3<f64>, UnitQuaternion<f64>),
 }
 
-impl Poser {
-    /// For a robot that [`figure::check`] has let through; moves its leg joints.
+impl PosturePlanner {
+    /// For a robot that [`planned_robot::check`] has let through; moves its leg joints.
     pub fn new(model: &Model) -> Self {
-        let figure = Figure::new(model);
-        let inverse = Inverse::of_legs(model, &figure);
+        let planned = PlannedRobot::new(model);
+        let inverse = InverseKinematics::of_legs(model, &planned);
         let joints = inverse.joints().collect();
-        let goal = figure.goal();
+        let goal = planned.goal();
         let from = (goal.com, goal.root);
-        let (carrying, efforts) = (figure::carrying_joints(model), vec![0.0; model.nj()]);
-        Poser { rates: Rates::zero(figure.feet.len()), figure, goal, inverse, joints, carrying, efforts, from }
+        let (carrying, efforts) = (planned_robot::carrying_joints(model), vec![0.0; model.nj()]);
+        PosturePlanner {
+            rates: Rates::zero(planned.feet.len()),
+            planned,
+            goal,
+            inverse,
+            joints,
+            carrying,
+            efforts,
+            from,
+        }
     }
 
-    /// Takes over from a command: the goal is where the figure stands.
+    /// Takes over from a command: the goal is where the planned stands.
     ///
     /// # Errors
     /// A leg joint does not follow positions.
     pub fn begin(&mut self, context: &Context, command: &Command) -> Result<(), NotPlannable> {
-        figure::check_driven(context.model, command, &self.joints)?;
-        self.figure.stand(context, command);
-        self.goal = self.figure.goal();
-        self.rates = Rates::zero(self.figure.feet.len());
+        planned_robot::check_driven(context.model, command, &self.joints)?;
+        self.planned.stand_as_commanded(context, command);
+        self.goal = self.planned.goal();
+        self.rates = Rates::zero(self.planned.feet.len());
         self.from = (self.goal.com, self.goal.root);
         Ok(())
     }
 
     /// Moves the goal's centre of mass and root from where they began to `com` and `root`, `t` seconds into a minimum-jerk
     /// move of `duration` seconds.
-    pub fn settle(&mut self, t: f64, duration: f64, com: Vector3<f64>, root: UnitQuaternion<f64>) {
+    pub fn approach(&mut self, t: f64, duration: f64, com: Vector3<f64>, root: UnitQuaternion<f64>) {
         let (progress, rate) = minimum_jerk(t, duration);
         let way = com - self.from.0;
         self.goal.com = self.from.0 + way * progress;
@@ -65,24 +74,24 @@ impl Poser {
     ///
     /// # Errors
     /// The words of [`super::Unreachable`]; nothing is written then.
-    pub fn pose(&mut self, context: &Context, command: &mut Command) -> Result<(), String> {
+    pub fn write_joints(&mut self, context: &Context, command: &mut Command) -> Result<(), String> {
         let model = context.model;
-        for (j, q) in self.figure.state.joints.iter_mut().enumerate() {
+        for (j, q) in self.planned.state.joints.iter_mut().enumerate() {
             if !self.joints.contains(&j) {
                 *q = command.position[j];
             }
         }
-        self.inverse.solve(model, &mut self.figure, &self.goal, &self.rates).map_err(|e| e.to_string())?;
+        self.inverse.solve(model, &mut self.planned, &self.goal, &self.rates).map_err(|e| e.to_string())?;
         for &j in &self.joints {
-            command.position[j] = self.figure.state.joints[j];
-            command.velocity[j] = self.figure.state.v[model.nb() + j];
+            command.position[j] = self.planned.state.joints[j];
+            command.velocity[j] = self.planned.state.v[model.nb() + j];
         }
         Ok(())
     }
 
     /// Brings the joints that carry over from the efforts that they are given so far to those of the motion, as far as `part`:
-    /// see [`feed_forward`]. After [`Poser::pose`].
-    pub fn support(
+    /// see [`feed_forward`]. After [`PosturePlanner::write_joints`].
+    pub fn add_feed_forward(
         &mut self,
         context: &Context,
         command: &mut Command,
@@ -90,9 +99,9 @@ impl Poser {
         zmp: &Vector2<f64>,
         part: f64,
     ) {
-        self.figure.update(context.model);
-        let (figure, efforts) = (&mut self.figure, &mut self.efforts);
-        feed_forward::efforts(context.model, figure, &context.gravity, acceleration, zmp, efforts);
+        self.planned.update(context.model);
+        let (planned, efforts) = (&mut self.planned, &mut self.efforts);
+        feed_forward::efforts(context.model, planned, &context.gravity, acceleration, zmp, efforts);
         for &j in &self.carrying {
             command.effort[j] = (1.0 - part) * command.effort[j] + part * self.efforts[j];
         }

@@ -35,16 +35,16 @@ impl LinkPose {
 ///
 /// # Panics
 /// When `q` or `poses` is shorter than the model's joints or links.
-pub fn place(model: &Model, q: &[f64], poses: &mut [LinkPose]) {
+pub fn link_poses(model: &Model, q: &[f64], poses: &mut [LinkPose]) {
     poses[0] = LinkPose::IDENTITY;
     for (i, &q) in q[..model.nj()].iter().enumerate() {
-        place_link(model, i + 1, q, poses);
+        link_pose(model, i + 1, q, poses);
     }
 }
 
 /// The pose of one link, whose joint is at `q`, from its parent's.
 #[inline]
-pub(crate) fn place_link(model: &Model, i: usize, q: f64, poses: &mut [LinkPose]) {
+pub(crate) fn link_pose(model: &Model, i: usize, q: f64, poses: &mut [LinkPose]) {
     let link = &model.links[i];
     let up = &poses[link.parent.map_or(0, |p| p.0)];
     let turned = up.rotation * link.rotation;

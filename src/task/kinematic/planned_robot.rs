@@ -43,10 +43,10 @@ pub struct Foot {
 
 /// A state with its kinematics.
 #[derive(Clone, Debug)]
-pub struct Figure {
+pub struct PlannedRobot {
     /// Configuration and velocity.
     pub state: State,
-    /// Kinematics of `state` after [`Figure::update`].
+    /// Kinematics of `state` after [`PlannedRobot::update`].
     pub ws: Workspace,
     /// The soles.
     pub feet: Vec<Foot>,
@@ -107,11 +107,11 @@ pub fn check_driven(model: &Model, command: &Command, joints: &[usize]) -> Resul
     }
 }
 
-impl Figure {
+impl PlannedRobot {
     /// In the home posture, on all soles.
     pub fn new(model: &Model) -> Self {
         let all: Vec<_> = (0..model.soles.len()).map(SoleId).collect();
-        Figure::on(model, &all)
+        PlannedRobot::on(model, &all)
     }
 
     /// In the home posture, on these soles.
@@ -122,7 +122,7 @@ impl Figure {
             Foot { sole: id, link: sole.link, center, flat: sole.vertices.len() > 1 }
         };
         let feet = soles.iter().map(foot).collect();
-        Figure { state: State::home(model), ws: Workspace::new(model), feet }
+        PlannedRobot { state: State::home(model), ws: Workspace::new(model), feet }
     }
 
     /// Brings the kinematics to `state`.
@@ -132,7 +132,7 @@ impl Figure {
 
     /// At rest, with the joints where they are asked to be and the soles, on average, where the estimated state has them:
     /// the robot as it would stand without sag.
-    pub fn stand(&mut self, context: &Context, command: &Command) {
+    pub fn stand_as_commanded(&mut self, context: &Context, command: &Command) {
         let model = context.model;
         self.state.copy_from(context.state);
         self.state.v.fill(0.0);

@@ -7,7 +7,7 @@ use crate::collision::kinematics::LinkPose;
 use crate::collision::spatial::Polytope;
 
 /// What an algorithm asks of a body; everything in the frame shared by the bodies.
-pub trait Placed {
+pub trait SupportMapping {
     /// The outermost vertex in direction `d`, beginning the search at `start`.
     fn outermost(&self, d: &Vector3<f64>, start: u16) -> u16;
 
@@ -17,14 +17,14 @@ pub trait Placed {
 
 /// With moved vertices.
 #[derive(Clone, Copy)]
-pub struct Moved<'a> {
+pub struct TransformedPolytope<'a> {
     /// What it is.
     pub polytope: &'a Polytope,
     /// Its vertices in the shared frame, m.
     pub points: &'a [Vector3<f64>],
 }
 
-impl Placed for Moved<'_> {
+impl SupportMapping for TransformedPolytope<'_> {
     #[inline]
     fn outermost(&self, d: &Vector3<f64>, start: u16) -> u16 {
         self.polytope.support(self.points, d, start)
@@ -38,14 +38,14 @@ impl Placed for Moved<'_> {
 
 /// With a pose.
 #[derive(Clone, Copy)]
-pub struct Posed<'a> {
+pub struct PosedPolytope<'a> {
     /// What it is.
     pub polytope: &'a Polytope,
     /// Of its frame in the shared one.
     pub pose: &'a LinkPose,
 }
 
-impl Placed for Posed<'_> {
+impl SupportMapping for PosedPolytope<'_> {
     #[inline]
     fn outermost(&self, d: &Vector3<f64>, start: u16) -> u16 {
         self.polytope.support(&self.polytope.vertices, &self.pose.rotation.tr_mul(d), start)

@@ -1,8 +1,8 @@
 //! `script`: a task written in Luau; see [`crate::script`].
 
-use super::{Command, Context, Needs, Point, Status, Task, TaskResult, over};
-use crate::script::fields::{TaskView, View};
-use crate::script::{Params, Script, ScriptError};
+use super::fields::{TaskView, View};
+use super::{Params, Script, ScriptError};
+use crate::task::{Command, Context, Needs, PointOfInterest, Status, Task, TaskResult, has_elapsed, of_type};
 
 /// See the module.
 pub struct ScriptTask {
@@ -36,8 +36,8 @@ fn view<'a>(context: &'a Context, command: &'a Command) -> View<'a> {
     }
 }
 
-fn status(goes_on: Result<bool, ScriptError>) -> TaskResult {
-    match goes_on {
+fn status(continues: Result<bool, ScriptError>) -> TaskResult {
+    match continues {
         Ok(true) => Ok(Status::Running),
         Ok(false) => Ok(Status::Done),
         Err(error) => Err(error.to_string()),
@@ -51,7 +51,7 @@ impl Task for ScriptTask {
     }
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
-        if over(context.time, self.end) {
+        if has_elapsed(context.time, self.end) {
             return Ok(Status::Done);
         }
         let kept = self.command.get_or_insert_with(|| command.clone());
@@ -64,8 +64,8 @@ impl Task for ScriptTask {
         status(self.script.change(&view(context, command), &self.changed[number]))
     }
 
-    fn succeed(&mut self, newer: Box<dyn Task>) {
-        if let Some(newer) = super::of_type::<Self>(newer) {
+    fn adopt_changes(&mut self, newer: Box<dyn Task>) {
+        if let Some(newer) = of_type::<Self>(newer) {
             self.changes = newer.changes;
             self.changed = newer.changed;
         }
@@ -79,7 +79,7 @@ impl Task for ScriptTask {
         self.script.needs()
     }
 
-    fn points(&self) -> &[Point] {
+    fn points(&self) -> &[PointOfInterest] {
         self.script.points()
     }
 

@@ -1,20 +1,20 @@
 //! Sole poses, centre of mass and root orientation to joint positions and velocities.
 //!
 //! ```text
-//! e(q) = [ sole places and turns; centre of mass; root turn ]  (goal less figure, turns as rotation vectors)
+//! e(q) = [ sole places and turns; centre of mass; root turn ]  (goal less planned, turns as rotation vectors)
 //! dv   = z + W J^T (J W J^T + mu 1)^-1 (e - J z),   q := q (+) dv        until |e| is small
 //! ```
 //!
 //! with J = -de/dv over the base's six velocities and the joints used, W the mobilities of these velocities, z a preferred
 //! motion (only its part that leaves the goal alone survives) and mu a damping that vanishes with the error, so that the
-//! iteration is Newton's near the goal and bounded far from it. Sources: Nakamura and Hanafusa, Inverse kinematic solutions
+//! iteration is Newton's near the goal and bounded far from it. Sources: Nakamura and Hanafusa, InverseKinematics kinematic solutions
 //! with singularity robustness, J. Dyn. Sys. Meas. Control 108 (1986), equation 21 (damping); Sugihara, Solvability-unconcerned
 //! inverse kinematics by the Levenberg-Marquardt method, IEEE T-RO 27 (2011), equation 19 (damping by the error).
 //!
 //! The base's velocities are unknowns like the joints': what soles and centre of mass ask of the root comes out of the
 //! same equations.
 
-use super::{Figure, Goal, Rates};
+use super::{Goal, PlannedRobot, Rates};
 use crate::dynamics::{Motion, crba, jacobian};
 use crate::linalg::cholesky::Symmetric;
 use crate::robot::Model;
@@ -67,7 +67,7 @@ pub enum Unreachable {
 
 /// The solver: scratch of fixed size.
 #[derive(Clone, Debug)]
-pub struct Inverse {
+pub struct InverseKinematics {
     unknowns: Unknowns,
     /// Index into `v` and mobility of each unknown.
     columns: Vec<(usize, f64)>,
@@ -81,22 +81,22 @@ pub struct Inverse {
     error: Vec<f64>,
     /// Motion of all velocities, length nv.
     motion: Vec<f64>,
-    /// Preferred motion z, length nv; zero unless set. What [`Inverse::advance`] locks is overwritten.
+    /// Preferred motion z, length nv; zero unless set. What [`InverseKinematics::advance`] locks is overwritten.
     pub preferred: Vec<f64>,
     /// Unknowns that make their preferred motion and no other.
     locked: Vec<bool>,
 }
 
-impl Inverse {
+impl InverseKinematics {
     /// For a robot with a floating base and soles; `unknowns.mobility` has one number per joint.
-    pub fn new(model: &Model, figure: &Figure, unknowns: Unknowns) -> Self {
+    pub fn new(model: &Model, planned: &PlannedRobot, unknowns: Unknowns) -> Self {
         let nb = model.nb();
         let base = (0..nb).map(|k| (k, 1.0));
         let moved = unknowns.mobility.iter().enumerate().filter(|(_, w)| **w > 0.0);
         let columns: Vec<_> = base.chain(moved.map(|(j, w)| (nb + j, *w))).collect();
-        let soles: usize = figure.feet.iter().map(|f| if f.flat { 6 } else { 3 }).sum();
+        let soles: usize = planned.feet.iter().map(|f| if f.flat { 6 } else { 3 }).sum();
         let rows = soles + unknowns.com_axes + if unknowns.root { 3 } else { 0 };
-        Inverse {
+        InverseKinematics {
             jacobian: vec![0.0; rows * columns.len()],
             com_jacobian: vec![0.0; 3 * model.nv()],
             system: Symmetric::zeros(rows),
@@ -112,10 +112,10 @@ impl Inverse {
     }
 
     /// With the leg joints alone, equally mobile, and all of the goal.
-    pub fn of_legs(model: &Model, figure: &Figure) -> Self {
+    pub fn of_legs(model: &Model, planned: &PlannedRobot) -> Self {
         let mut mobility = vec![0.0; model.nj()];
-        super::figure::leg_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
-        Inverse::new(model, figure, Unknowns { mobility, com_axes: 3, root: true })
+        super::planned_robot::leg_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
+        InverseKinematics::new(model, planned, Unknowns { mobility, com_axes: 3, root: true })
     }
 
     /// The joints that it moves.
@@ -123,61 +123,67 @@ impl Inverse {
         self.unknowns.mobility.iter().enumerate().filter(|(_, w)| **w > 0.0).map(|(j, _)| j)
     }
 
-    /// Moves the figure to the goal and gives it the velocity that follows the goal's rates.
+    /// Moves the planned to the goal and gives it the velocity that follows the goal's rates.
     ///
     /// # Errors
-    /// [`Unreachable`]; the figure is then somewhere between.
-    pub fn solve(&mut self, model: &Model, figure: &mut Figure, goal: &Goal, rates: &Rates) -> Result<(), Unreachable> {
-        figure.update(model);
-        let mut left = self.residual(figure, goal);
+    /// [`Unreachable`]; the planned is then somewhere between.
+    pub fn solve(
+        &mut self,
+        model: &Model,
+        planned: &mut PlannedRobot,
+        goal: &Goal,
+        rates: &Rates,
+    ) -> Result<(), Unreachable> {
+        planned.update(model);
+        let mut left = self.residual(planned, goal);
         for _ in 0..MOST_STEPS {
             if left < CLOSE {
-                self.check_limits(model, figure)?;
-                self.follow(model, figure, rates);
+                self.check_limits(model, planned)?;
+                self.follow(model, planned, rates);
                 return Ok(());
             }
-            self.assemble(model, figure);
+            self.assemble(model, planned);
             self.step(DAMPING.0 * left * left);
             let longest = self.motion.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
             let part = (LONGEST / longest).min(1.0);
             self.motion.iter_mut().for_each(|x| *x *= part);
-            figure.state.displace(&self.motion);
-            figure.update(model);
-            left = self.residual(figure, goal);
+            planned.state.displace(&self.motion);
+            planned.update(model);
+            left = self.residual(planned, goal);
         }
         Err(Unreachable::TooFar { error: left })
     }
 
     /// One step towards the goal within `period` seconds, without going on until it is there: the error that is left is of
-    /// the square of the step. Joints stop at their limits and the others take over. The figure's velocity is that of the
+    /// the square of the step. Joints stop at their limits and the others take over. The planned's velocity is that of the
     /// step.
-    pub fn advance(&mut self, model: &Model, figure: &mut Figure, goal: &Goal, period: f64) {
-        figure.update(model);
-        self.assemble(model, figure);
+    pub fn advance(&mut self, model: &Model, planned: &mut PlannedRobot, goal: &Goal, period: f64) {
+        planned.update(model);
+        self.assemble(model, planned);
         self.locked.fill(false);
         for _ in 0..MOST_LOCKED {
-            let left = self.residual(figure, goal);
+            let left = self.residual(planned, goal);
             self.step(DAMPING.0 * left * left);
-            if !self.lock(model, figure) {
+            if !self.lock(model, planned) {
                 break;
             }
         }
         self.locked.fill(false);
-        figure.state.displace(&self.motion);
-        for (joint, q) in model.joints.iter().zip(&mut figure.state.joints) {
+        planned.state.displace(&self.motion);
+        for (joint, q) in model.joints.iter().zip(&mut planned.state.joints) {
             // Beyond its limit by rounding, or because too many others are at theirs.
             *q = q.max(joint.lower).min(joint.upper);
         }
-        figure.state.v.iter_mut().zip(&self.motion).for_each(|(v, d)| *v = d / period);
-        figure.update(model);
+        planned.state.v.iter_mut().zip(&self.motion).for_each(|(v, d)| *v = d / period);
+        planned.update(model);
     }
 
     /// Lets joints that the motion takes beyond a limit go just there; was there any?
-    fn lock(&mut self, model: &Model, figure: &Figure) -> bool {
+    fn lock(&mut self, model: &Model, planned: &PlannedRobot) -> bool {
         let nb = model.nb();
         let mut any = false;
         for (c, &(k, _)) in self.columns.iter().enumerate().filter(|(_, (k, _))| *k >= nb) {
-            let (joint, q) = (&model.joints[k - nb], figure.state.joints[k - nb]);
+            let (joint, q) = (&model.joints[k - nb], planned.state.joints[k - nb]);
             let there = (q + self.motion[k]).max(joint.lower).min(joint.upper);
             if !self.locked[c] && there != q + self.motion[k] {
                 self.locked[c] = true;
@@ -188,21 +194,21 @@ impl Inverse {
         any
     }
 
-    /// One velocity step: sets the figure's velocity so that its goal moves with `rates`.
-    pub fn follow(&mut self, model: &Model, figure: &mut Figure, rates: &Rates) {
-        self.assemble(model, figure);
-        self.fill(figure, |s| rates.soles[s], rates.com, rates.root);
+    /// One velocity step: sets the planned's velocity so that its goal moves with `rates`.
+    pub fn follow(&mut self, model: &Model, planned: &mut PlannedRobot, rates: &Rates) {
+        self.assemble(model, planned);
+        self.fill(planned, |s| rates.soles[s], rates.com, rates.root);
         self.step(0.0);
-        figure.state.v.copy_from_slice(&self.motion);
+        planned.state.v.copy_from_slice(&self.motion);
     }
 
     /// Are all joints used within their ranges?
     ///
     /// # Errors
     /// The first that is not.
-    pub fn check_limits(&self, model: &Model, figure: &Figure) -> Result<(), Unreachable> {
+    pub fn check_limits(&self, model: &Model, planned: &PlannedRobot) -> Result<(), Unreachable> {
         let outside = |&j: &usize| {
-            let (joint, q) = (&model.joints[j], figure.state.joints[j]);
+            let (joint, q) = (&model.joints[j], planned.state.joints[j]);
             q < joint.lower - CLOSE || q > joint.upper + CLOSE
         };
         match self.joints().find(outside) {
@@ -210,7 +216,7 @@ impl Inverse {
                 let joint = &model.joints[j];
                 Err(Unreachable::Limit {
                     joint: joint.name.clone(),
-                    position: figure.state.joints[j],
+                    position: planned.state.joints[j],
                     lower: joint.lower,
                     upper: joint.upper,
                 })
@@ -220,24 +226,24 @@ impl Inverse {
     }
 
     /// Fills the error and returns its greatest component.
-    fn residual(&mut self, figure: &Figure, goal: &Goal) -> f64 {
+    fn residual(&mut self, planned: &PlannedRobot, goal: &Goal) -> f64 {
         let turn = |to: &UnitQuaternion<f64>, from: &UnitQuaternion<f64>| (to * from.inverse()).scaled_axis();
         let apart = |to: &Isometry3<f64>, from: &Isometry3<f64>| {
             Motion::new(to.translation.vector - from.translation.vector, turn(&to.rotation, &from.rotation))
         };
-        let (com, root) = (goal.com - figure.com(), turn(&goal.root, &figure.state.rotation));
-        self.fill(figure, |s| apart(&goal.soles[s], &figure.sole(s)), com, root);
+        let (com, root) = (goal.com - planned.com(), turn(&goal.root, &planned.state.rotation));
+        self.fill(planned, |s| apart(&goal.soles[s], &planned.sole(s)), com, root);
         self.error.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
     }
 
     /// Puts the parts of the right-hand side in order.
-    fn fill(&mut self, figure: &Figure, sole: impl Fn(usize) -> Motion, com: Vector3<f64>, root: Vector3<f64>) {
+    fn fill(&mut self, planned: &PlannedRobot, sole: impl Fn(usize) -> Motion, com: Vector3<f64>, root: Vector3<f64>) {
         let mut at = 0;
         let mut put = |x: &[f64]| {
             self.error[at..at + x.len()].copy_from_slice(x);
             at += x.len();
         };
-        for (s, foot) in figure.feet.iter().enumerate() {
+        for (s, foot) in planned.feet.iter().enumerate() {
             let m = sole(s);
             put(m.linear.as_slice());
             if foot.flat {
@@ -250,18 +256,18 @@ impl Inverse {
         }
     }
 
-    /// J at the figure.
-    fn assemble(&mut self, model: &Model, figure: &mut Figure) {
-        crba::mass_matrix(model, &mut figure.ws);
-        jacobian::center_of_mass(&figure.ws, &mut self.com_jacobian);
+    /// J at the planned.
+    fn assemble(&mut self, model: &Model, planned: &mut PlannedRobot) {
+        crba::mass_matrix(model, &mut planned.ws);
+        jacobian::center_of_mass(&planned.ws, &mut self.com_jacobian);
         let n = self.columns.len();
         self.jacobian.fill(0.0);
         let mut row = 0;
-        for foot in &figure.feet {
-            let point = figure.ws.point(foot.link, &foot.center);
-            let support = figure.ws.support(foot.link);
+        for foot in &planned.feet {
+            let point = planned.ws.point(foot.link, &foot.center);
+            let support = planned.ws.support(foot.link);
             for (c, &(k, _)) in self.columns.iter().enumerate().filter(|(_, (k, _))| support.contains(k)) {
-                let m = jacobian::column(&figure.ws, k, &point);
+                let m = jacobian::column(&planned.ws, k, &point);
                 let parts = m.linear.iter().chain(m.angular.iter()).take(if foot.flat { 6 } else { 3 });
                 parts.enumerate().for_each(|(r, x)| self.jacobian[(row + r) * n + c] = *x);
             }

@@ -9,7 +9,7 @@
 
 use super::Limits;
 use crate::collision::kinematics::capped_travel;
-use crate::motion::spline::Point;
+use crate::motion::spline::TrajectoryPoint;
 
 /// Time over which differences are taken, s, or a tick where that is longer.
 const WINDOW: f64 = 0.01;
@@ -21,7 +21,7 @@ const SMOOTH: f64 = 0.25;
 const ROUNDING: f64 = 1e-12;
 
 /// Positions of all joints at the last ticks, as many as three windows need.
-pub(super) struct Ring {
+pub(super) struct PositionHistory {
     period: f64,
     /// Ticks to a window.
     stride: usize,
@@ -31,11 +31,11 @@ pub(super) struct Ring {
     newest: usize,
 }
 
-impl Ring {
+impl PositionHistory {
     /// At rest at `start`; ticks come `period` seconds apart.
     pub fn new(start: &[f64], period: f64) -> Self {
         let stride = (WINDOW / period - 1e-9).ceil().max(1.0) as usize;
-        Ring { period, stride, joints: start.len(), all: start.repeat(3 * stride + 1), newest: 0 }
+        PositionHistory { period, stride, joints: start.len(), all: start.repeat(3 * stride + 1), newest: 0 }
     }
 
     /// The next tick; its positions are to be filled in.
@@ -76,25 +76,25 @@ impl Ring {
 const NOISE: f64 = 1e-4;
 
 /// The wanted motion of all joints.
-pub(super) struct Wanted {
+pub(super) struct DesiredMotion {
     period: f64,
-    ring: Ring,
+    ring: PositionHistory,
     velocity: Vec<f64>,
     /// Change of the velocity told from tick to tick.
     change: Vec<f64>,
-    now: Vec<Point>,
-    before: Vec<Point>,
+    now: Vec<TrajectoryPoint>,
+    before: Vec<TrajectoryPoint>,
     /// For how many ticks the velocities told fit.
     fitting: Vec<u32>,
 }
 
-impl Wanted {
+impl DesiredMotion {
     /// At rest at `start`; ticks come `period` seconds apart.
     pub fn new(start: &[f64], period: f64) -> Self {
-        let now: Vec<Point> = start.iter().map(|&q| Point { q, v: 0.0, a: 0.0 }).collect();
-        Wanted {
+        let now: Vec<TrajectoryPoint> = start.iter().map(|&q| TrajectoryPoint { q, v: 0.0, a: 0.0 }).collect();
+        DesiredMotion {
             period,
-            ring: Ring::new(start, period),
+            ring: PositionHistory::new(start, period),
             velocity: vec![0.0; start.len()],
             change: vec![0.0; start.len()],
             before: now.clone(),
@@ -130,30 +130,30 @@ impl Wanted {
         q == asked && bend.abs() <= 0.25 * t * changes + ROUNDING
     }
 
-    fn estimate(&self, j: usize, told: f64, jerk: f64) -> Point {
+    fn estimate(&self, j: usize, told: f64, jerk: f64) -> TrajectoryPoint {
         let q = self.ring.back(j, 0);
         if self.fitting[j] > 0 {
-            return Point { q, v: told, a: (told - self.velocity[j]) / self.period };
+            return TrajectoryPoint { q, v: told, a: (told - self.velocity[j]) / self.period };
         }
         let h = self.ring.window();
         let (x, y) = (self.ring.back(j, 1), self.ring.back(j, 2));
         let (last, first) = ((q - x) / h, (x - y) / h);
         let acceleration = (last - first) / h;
         if self.mean_jerk(j).abs() <= SMOOTH * jerk {
-            return Point { q, v: last + 0.5 * h * acceleration, a: acceleration };
+            return TrajectoryPoint { q, v: last + 0.5 * h * acceleration, a: acceleration };
         }
         // A step is no velocity: only what both windows say.
         let both = if last * first > 0.0 { last.signum() * last.abs().min(first.abs()) } else { 0.0 };
-        Point { q, v: both, a: 0.0 }
+        TrajectoryPoint { q, v: both, a: 0.0 }
     }
 
     /// The motion at the last tick.
-    pub fn now(&self, j: usize) -> Point {
+    pub fn now(&self, j: usize) -> TrajectoryPoint {
         self.now[j]
     }
 
     /// The motion at the tick before.
-    pub fn before(&self, j: usize) -> Point {
+    pub fn before(&self, j: usize) -> TrajectoryPoint {
         self.before[j]
     }
 
@@ -171,13 +171,13 @@ impl Wanted {
     }
 
     /// Do the velocities told fit the positions?
-    pub fn is_told(&self, j: usize) -> bool {
+    pub fn has_velocity(&self, j: usize) -> bool {
         self.fitting[j] == 3
     }
 
     /// Does it keep the limits? One that does not leads nowhere that could be told.
     fn keeps(&self, j: usize, limits: &Limits) -> bool {
-        let Point { v, a, .. } = self.now[j];
+        let TrajectoryPoint { v, a, .. } = self.now[j];
         let more = 1.0 + 1e-6;
         v.abs() <= limits.speed * more
             && a.abs() <= limits.acceleration * more
@@ -186,10 +186,10 @@ impl Wanted {
 
     /// Where it leads `ahead` seconds after the last tick: the acceleration lasts for `horizon`, the speed is capped by its
     /// limit and lasts for `horizon` more, and the range ends it. A motion that breaks a limit, such as a step, leads to where it is.
-    pub fn ahead(&self, j: usize, ahead: f64, horizon: f64, limits: &Limits) -> Point {
-        let Point { q, v, a } = self.now[j];
+    pub fn ahead(&self, j: usize, ahead: f64, horizon: f64, limits: &Limits) -> TrajectoryPoint {
+        let TrajectoryPoint { q, v, a } = self.now[j];
         if !self.keeps(j, limits) {
-            return Point { q, v: 0.0, a: 0.0 };
+            return TrajectoryPoint { q, v: 0.0, a: 0.0 };
         }
         let s = ahead.min(horizon);
         let reached = q + capped_travel(v, a, limits.speed, s);
@@ -198,10 +198,10 @@ impl Wanted {
         let position = reached + speed * on;
         let within = position.clamp(limits.lower, limits.upper);
         if within != position || ahead > 2.0 * horizon {
-            return Point { q: within, v: 0.0, a: 0.0 };
+            return TrajectoryPoint { q: within, v: 0.0, a: 0.0 };
         }
         let a = if on > 0.0 { 0.0 } else { a.clamp(-limits.acceleration, limits.acceleration) };
-        Point { q: position, v: speed, a }
+        TrajectoryPoint { q: position, v: speed, a }
     }
 }
 
@@ -212,8 +212,8 @@ mod tests {
     const LIMITS: [Limits; 1] = [Limits { lower: -2.0, upper: 2.0, speed: 5.0, acceleration: 40.0, jerk: 800.0 }];
 
     /// q = 0.5 sin(3 t), pushed with or without its velocity, to 1 s.
-    fn sine(period: f64, told: bool) -> Wanted {
-        let mut wanted = Wanted::new(&[0.0], period);
+    fn sine(period: f64, told: bool) -> DesiredMotion {
+        let mut wanted = DesiredMotion::new(&[0.0], period);
         for k in 1..=(1.0 / period).round() as i32 {
             let t = f64::from(k) * period;
             wanted.push(&[0.5 * (3.0 * t).sin()], &[if told { 1.5 * (3.0 * t).cos() } else { 0.0 }], &LIMITS);
@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn a_velocity_that_is_not_that_of_the_positions_is_not_believed() {
-        let mut wanted = Wanted::new(&[0.0], 0.002);
+        let mut wanted = DesiredMotion::new(&[0.0], 0.002);
         for k in 1..=100 {
             wanted.push(&[0.002 * f64::from(k)], &[0.0], &LIMITS);
         }
@@ -248,7 +248,7 @@ mod tests {
 
     #[test]
     fn ahead_is_capped_by_speed_and_range() {
-        let mut wanted = Wanted::new(&[0.0], 0.1);
+        let mut wanted = DesiredMotion::new(&[0.0], 0.1);
         for k in 1..=4 {
             let t = 0.1 * f64::from(k);
             wanted.push(&[2.0 * t * t], &[4.0 * t], &LIMITS);
@@ -265,6 +265,6 @@ mod tests {
         // 1.8 is reached after 50 ms: 0.085 there, 0.09 in the rest.
         assert!((wanted.ahead(0, 0.1, 0.1, &slow).q - (0.32 + 0.085 + 0.09)).abs() < 1e-12);
         let near = Limits { upper: 0.4, ..LIMITS[0] };
-        assert_eq!(wanted.ahead(0, 0.1, 0.1, &near), Point { q: 0.4, v: 0.0, a: 0.0 });
+        assert_eq!(wanted.ahead(0, 0.1, 0.1, &near), TrajectoryPoint { q: 0.4, v: 0.0, a: 0.0 });
     }
 }

@@ -20,7 +20,7 @@ const FREE: f64 = 1e-8;
 
 /// Scratch for one robot.
 #[derive(Clone, Debug)]
-pub struct Slack {
+pub struct NullSpaceMotion {
     nv: usize,
     /// Square roots of the weights.
     scale: Vec<f64>,
@@ -29,13 +29,13 @@ pub struct Slack {
     used: usize,
 }
 
-impl Slack {
+impl NullSpaceMotion {
     /// For up to `rows` constraints on `nb` base velocities and joints of these weights (above zero).
     pub fn new(nb: usize, weights: &[f64], rows: usize) -> Self {
         let mean = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
         let base = std::iter::repeat_n((FREE * mean).sqrt(), nb);
         let scale: Vec<f64> = base.chain(weights.iter().map(|w| w.sqrt())).collect();
-        Slack { nv: scale.len(), rows: vec![0.0; rows * scale.len()], scale, used: 0 }
+        NullSpaceMotion { nv: scale.len(), rows: vec![0.0; rows * scale.len()], scale, used: 0 }
     }
 
     /// Forgets all constraints.

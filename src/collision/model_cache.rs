@@ -12,7 +12,7 @@ static MODELS: LazyLock<Mutex<HashMap<[u8; 32], Entry>>> = LazyLock::new(Mutex::
 
 /// The collision model of a robot: that of an earlier call for one with the same shapes, joints and settings, if it is still
 /// in use.
-pub fn shared(model: &Model, settings: &SelfCollision) -> Arc<CollisionModel> {
+pub fn shared_model(model: &Model, settings: &SelfCollision) -> Arc<CollisionModel> {
     let entry = {
         let mut models = MODELS.lock().unwrap_or_else(PoisonError::into_inner);
         models.entry(hash(model, settings)).or_default().clone()
@@ -73,14 +73,14 @@ mod tests {
     #[test]
     fn one_model_for_robots_that_look_the_same() {
         let robot = crate::robot::load(std::path::Path::new("robots/block/block.toml")).expect("our own robot");
-        let first = shared(&robot.model, &robot.self_collision);
+        let first = shared_model(&robot.model, &robot.self_collision);
         let mut heavier = robot.model.clone();
         heavier.links[0].mass += 1.0;
-        assert!(Arc::ptr_eq(&first, &shared(&heavier, &robot.self_collision)));
+        assert!(Arc::ptr_eq(&first, &shared_model(&heavier, &robot.self_collision)));
         let finer = SelfCollision { resolution: 32, ..robot.self_collision.clone() };
-        assert!(!Arc::ptr_eq(&first, &shared(&robot.model, &finer)));
+        assert!(!Arc::ptr_eq(&first, &shared_model(&robot.model, &finer)));
         let mut moved = robot.model.clone();
         moved.links[0].collisions[0].pose.translation.x += 0.1;
-        assert!(!Arc::ptr_eq(&first, &shared(&moved, &robot.self_collision)));
+        assert!(!Arc::ptr_eq(&first, &shared_model(&moved, &robot.self_collision)));
     }
 }

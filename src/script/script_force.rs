@@ -1,28 +1,28 @@
 //! `script`: a force model written in Luau; see [`crate::script`].
 //!
-//! The integrator asks for forces at any time and state, before and after those it asked for last, and takes steps back.
+//! The integrator requested_data for forces at any time and state, before and after those it asked for last, and takes steps back.
 //! So between corners the answer has to be a function of both alone: globals of the script stand still, no random numbers
 //! are to be had, and after the start and every corner the first question is asked twice and the answers compared.
 
-use super::profile::Profile;
-use super::{Applied, Force, Scene, Tell};
-use crate::script::fields::View;
-use crate::script::{Effect, Named, Params, Script, ScriptError};
+use super::fields::View;
+use super::{ForceEntry, Params, RobotNames, Script, ScriptError};
+use crate::force::profile::Profile;
+use crate::force::{AppliedForces, Force, ForceContext, ReportEvent};
 use nalgebra::Vector3;
 
 /// See the module.
 pub struct ScriptForce {
     name: String,
     script: Script,
-    named: Named,
+    named: RobotNames,
     span: Profile,
     corners: Vec<f64>,
     params: Params,
     /// Parameters that are to come, with their times, in order.
     changes: Vec<(f64, Params)>,
     changed: usize,
-    effects: Vec<Effect>,
-    again: Vec<Effect>,
+    effects: Vec<ForceEntry>,
+    again: Vec<ForceEntry>,
     /// Is the next answer to be compared with that to the same question asked again?
     doubted: bool,
     /// Has it been initialised?
@@ -31,7 +31,7 @@ pub struct ScriptForce {
 }
 
 /// When a script acts and what it is told.
-pub struct Plan {
+pub struct Schedule {
     /// When it acts.
     pub span: Profile,
     /// Times at which its forces jump, s.
@@ -44,7 +44,7 @@ pub struct Plan {
 
 impl ScriptForce {
     /// A force model called `name`.
-    pub fn new(name: String, script: Script, named: Named, plan: Plan) -> Self {
+    pub fn new(name: String, script: Script, named: RobotNames, plan: Schedule) -> Self {
         let mut corners = plan.corners;
         corners.extend(plan.span.corners());
         corners.extend(plan.changes.iter().map(|(at, _)| *at));
@@ -79,50 +79,50 @@ impl ScriptForce {
     }
 }
 
-fn view<'a>(scene: &'a Scene) -> View<'a> {
+fn view<'a>(context: &'a ForceContext) -> View<'a> {
     View {
-        time: scene.time,
-        model: scene.model,
-        gravity: scene.gravity,
-        state: scene.state,
-        kinematics: scene.kinematics,
+        time: context.time,
+        model: context.model,
+        gravity: context.gravity,
+        state: context.state,
+        kinematics: context.kinematics,
         task: None,
     }
 }
 
 impl Force for ScriptForce {
-    fn init(&mut self, scene: &Scene) -> Result<(), String> {
-        let goes_on = self.script.init(&view(scene), &self.params);
+    fn init(&mut self, context: &ForceContext) -> Result<(), String> {
+        let continues = self.script.init(&view(context), &self.params);
         self.ready = true;
-        goes_on.map(|_| ()).map_err(|e| e.to_string())
+        continues.map(|_| ()).map_err(|e| e.to_string())
     }
 
-    fn pass(&mut self, scene: &Scene, tell: &mut Tell) {
+    fn pass(&mut self, context: &ForceContext, report: &mut ReportEvent) {
         self.doubted = true;
-        while let Some((_, params)) = self.changes.get(self.changed).filter(|(at, _)| *at <= scene.time) {
+        while let Some((_, params)) = self.changes.get(self.changed).filter(|(at, _)| *at <= context.time) {
             self.changed += 1;
-            tell("force", &self.name, "changes".into());
-            if let Err(error) = self.script.change(&view(scene), params) {
+            report("force", &self.name, "changes".into());
+            if let Err(error) = self.script.change(&view(context), params) {
                 self.fault.get_or_insert(error.to_string());
             }
         }
     }
 
-    fn evaluate(&mut self, scene: &Scene, applied: &mut Applied) {
-        if !self.ready || self.fault.is_some() || self.span.factor(scene.time, scene.within) == 0.0 {
+    fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
+        if !self.ready || self.fault.is_some() || self.span.factor(context.time, context.within) == 0.0 {
             return;
         }
-        if let Err(error) = self.ask(&view(scene)) {
+        if let Err(error) = self.ask(&view(context)) {
             self.fault = Some(error.to_string());
             return;
         }
         for effect in &self.effects {
             match effect {
-                Effect::Joint { joint, effort } => applied.joint(scene.model, *joint, *effort),
-                Effect::Wrench { link, point, force, moment, axes } => {
-                    let (rotation, origin) = scene.frame(*link);
+                ForceEntry::Joint { joint, effort } => applied.joint(context.model, *joint, *effort),
+                ForceEntry::Wrench { link, point, force, moment, axes } => {
+                    let (rotation, origin) = context.frame(*link);
                     let turn = |v: &Vector3<f64>| axes.as_ref().map_or(*v, |axes| rotation * (axes * v));
-                    applied.wrench(scene, *link, &(origin + rotation * point), &turn(force), &turn(moment));
+                    applied.wrench(context, *link, &(origin + rotation * point), &turn(force), &turn(moment));
                 }
             }
         }

@@ -2,14 +2,14 @@
 
 use nalgebra::Vector3;
 
-use super::boxes::AxisBox;
-use super::placed::{Moved, Posed};
+use super::axis_box::AxisBox;
+use super::support_mapping::{PosedPolytope, TransformedPolytope};
 use crate::collision::kinematics::LinkPose;
 use crate::collision::spatial::Body;
 
 /// Poses, boxes and vertices of all bodies.
 #[derive(Clone, Debug)]
-pub struct Scene {
+pub struct PosedBodies {
     poses: Vec<LinkPose>,
     boxes: Vec<AxisBox>,
     /// Vertices of all bodies one after the other.
@@ -18,7 +18,7 @@ pub struct Scene {
     first: Vec<usize>,
 }
 
-impl Scene {
+impl PosedBodies {
     /// Room for bodies.
     pub fn new(bodies: &[Body]) -> Self {
         let mut first = vec![0];
@@ -36,15 +36,15 @@ impl Scene {
     }
 
     /// Moves all bodies; `poses` has one entry per link.
-    pub fn place(&mut self, bodies: &[Body], poses: &[LinkPose]) {
+    pub fn set_poses(&mut self, bodies: &[Body], poses: &[LinkPose]) {
         for i in 0..bodies.len() {
-            self.place_body(bodies, i, poses);
+            self.set_body_pose(bodies, i, poses);
         }
     }
 
     /// Moves one body.
     #[inline]
-    pub fn place_body(&mut self, bodies: &[Body], i: usize, poses: &[LinkPose]) {
+    pub fn set_body_pose(&mut self, bodies: &[Body], i: usize, poses: &[LinkPose]) {
         self.poses[i] = poses[bodies[i].link.0];
         self.boxes[i] = AxisBox::around(&bodies[i].polytope.bounds, &self.poses[i]);
     }
@@ -57,14 +57,17 @@ impl Scene {
 
     /// Two bodies by their poses.
     #[inline]
-    pub fn posed<'a>(&'a self, bodies: &'a [Body], pair: [usize; 2]) -> [Posed<'a>; 2] {
-        pair.map(|i| Posed { polytope: &bodies[i].polytope, pose: &self.poses[i] })
+    pub fn posed<'a>(&'a self, bodies: &'a [Body], pair: [usize; 2]) -> [PosedPolytope<'a>; 2] {
+        pair.map(|i| PosedPolytope { polytope: &bodies[i].polytope, pose: &self.poses[i] })
     }
 
     /// Two bodies by their vertices; [`Self::move_vertices`] comes first.
     #[inline]
-    pub fn moved<'a>(&'a self, bodies: &'a [Body], pair: [usize; 2]) -> [Moved<'a>; 2] {
-        pair.map(|i| Moved { polytope: &bodies[i].polytope, points: &self.points[self.first[i]..self.first[i + 1]] })
+    pub fn moved<'a>(&'a self, bodies: &'a [Body], pair: [usize; 2]) -> [TransformedPolytope<'a>; 2] {
+        pair.map(|i| TransformedPolytope {
+            polytope: &bodies[i].polytope,
+            points: &self.points[self.first[i]..self.first[i + 1]],
+        })
     }
 
     /// Moves the vertices of all bodies.

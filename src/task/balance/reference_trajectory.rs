@@ -5,7 +5,7 @@
 //! r(t) = r_0 + sum_i (g_i - g_{i-1}) (10 s_i^3 - 15 s_i^4 + 6 s_i^5),   s_i = (t - t_i) / T_i,   g_0 = r_0
 //! ```
 
-use crate::task::posture::minimum_jerk;
+use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::SVector;
 
 /// One path.
@@ -18,15 +18,15 @@ struct Leg<const N: usize> {
 
 /// See the module. Times in s.
 #[derive(Clone, Debug)]
-pub struct Course<const N: usize> {
+pub struct ReferenceTrajectory<const N: usize> {
     from: SVector<f64, N>,
     legs: Vec<Leg<N>>,
 }
 
-impl<const N: usize> Course<N> {
+impl<const N: usize> ReferenceTrajectory<N> {
     /// At the origin, with room for so many paths.
     pub fn new(paths: usize) -> Self {
-        Course { from: SVector::zeros(), legs: Vec::with_capacity(paths) }
+        ReferenceTrajectory { from: SVector::zeros(), legs: Vec::with_capacity(paths) }
     }
 
     /// Forgets all paths: the reference is at `from`.
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn orders_on_the_way_bend_it_without_a_jump() {
-        let mut course = Course::new(2);
+        let mut course = ReferenceTrajectory::new(2);
         course.begin(Vector2::new(1.0, 2.0));
         course.add(1.0, 2.0, Vector2::new(4.0, 0.0));
         let before = course.at(2.0);

@@ -1,28 +1,28 @@
 //! One pair after another with whatever start the caller keeps: for searches that drop pairs as they go.
 
 use super::gjk::{self, Nearest, Outcome, Warm};
-use super::scene::Scene;
+use super::posed_bodies::PosedBodies;
 use crate::collision::kinematics::LinkPose;
 use crate::collision::spatial::Body;
 
 /// Workspace of such a search.
 #[derive(Clone, Debug)]
-pub struct Nearness(Scene);
+pub struct PairDistance(PosedBodies);
 
-impl Nearness {
+impl PairDistance {
     /// Room for bodies.
     pub fn new(bodies: &[Body]) -> Self {
-        Self(Scene::new(bodies))
+        Self(PosedBodies::new(bodies))
     }
 
     /// Moves the bodies to a posture; one pose per link.
-    pub fn place(&mut self, bodies: &[Body], poses: &[LinkPose]) {
-        self.0.place(bodies, poses);
+    pub fn set_poses(&mut self, bodies: &[Body], poses: &[LinkPose]) {
+        self.0.set_poses(bodies, poses);
     }
 
     /// Moves two bodies only.
-    pub fn place_pair(&mut self, bodies: &[Body], pair: [usize; 2], poses: &[LinkPose]) {
-        pair.iter().for_each(|&i| self.0.place_body(bodies, i, poses));
+    pub fn set_pair_poses(&mut self, bodies: &[Body], pair: [usize; 2], poses: &[LinkPose]) {
+        pair.iter().for_each(|&i| self.0.set_body_pose(bodies, i, poses));
     }
 
     /// The distance of two bodies, m, if it is below `limit`; 0 when they overlap.

@@ -1,14 +1,14 @@
-//! One set of paths under proof, beside the paths that the joints follow otherwise.
+//! One set of paths under proof, beside the paths that the joints follow fallback.
 
 use super::Limits;
-use super::bound::Levers;
-use super::path::Path;
+use super::joint_path::JointPath;
+use super::levers::Levers;
 use super::prover::Prover;
 use crate::collision::{CollisionModel, Detector, Proximity};
-use crate::motion::spline::Point;
+use crate::motion::spline::TrajectoryPoint;
 use crate::robot::Model;
 
-/// What a trial is about: robot, bodies, levers.
+/// What a candidate is about: robot, bodies, levers.
 #[derive(Clone, Copy)]
 pub(super) struct Robot<'a> {
     pub model: &'a Model,
@@ -27,7 +27,7 @@ const SAMPLES: usize = 32;
 const LEAVING: f64 = 5e-4;
 
 /// Workspace of a cycle.
-pub(super) struct Trial {
+pub(super) struct CandidatePaths {
     pub detector: Detector,
     pub prover: Prover,
     /// The beginning of all paths, s.
@@ -38,37 +38,37 @@ pub(super) struct Trial {
     pub clearance: Vec<f64>,
     /// Distances of the bodies from the joints' axes there.
     radii: Vec<f64>,
-    /// What the joints do otherwise: proven before.
-    pub otherwise: Vec<Path>,
+    /// What the joints do fallback: proven before.
+    pub fallback: Vec<JointPath>,
     /// What is tried.
-    pub paths: Vec<Path>,
+    pub paths: Vec<JointPath>,
     /// Greatest distance of each from the anchor.
     pub reach: Vec<f64>,
-    /// Is the path another than `otherwise`?
+    /// Is the path another than `fallback`?
     pub changed: Vec<bool>,
     /// Does the joint follow nothing? Its path is what is known of it, and not to be chosen.
-    pub loose: Vec<bool>,
-    /// Pairs for which the last trial failed, ascending.
+    pub uncontrolled: Vec<bool>,
+    /// Pairs for which the last candidate failed, ascending.
     pub colliding: Vec<usize>,
     open: Vec<usize>,
     posture: Vec<f64>,
 }
 
-impl Trial {
+impl CandidatePaths {
     pub fn new(robot: Robot, start: &[f64]) -> Self {
         let n = robot.collision.pairs.len();
-        Trial {
+        CandidatePaths {
             detector: Detector::new(robot.collision),
             prover: Prover::new(robot.model, robot.levers, n),
             radii: vec![0.0; robot.levers.count()],
             begin: 0.0,
             anchor: start.to_vec(),
             clearance: vec![0.0; n],
-            otherwise: start.iter().map(|&q| Path::resting(q)).collect(),
-            paths: start.iter().map(|&q| Path::resting(q)).collect(),
+            fallback: start.iter().map(|&q| JointPath::resting(q)).collect(),
+            paths: start.iter().map(|&q| JointPath::resting(q)).collect(),
             reach: vec![0.0; start.len()],
             changed: vec![false; start.len()],
-            loose: vec![false; start.len()],
+            uncontrolled: vec![false; start.len()],
             colliding: Vec::with_capacity(n),
             open: Vec::with_capacity(n),
             posture: start.to_vec(),
@@ -76,23 +76,23 @@ impl Trial {
     }
 
     /// Lets a joint try a path.
-    pub fn set(&mut self, joint: usize, path: Path) {
-        debug_assert!(!self.loose[joint]);
+    pub fn set(&mut self, joint: usize, path: JointPath) {
+        debug_assert!(!self.uncontrolled[joint]);
         self.paths[joint] = path;
         self.reach[joint] = path.reach(self.anchor[joint], self.begin);
         self.changed[joint] = true;
     }
 
-    /// Lets it do what it does otherwise.
+    /// Lets it do what it does fallback.
     pub fn reset(&mut self, joint: usize) {
-        self.paths[joint] = self.otherwise[joint];
+        self.paths[joint] = self.fallback[joint];
         self.reach[joint] = self.paths[joint].reach(self.anchor[joint], self.begin);
         self.changed[joint] = false;
     }
 
     /// Measures the distances at the anchor, as far as the present reaches ask for them.
     pub fn measure(&mut self, robot: Robot) {
-        self.prover.place(robot.model, robot.collision, &mut self.detector, &self.anchor);
+        self.prover.set_posture(robot.model, robot.collision, &mut self.detector, &self.anchor);
         for (pair, clearance) in self.clearance.iter_mut().enumerate() {
             let need = robot.margin + robot.levers.change(pair, &self.reach);
             *clearance = self.detector.clearance(robot.collision, pair, MORE.0 * need + MORE.1);
@@ -110,7 +110,7 @@ impl Trial {
         self.clearance[pair] - robot.levers.change_from(pair, &self.radii, travel) > robot.margin
     }
 
-    /// Is the trial proven to be free? If not, `colliding` holds pairs that are not.
+    /// Is the candidate proven to be free? If not, `colliding` holds pairs that are not.
     pub fn succeeds(&mut self, robot: Robot) -> bool {
         self.open.clear();
         self.colliding.clear();
@@ -181,40 +181,40 @@ impl Trial {
 
     fn distance_at(&mut self, robot: Robot, pair: usize, t: f64) -> f64 {
         self.posture.iter_mut().zip(&self.paths).for_each(|(q, path)| *q = path.at(t).q);
-        self.prover.place(robot.model, robot.collision, &mut self.detector, &self.posture);
+        self.prover.set_posture(robot.model, robot.collision, &mut self.detector, &self.posture);
         self.detector.proximity(robot.collision, pair).distance
     }
 
-    /// Where a joint that follows nothing has come in the way of what the others do otherwise, makes these brake, if they run
+    /// Where a joint that follows nothing has come in the way of what the others do fallback, makes these brake, if they run
     /// into nothing else so. `here` has their motion at the beginning.
-    pub fn brake(&mut self, robot: Robot, here: &[Point], limits: &[Limits]) {
+    pub fn brake(&mut self, robot: Robot, here: &[TrajectoryPoint], limits: &[Limits]) {
         self.open.clear();
         for pair in 0..self.clearance.len() {
             let levers = robot.levers.of(pair);
-            let loose = levers.iter().any(|l| self.loose[l.joint]);
-            let moves = levers.iter().any(|l| !self.loose[l.joint] && self.otherwise[l.joint].end() > self.begin);
-            if loose && moves && !self.is_clear(robot, pair) {
+            let uncontrolled = levers.iter().any(|l| self.uncontrolled[l.joint]);
+            let moves = levers.iter().any(|l| !self.uncontrolled[l.joint] && self.fallback[l.joint].end() > self.begin);
+            if uncontrolled && moves && !self.is_clear(robot, pair) {
                 self.open.push(pair);
             }
         }
         let parts = (robot.model, robot.collision, robot.levers);
         let (detector, found) = (&mut self.detector, &mut self.colliding);
-        let proven = self.prover.prove(parts, detector, &self.otherwise, self.begin, robot.margin, &self.open, found);
+        let proven = self.prover.prove(parts, detector, &self.fallback, self.begin, robot.margin, &self.open, found);
         if self.open.is_empty() || proven {
             return;
         }
         self.open.clone_from(&self.colliding);
         for k in 0..self.open.len() {
             for lever in robot.levers.of(self.open[k]) {
-                if !self.loose[lever.joint] {
-                    self.set(lever.joint, Path::stop(here[lever.joint], self.begin, &limits[lever.joint]));
+                if !self.uncontrolled[lever.joint] {
+                    self.set(lever.joint, JointPath::stop(here[lever.joint], self.begin, &limits[lever.joint]));
                 }
             }
         }
         let braked = self.succeeds(robot);
         for j in 0..self.changed.len() {
             if self.changed[j] && (braked || !self.hits_followed(robot)) {
-                self.otherwise[j] = self.paths[j];
+                self.fallback[j] = self.paths[j];
             }
         }
         for j in 0..self.changed.len() {
@@ -225,18 +225,18 @@ impl Trial {
 
     /// Is one of the colliding pairs without joints that follow nothing?
     fn hits_followed(&self, robot: Robot) -> bool {
-        self.colliding.iter().any(|pair| robot.levers.of(*pair).iter().all(|l| !self.loose[l.joint]))
+        self.colliding.iter().any(|pair| robot.levers.of(*pair).iter().all(|l| !self.uncontrolled[l.joint]))
     }
 
     /// Nearest points of a pair at time `t` of `paths`, in which the prover's poses then are.
-    pub fn proximity_at(&mut self, robot: Robot, paths: &[Path], t: f64, pair: usize) -> Proximity {
+    pub fn proximity_at(&mut self, robot: Robot, paths: &[JointPath], t: f64, pair: usize) -> Proximity {
         self.posture.iter_mut().zip(paths).for_each(|(q, path)| *q = path.at(t).q);
-        self.prover.place(robot.model, robot.collision, &mut self.detector, &self.posture);
+        self.prover.set_posture(robot.model, robot.collision, &mut self.detector, &self.posture);
         self.detector.proximity(robot.collision, pair)
     }
 
     /// Is everything free on `paths`, wherever they begin?
-    pub fn is_free(&mut self, robot: Robot, paths: &[Path]) -> bool {
+    pub fn is_free(&mut self, robot: Robot, paths: &[JointPath]) -> bool {
         self.open.clear();
         self.open.extend(0..self.clearance.len());
         let parts = (robot.model, robot.collision, robot.levers);

@@ -12,9 +12,9 @@
 //! A pair that never comes within [`Search::margin`] is taken as unable to meet. That is evidence, not proof.
 
 use super::body::Body;
-use super::paths::joints_between;
-use crate::collision::detection::{Nearest, Nearness, Warm};
-use crate::collision::kinematics::{LinkPose, place, place_link};
+use super::link_tree::joints_between;
+use crate::collision::detection::{Nearest, PairDistance, Warm};
+use crate::collision::kinematics::{LinkPose, link_pose, link_poses};
 use crate::random::Stream;
 use crate::robot::{JointId, JointKind, LinkId, Model};
 
@@ -42,28 +42,28 @@ impl Default for Search {
 /// The least distance found for each pair of bodies, m; for a pair that comes within the margin, the first one below it.
 pub(super) fn closest_found(model: &Model, bodies: &[Body], pairs: &[[usize; 2]], search: &Search) -> Vec<f64> {
     let mut sampler = Sampler::new(model, search.seed, "reach");
-    let mut trial =
-        Trial { model, bodies, poses: vec![LinkPose::IDENTITY; model.links.len()], near: Nearness::new(bodies) };
+    let mut descent =
+        Descent { model, bodies, poses: vec![LinkPose::IDENTITY; model.links.len()], near: PairDistance::new(bodies) };
     let mut found: Vec<Found> = pairs
         .iter()
         .map(|&bodies| Found { bodies, distance: f64::INFINITY, posture: model.home.clone(), warm: Warm::COLD })
         .collect();
     for k in 0..=search.postures {
         let q = if k == 0 { model.home.clone() } else { sampler.posture(model) };
-        trial.place(&q);
+        descent.set_posture(&q);
         for f in found.iter_mut().filter(|f| f.distance > search.margin) {
-            if trial.improves(f) {
+            if descent.improves(f) {
                 f.posture.copy_from_slice(&q);
             }
         }
     }
     for f in found.iter_mut().filter(|f| f.distance > search.margin) {
         // What is above both stays where it is: any place will do.
-        trial.poses.fill(LinkPose::IDENTITY);
+        descent.poses.fill(LinkPose::IDENTITY);
         let way = Way::new(model, f.bodies.map(|b| bodies[b].link));
         for k in 0..search.descents {
             let start = if k == 0 { f.posture.clone() } else { sampler.posture(model) };
-            descend(&mut trial, &sampler.ranges, f, start, &way, search);
+            descend(&mut descent, &sampler.ranges, f, start, &way, search);
         }
     }
     found.iter().map(|f| f.distance).collect()
@@ -92,30 +92,30 @@ struct Found {
     warm: Warm,
 }
 
-/// One posture under trial.
-struct Trial<'a> {
+/// One posture under descent.
+struct Descent<'a> {
     model: &'a Model,
     bodies: &'a [Body],
     poses: Vec<LinkPose>,
-    near: Nearness,
+    near: PairDistance,
 }
 
-impl Trial<'_> {
-    fn place(&mut self, q: &[f64]) {
-        place(self.model, q, &mut self.poses);
-        self.near.place(self.bodies, &self.poses);
+impl Descent<'_> {
+    fn set_posture(&mut self, q: &[f64]) {
+        link_poses(self.model, q, &mut self.poses);
+        self.near.set_poses(self.bodies, &self.poses);
     }
 
     fn place_way(&mut self, way: &Way, q: &[f64]) {
         for joint in &way.joints {
-            place_link(self.model, joint.0 + 1, q[joint.0], &mut self.poses);
+            link_pose(self.model, joint.0 + 1, q[joint.0], &mut self.poses);
         }
     }
 
     /// The nearest points of a pair with the joints between its bodies at `q`; `None` when they overlap.
     fn nearest_points(&mut self, f: &mut Found, way: &Way, q: &[f64]) -> Option<Nearest> {
         self.place_way(way, q);
-        self.near.place_pair(self.bodies, f.bodies, &self.poses);
+        self.near.set_pair_poses(self.bodies, f.bodies, &self.poses);
         self.near.points(self.bodies, f.bodies, &mut f.warm)
     }
 
@@ -132,9 +132,9 @@ impl Trial<'_> {
 }
 
 /// Moves the joints between the two bodies to bring them nearer, beginning at `q`.
-fn descend(trial: &mut Trial, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec<f64>, way: &Way, search: &Search) {
+fn descend(descent: &mut Descent, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec<f64>, way: &Way, search: &Search) {
     let mut next = q.clone();
-    let Some(mut here) = trial.nearest_points(f, way, &q) else { return f.distance = 0.0 };
+    let Some(mut here) = descent.nearest_points(f, way, &q) else { return f.distance = 0.0 };
     let mut step = 0.3;
     for _ in 0..search.steps {
         f.distance = f.distance.min(here.distance);
@@ -143,9 +143,9 @@ fn descend(trial: &mut Trial, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec<f64
         }
         // Each joint's part of its range, the steepest by `step` of it.
         let slopes = way.joints.iter().zip(&way.sign).map(|(joint, sign)| {
-            let pose = &trial.poses[joint.0 + 1];
+            let pose = &descent.poses[joint.0 + 1];
             let (z, point) = (pose.rotation.column(2).into_owned(), if *sign > 0.0 { here.on_b } else { here.on_a });
-            let rate = match trial.model.joints[joint.0].kind {
+            let rate = match descent.model.joints[joint.0].kind {
                 JointKind::Prismatic => here.normal.dot(&z),
                 _ => here.normal.dot(&z.cross(&(point - pose.origin))),
             };
@@ -164,7 +164,7 @@ fn descend(trial: &mut Trial, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec<f64
             let [lower, upper] = ranges[joint.0];
             next[joint.0] = (q[joint.0] - step * (upper - lower) * slope / steepest).clamp(lower, upper);
         }
-        match trial.nearest_points(f, way, &next) {
+        match descent.nearest_points(f, way, &next) {
             None => return f.distance = 0.0,
             Some(there) if there.distance < here.distance => {
                 (here, step) = (there, (1.5 * step).min(0.5));
@@ -173,7 +173,7 @@ fn descend(trial: &mut Trial, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec<f64
             Some(_) => {
                 step *= 0.4;
                 // The poses are those of the posture it stays in.
-                trial.place_way(way, &q);
+                descent.place_way(way, &q);
             }
         }
     }

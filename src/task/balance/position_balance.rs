@@ -19,12 +19,12 @@
 //! pendulum control, ICRA 2002 (the centre of mass resolved by its Jacobian, feet kept); the paper of this program's platform, section
 //! II.B (centre-of-mass feedback of position-actuated robots).
 
-use super::course::Course;
+use super::reference_trajectory::ReferenceTrajectory;
 use crate::geometry::{convex_hull, stable_point};
+use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::{Model, SoleId};
-use crate::task::kinematic::{Figure, Goal, Inverse, Unknowns, feed_forward, figure};
-use crate::task::posture::minimum_jerk;
-use crate::task::{Command, Context, Needs, Point, Status, Task, TaskResult, over};
+use crate::task::kinematic::{Goal, InverseKinematics, PlannedRobot, Unknowns, feed_forward, planned_robot};
+use crate::task::{Command, Context, Needs, PointOfInterest, Status, Task, TaskResult, has_elapsed};
 use nalgebra::{Vector2, Vector3};
 
 /// Default k_z as a part of sqrt(g/h), the rate of the inverted pendulum that the robot is, and greatest, 1/s. HOAP-2 has 6 1/s,
@@ -86,9 +86,9 @@ pub struct PositionBalance {
     damping: f64,
     leaning: f64,
     soles: Vec<SoleId>,
-    figure: Figure,
+    planned: PlannedRobot,
     goal: Goal,
-    inverse: Inverse,
+    inverse: InverseKinematics,
     joints: Vec<usize>,
     carrying: Vec<usize>,
     efforts: Vec<f64>,
@@ -98,7 +98,7 @@ pub struct PositionBalance {
     before: f64,
     posture: Vec<f64>,
     /// r relative to the mean of the soles, from where the centre of mass stood in the plan.
-    reference: Course<2>,
+    reference: ReferenceTrajectory<2>,
     /// Times of the changes, s, and what they bring.
     times: Vec<f64>,
     changes: Vec<Change>,
@@ -109,29 +109,29 @@ pub struct PositionBalance {
     /// w.
     memory: Vector2<f64>,
     /// Where it wants the centre of mass, r at the height of the plan, and the zero-moment point, r on the ground.
-    points: [Point; 2],
+    points: [PointOfInterest; 2],
 }
 
 impl PositionBalance {
-    /// For a robot that [`figure::check`] has let through, on these soles, at least one; `changes` by ascending time.
+    /// For a robot that [`planned_robot::check`] has let through, on these soles, at least one; `changes` by ascending time.
     pub fn new(model: &Model, soles: Vec<SoleId>, settings: Settings, changes: Vec<(f64, Change)>) -> Self {
         let (times, changes): (Vec<f64>, Vec<Change>) = changes.into_iter().unzip();
         let leans = |leaning: Option<f64>| leaning != Some(0.0);
-        let figure = Figure::on(model, &soles);
+        let planned = PlannedRobot::on(model, &soles);
         let unknowns = Unknowns { mobility: settings.mobility.clone(), com_axes: 2, root: false };
-        let inverse = Inverse::new(model, &figure, unknowns);
+        let inverse = InverseKinematics::new(model, &planned, unknowns);
         let points: usize = soles.iter().map(|s| model.soles[s.0].vertices.len()).sum();
         PositionBalance {
-            goal: figure.goal(),
+            goal: planned.goal(),
             joints: inverse.joints().collect(),
-            carrying: figure::carrying_joints(model),
+            carrying: planned_robot::carrying_joints(model),
             efforts: vec![0.0; model.nj()],
             hull: Vec::with_capacity(3 * points + 2),
             edges: Vec::with_capacity(2 * points),
             started: 0.0,
             before: 0.0,
             posture: model.home.clone(),
-            reference: Course::new(1 + changes.len()),
+            reference: ReferenceTrajectory::new(1 + changes.len()),
             leans: leans(settings.leaning) || changes.iter().any(|c| c.leaning.is_some() && leans(c.leaning)),
             rise: settings.approach,
             times,
@@ -141,9 +141,9 @@ impl PositionBalance {
             leaning: settings.leaning.unwrap_or(0.0),
             settings,
             soles,
-            figure,
+            planned,
             inverse,
-            points: [Point::named("balance.com"), Point::named("balance.zmp")],
+            points: [PointOfInterest::named("balance.com"), PointOfInterest::named("balance.zmp")],
         }
     }
 
@@ -151,12 +151,12 @@ impl PositionBalance {
     fn find_reference(&mut self, context: &Context) -> Vector2<f64> {
         self.hull.clear();
         for sole in self.soles.iter().map(|s| &context.model.soles[s.0]) {
-            self.hull.extend(sole.vertices.iter().map(|v| self.figure.ws.point(sole.link, v)));
+            self.hull.extend(sole.vertices.iter().map(|v| self.planned.ws.point(sole.link, v)));
         }
         convex_hull(&mut self.hull, &context.floor);
         let corners = self.hull.iter().map(|p| context.floor.flat(p));
         let found = stable_point(corners, &mut self.edges);
-        found.map_or(self.figure.support().xy(), |f| context.floor.world(&f.point).xy())
+        found.map_or(self.planned.support().xy(), |f| context.floor.world(&f.point).xy())
     }
 
     /// Mean of the soles as sensed.
@@ -173,18 +173,18 @@ impl PositionBalance {
 
 impl Task for PositionBalance {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
-        figure::check_driven(context.model, command, &self.joints).map_err(|e| e.to_string())?;
-        self.figure.stand(context, command);
-        self.goal = self.figure.goal();
+        planned_robot::check_driven(context.model, command, &self.joints).map_err(|e| e.to_string())?;
+        self.planned.stand_as_commanded(context, command);
+        self.goal = self.planned.goal();
         self.posture.copy_from_slice(&command.position);
         (self.started, self.before) = (context.start, context.time);
-        let height = (self.figure.com().z - self.figure.support().z).max(f64::MIN_POSITIVE);
+        let height = (self.planned.com().z - self.planned.support().z).max(f64::MIN_POSITIVE);
         let rate = (context.gravity.norm() / height).sqrt();
         self.leaning = self.settings.leaning.unwrap_or((LEANING.0 * rate).min(LEANING.1));
         let slow = if rate > 0.0 { DAMPING.0 / (rate * rate) } else { 0.0 };
         self.damping = self.settings.damping.unwrap_or(slow.max(DAMPING.1));
-        let support = self.figure.support().xy();
-        let from = self.figure.com().xy() - support;
+        let support = self.planned.support().xy();
+        let from = self.planned.com().xy() - support;
         self.reference.begin(from);
         let goal = self.find_reference(context) - support + self.settings.offset;
         self.reference.add(self.started, self.settings.approach, goal - from);
@@ -211,42 +211,42 @@ impl Task for PositionBalance {
         let reply = error * s.proportional - context.data.com_velocity.xy() * self.damping;
         let displacement = (self.memory + reply * progress).map(|x| x.clamp(-s.reach, s.reach));
         let (com, ground) = (here + wanted, self.ground(context));
-        self.points[0].position = Some(Vector3::new(com.x, com.y, self.figure.com().z));
+        self.points[0].position = Some(Vector3::new(com.x, com.y, self.planned.com().z));
         self.points[1].position = Some(Vector3::new(com.x, com.y, ground));
-        let planned = self.figure.support().xy() + wanted + displacement;
+        let planned = self.planned.support().xy() + wanted + displacement;
         self.goal.com.x = planned.x;
         self.goal.com.y = planned.y;
 
         let (model, nb) = (context.model, context.model.nb());
-        for (j, q) in self.figure.state.joints.iter_mut().enumerate() {
+        for (j, q) in self.planned.state.joints.iter_mut().enumerate() {
             if s.mobility[j] == 0.0 {
                 *q = command.position[j];
             }
         }
         let back = (s.posture * period).min(1.0);
         for &j in &self.joints {
-            self.inverse.preferred[nb + j] = back * (self.posture[j] - self.figure.state.joints[j]);
+            self.inverse.preferred[nb + j] = back * (self.posture[j] - self.planned.state.joints[j]);
         }
         if period > 0.0 {
-            self.inverse.advance(model, &mut self.figure, &self.goal, period);
+            self.inverse.advance(model, &mut self.planned, &self.goal, period);
         } else {
-            self.figure.update(model);
+            self.planned.update(model);
         }
         // No velocity is asked for: that of the plan holds the acceleration of the centre of mass times k_d, which the
         // servos' damping would close into a loop of its own, unstable at the control rate.
         for &j in &self.joints {
-            command.position[j] = self.figure.state.joints[j];
+            command.position[j] = self.planned.state.joints[j];
             command.velocity[j] = 0.0;
         }
         if s.feed_forward {
-            let (still, com) = (Vector3::zeros(), self.figure.com().xy());
+            let (still, com) = (Vector3::zeros(), self.planned.com().xy());
             let efforts = &mut self.efforts;
-            feed_forward::efforts(model, &mut self.figure, &context.gravity, &still, &com, efforts);
+            feed_forward::efforts(model, &mut self.planned, &context.gravity, &still, &com, efforts);
             for &j in &self.carrying {
                 command.effort[j] = (1.0 - progress) * command.effort[j] + progress * self.efforts[j];
             }
         }
-        Ok(if over(t, s.duration) { Status::Done } else { Status::Running })
+        Ok(if has_elapsed(t, s.duration) { Status::Done } else { Status::Running })
     }
 
     fn change(&mut self, context: &Context, number: usize) -> TaskResult {
@@ -264,7 +264,7 @@ impl Task for PositionBalance {
         Ok(Status::Running)
     }
 
-    fn succeed(&mut self, newer: Box<dyn Task>) {
+    fn adopt_changes(&mut self, newer: Box<dyn Task>) {
         if let Some(newer) = crate::task::of_type::<Self>(newer) {
             self.times = newer.times;
             self.changes = newer.changes;
@@ -280,11 +280,11 @@ impl Task for PositionBalance {
         Needs::COM | Needs::SOLES | if self.leans { Needs::ZMP } else { Needs::LOADS }
     }
 
-    fn lends(&self) -> bool {
+    fn is_temporary(&self) -> bool {
         true
     }
 
-    fn points(&self) -> &[Point] {
+    fn points(&self) -> &[PointOfInterest] {
         &self.points
     }
 

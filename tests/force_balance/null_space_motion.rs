@@ -1,12 +1,12 @@
 //! The projection onto motions that hold what is held.
 
 use crate::identities::random_tree::Random;
-use stiction::task::balance::slack::Slack;
+use stiction::task::balance::null_space_motion::NullSpaceMotion;
 
 #[test]
 fn two_joints_share_a_constraint_by_their_weights() {
     // Minimise sum w (v - e)^2 with v1 + v2 = 0: v = e - (1/w1, 1/w2) (e1 + e2) / (1/w1 + 1/w2).
-    let mut slack = Slack::new(0, &[1.0, 3.0], 2);
+    let mut slack = NullSpaceMotion::new(0, &[1.0, 3.0], 2);
     slack.hold(|_| 1.0);
     // The same again, and its negative, add nothing.
     slack.hold(|_| -2.0);
@@ -18,7 +18,7 @@ fn two_joints_share_a_constraint_by_their_weights() {
 #[test]
 fn the_base_moves_for_nothing() {
     // Base x and two joints; the foot is at x + q1 + 2 q2 and has to stay: the base makes up for the joints.
-    let mut slack = Slack::new(1, &[1.0, 1.0], 2);
+    let mut slack = NullSpaceMotion::new(1, &[1.0, 1.0], 2);
     slack.hold(|k| [1.0, 1.0, 2.0][k]);
     let mut v = [0.0, 0.3, -0.5];
     slack.project(&mut v);
@@ -37,7 +37,7 @@ fn it_is_a_projection_that_keeps_its_constraints() {
     let (nb, nj, rows) = (6, 20, 15);
     let weights: Vec<f64> = (0..nj).map(|_| r.within(1e-4, 2.0)).collect();
     let constraints: Vec<Vec<f64>> = (0..rows).map(|_| r.list(nb + nj, 1.0)).collect();
-    let mut slack = Slack::new(nb, &weights, rows);
+    let mut slack = NullSpaceMotion::new(nb, &weights, rows);
     constraints.iter().for_each(|row| slack.hold(|k| row[k]));
     let mut v = r.list(nb + nj, 1.0);
     v[..nb].fill(0.0);
