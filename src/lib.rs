@@ -1,9 +1,28 @@
-//! Scenario runner for legged-robot contact.
+//! Scenario runner for legged-robot contact: exact Coulomb friction against faster methods, with logs, residuals and
+//! verdicts.
 //!
-//! Data flows one way: `scenario` files name a `robot`; `assemble` joins the two; `sim` couples `dynamics`, `contact`,
-//! `integrate`, `force` and `task` into one run; `log` and `results` write its files; `batch` drives many runs; the
-//! program's `cli` only translates.
+//! The program `runner` runs scenario files; this library runs them from Rust. [`Scenario`] loads a file, its
+//! [`runs`](Scenario::runs) become [`Simulation`]s, which can be stepped and read at any time, with force models
+//! ([`Force`]), tasks ([`Task`]) and contact methods of your own in their [`Setup`]. [`run_batch`] runs files in parallel and
+//! writes logs, summary and report.
+//!
+//! ```
+//! # fn main() -> Result<(), stiction::Error> {
+//! let scenario = stiction::Scenario::load("scenarios/sliding-block.toml")?;
+//! let mut simulation = scenario.runs()?[0].simulation()?;
+//! simulation.advance_to(0.2, &mut ())?;
+//! assert_eq!(simulation.contact_states().next().unwrap().to_string(), "face-dynamic");
+//! simulation.run_to_end(&mut ())?;
+//! // The block stops after v0^2 / (2 mu g).
+//! assert!((simulation.metrics().final_base_position[0] - 4.0 / 9.81).abs() < 1e-9);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The modules below are the program's rooms. They are public for the program and its tests; only what the crate root
+//! exports is meant to be stable.
 
+mod api;
 pub mod assemble;
 pub mod batch;
 pub mod collision;
@@ -34,3 +53,14 @@ pub mod submit;
 pub mod task;
 pub mod text;
 pub mod view;
+
+pub use api::{Error, Scenario, run_batch};
+pub use batch::{Options, Report};
+pub use contact::model::state::{Mode, Pattern, SoleState};
+pub use dynamics::State;
+pub use force::{AppliedForces, Force, ForceContext};
+pub use nalgebra;
+pub use robot::{LinkId, Model, Robot};
+pub use scenario::Run;
+pub use sim::{Metrics, Observer, Outcome, Setup, SimEvent, Simulation, Snapshot, Stop};
+pub use task::{Command, Context, Status, Task, TaskResult};

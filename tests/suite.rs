@@ -12,6 +12,7 @@ mod faults;
 mod force;
 mod force_balance;
 mod identities;
+mod library;
 mod link;
 mod motion;
 mod oracles;

@@ -94,6 +94,23 @@ pub struct Options {
     pub resume: bool,
 }
 
+impl Default for Options {
+    /// Results in `results`, one thread per processor, logs where scenarios want them, no limits.
+    fn default() -> Self {
+        Self {
+            output: PathBuf::from("results"),
+            jobs: std::thread::available_parallelism().map_or(1, NonZero::get),
+            log: true,
+            timeout: None,
+            max_fail: None,
+            slow: None,
+            problems: Problems::None,
+            timing: true,
+            resume: false,
+        }
+    }
+}
+
 /// What can go wrong with a batch as a whole; a run's own troubles are its outcome.
 #[derive(Debug, thiserror::Error)]
 pub enum BatchError {

@@ -39,6 +39,7 @@ pub mod sensors;
 pub mod setup;
 pub mod simulation;
 mod speed;
+mod stepping;
 mod tick;
 mod unmeasured;
 mod watch;

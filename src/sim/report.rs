@@ -414,6 +414,16 @@ pub enum Problems {
     All,
 }
 
+/// Ignores everything a run reports.
+impl Observer for () {
+    fn snapshot(&mut self, _: &Snapshot) -> Result<(), String> {
+        Ok(())
+    }
+    fn event(&mut self, _: &SimEvent) -> Result<(), String> {
+        Ok(())
+    }
+}
+
 /// An observer that looks away.
 pub struct Blind;
 

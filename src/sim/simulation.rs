@@ -318,7 +318,9 @@ impl Simulation {
     }
 
     fn advance(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> Result<(), Stop> {
-        self.begin(observer)?;
+        if !self.started {
+            self.begin(observer)?;
+        }
         while self.plant.state.time < self.duration {
             if cancel.load(Ordering::Relaxed) {
                 return Err(Stop::new(Outcome::Cancelled, "interrupted"));

@@ -1,0 +1,136 @@
+//! The library's front door: from a scenario file to runs, simulations and batches in a few calls.
+//!
+//! Imports `scenario`, `robot`, `assemble`, `sim` and `batch`; the crate root exports its types. The program does not use it.
+
+use crate::assemble;
+use crate::batch::{Batch, BatchError, Findings, Options, Progress, Report, prepare, simulate};
+use crate::robot::{self, InertiaPolicy, Robot, RobotError};
+use crate::scenario::{self, Diagnostics, InertiaSpec, Run, ScenarioFile};
+use crate::sim::{Setup, Simulation, Stop};
+use std::path::{Path, PathBuf};
+
+/// Errors of the front door; each displays file, line, what was found and what is expected.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The scenario is not valid, or does not fit its robot.
+    #[error(transparent)]
+    Scenario(#[from] Diagnostics),
+    /// The robot cannot be loaded.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// The run cannot start, or has ended early.
+    #[error(transparent)]
+    Run(#[from] Stop),
+    /// Scenarios of a batch are not valid.
+    #[error("{}", .0.iter().map(|finding| finding.render(false)).collect::<Vec<_>>().join("\n"))]
+    Plan(Findings),
+    /// The batch as a whole failed.
+    #[error(transparent)]
+    Batch(#[from] BatchError),
+}
+
+/// A scenario file with overrides: one run, or a sweep of many.
+///
+/// ```
+/// # fn main() -> Result<(), stiction::Error> {
+/// let text = r#"
+///     duration = 0.5
+///     robot = { model = "robots/block/block.toml", base = { linear_velocity = [1, 0, 0] } }
+///     sweep = { grid = { "floor.friction" = [0.3, 0.6] } }
+/// "#;
+/// // Paths in the text start at the folder of the first argument, which need not exist.
+/// for run in stiction::Scenario::parse("slide.toml", text)?.runs()? {
+///     let mut simulation = run.simulation()?;
+///     simulation.run_to_end(&mut ())?;
+///     let friction = run.scenario.floor.friction.static_;
+///     let distance = 1.0 / (2.0 * friction * 9.81);
+///     assert!((simulation.metrics().final_base_position[0] - distance).abs() < 1e-12);
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    file: ScenarioFile,
+    overrides: Vec<(String, toml::Value)>,
+}
+
+impl Scenario {
+    /// Loads a scenario file.
+    ///
+    /// # Errors
+    /// The file cannot be read or is not TOML; [`runs`](Self::runs) checks its keys and values.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Ok(Self { file: scenario::load(path.as_ref())?, overrides: Vec::new() })
+    }
+
+    /// Reads a scenario from text. `path` names it in messages, and relative paths in the text start at its folder.
+    ///
+    /// # Errors
+    /// The text is not TOML; [`runs`](Self::runs) checks its keys and values.
+    pub fn parse(path: impl AsRef<Path>, text: impl Into<String>) -> Result<Self, Error> {
+        Ok(Self { file: scenario::parse(path.as_ref(), text)?, overrides: Vec::new() })
+    }
+
+    /// Replaces the value under a dotted key, such as `contact.method`, in every run.
+    pub fn set(mut self, key: impl Into<String>, value: impl Into<toml::Value>) -> Self {
+        self.overrides.push((key.into(), value.into()));
+        self
+    }
+
+    /// Name of the scenario: that of its file.
+    pub fn name(&self) -> String {
+        self.file.name()
+    }
+
+    /// All runs of the sweep, or the only one.
+    ///
+    /// # Errors
+    /// A key, value or combination of values that is not valid.
+    pub fn runs(&self) -> Result<Vec<Run>, Error> {
+        Ok(self.file.expand(&self.overrides)?)
+    }
+}
+
+impl Run {
+    /// Loads the run's robot.
+    ///
+    /// # Errors
+    /// A file of the robot that cannot be read, or that does not describe a robot.
+    pub fn load_robot(&self) -> Result<Robot, Error> {
+        let spec = &self.scenario.robot;
+        let policy = spec.inertia.map(|policy| match policy {
+            InertiaSpec::Refuse => InertiaPolicy::Refuse,
+            InertiaSpec::Repair => InertiaPolicy::Repair,
+        });
+        Ok(robot::load_with(&self.resolve(&spec.model), policy)?)
+    }
+
+    /// What is simulated, in physical terms. Its fields may be changed, for example to add a force model or a task, before
+    /// [`Simulation::new`] takes it.
+    ///
+    /// # Errors
+    /// The robot cannot be loaded, or a name or value of the scenario does not fit it.
+    pub fn setup(&self) -> Result<Setup, Error> {
+        Ok(assemble::setup(self, &self.load_robot()?)?)
+    }
+
+    /// A simulation of this run, before its first step.
+    ///
+    /// # Errors
+    /// See [`Run::setup`].
+    pub fn simulation(&self) -> Result<Simulation, Error> {
+        Ok(Simulation::new(self.setup()?)?)
+    }
+}
+
+/// Runs all runs of scenario files in parallel and leaves results in the folder `options.output`, as `runner run` does.
+///
+/// # Errors
+/// A scenario or robot that is not valid: nothing runs then. Results that cannot be written. A run that fails is no error
+/// but an outcome in the report.
+pub fn run_batch<P: AsRef<Path>>(scenarios: impl IntoIterator<Item = P>, options: Options) -> Result<Report, Error> {
+    let files: Vec<PathBuf> = scenarios.into_iter().map(|path| path.as_ref().to_owned()).collect();
+    let (plan, _) = prepare(&files, &[], scenario::DEFAULT_MAX_RUNS).map_err(Error::Plan)?;
+    Ok(Batch::new(plan, options)?.run(Progress::Silent, &simulate)?)
+}

@@ -1,0 +1,62 @@
+//! Stepping a simulation by hand and reading its state: the part of [`Simulation`] that programs use.
+
+use super::error::Stop;
+use super::report::{Observer, Outcome, Snapshot};
+use super::simulation::Simulation;
+use crate::contact::model::state::SoleState;
+use crate::dynamics::State;
+use crate::robot::Model;
+use std::sync::atomic::AtomicBool;
+
+impl Simulation {
+    /// Advances to the first end of a step at or after `time` (s), or to the end of the run. Control ticks, corners of
+    /// forces and located events end steps.
+    ///
+    /// # Errors
+    /// Why the run ended early; it cannot be continued then.
+    pub fn advance_to(&mut self, time: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
+        if !self.started {
+            self.begin(observer)?;
+        }
+        while self.time() < time.min(self.duration) {
+            self.step(observer)?;
+        }
+        Ok(())
+    }
+
+    /// Runs to the end and completes the metrics; continues a run that was advanced by hand.
+    ///
+    /// # Errors
+    /// Why the run ended early. The metrics describe it up to there.
+    pub fn run_to_end(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+        match self.run(observer, &AtomicBool::new(false)) {
+            (Outcome::Passed, _) => Ok(()),
+            (outcome, message) => Err(Stop::new(outcome, message)),
+        }
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.plant.state.time
+    }
+
+    /// The robot as simulated.
+    pub fn model(&self) -> &Model {
+        &self.plant.model
+    }
+
+    /// Positions and velocities of base and joints.
+    pub fn state(&self) -> &State {
+        &self.plant.state
+    }
+
+    /// Everything a log holds at one instant, at the present one. Changes nothing of the run.
+    pub fn snapshot(&mut self) -> Snapshot {
+        self.look()
+    }
+
+    /// Contact state of each sole, in the order of the model's soles.
+    pub fn contact_states(&self) -> impl Iterator<Item = SoleState> + '_ {
+        (0..self.plant.model.soles.len()).map(|sole| self.plant.states[sole])
+    }
+}

@@ -1,0 +1,56 @@
+//! The library as programs use it: the crate root's exports and the programs of `examples/`.
+
+#[path = "../../examples/own_force_and_task.rs"]
+mod own_force_and_task;
+#[path = "../../examples/run_scenario.rs"]
+mod run_scenario;
+#[path = "../../examples/step_and_read.rs"]
+mod step_and_read;
+
+use stiction::{Error, Options, Outcome, Scenario, run_batch};
+
+#[test]
+fn examples_run() {
+    run_scenario::main().unwrap();
+    step_and_read::main().unwrap();
+    own_force_and_task::main().unwrap();
+}
+
+#[test]
+fn advancing_by_hand_gives_the_bits_of_an_uninterrupted_run() {
+    let run = Scenario::load("scenarios/hoap2-pushed.toml").unwrap().set("duration", 1.5).runs().unwrap().remove(0);
+    let (mut whole, mut parts) = (run.simulation().unwrap(), run.simulation().unwrap());
+    whole.run_to_end(&mut ()).unwrap();
+    for k in 1..30 {
+        parts.advance_to(0.05 * f64::from(k), &mut ()).unwrap();
+        // Reading changes nothing.
+        assert!(parts.snapshot().time >= 0.05 * f64::from(k));
+    }
+    parts.run_to_end(&mut ()).unwrap();
+    assert_eq!(parts.state(), whole.state());
+    assert_eq!(parts.metrics(), whole.metrics());
+}
+
+#[test]
+fn errors_name_file_line_and_key() {
+    let error =
+        Scenario::parse("typo.toml", "robot = { model = \"robots/block/block.toml\" }\nfloor = { fricton = 1 }");
+    let error = error.unwrap().runs().unwrap_err();
+    assert!(matches!(error, Error::Scenario(_)));
+    let text = error.to_string();
+    assert!(text.contains("typo.toml:2:") && text.contains("fricton") && text.contains("friction"), "{text}");
+    let missing = Scenario::parse("missing.toml", "robot = { model = \"robots/none.urdf\" }").unwrap().runs().unwrap();
+    assert!(matches!(missing[0].simulation().err(), Some(Error::Robot(_))));
+}
+
+#[test]
+fn a_batch_leaves_its_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { output: folder.path().join("results"), jobs: 2, timing: false, ..Options::default() };
+    let report = run_batch(["scenarios/sliding-block.toml", "scenarios/drop.toml"], options).unwrap();
+    assert_eq!(report.finished.len(), 2);
+    assert!(report.finished.iter().all(|run| run.row.outcome == Outcome::Passed));
+    assert!(folder.path().join("results/summary.csv").is_file());
+    let options = Options { output: folder.path().join("other"), ..Options::default() };
+    assert!(matches!(run_batch(["scenarios/none.toml"], options), Err(Error::Plan(_) | Error::Scenario(_))));
+}
