@@ -5,11 +5,14 @@
 
 pub mod anchor;
 pub mod drag;
+mod error;
 pub mod friction;
 pub mod profile;
 pub mod random_pushes;
 pub mod spring;
 pub mod wrench;
+
+pub use error::ForceError;
 
 use crate::dynamics::{State, Workspace};
 use crate::robot::{LinkId, Model};
@@ -102,7 +105,7 @@ pub trait Force: Any + Send {
     ///
     /// # Errors
     /// In words; they end the run with outcome `error`.
-    fn init(&mut self, _scene: &ForceContext) -> Result<(), String> {
+    fn init(&mut self, _scene: &ForceContext) -> Result<(), ForceError> {
         Ok(())
     }
 
@@ -126,8 +129,8 @@ pub trait Force: Any + Send {
         &[]
     }
 
-    /// What went wrong in an evaluation since this was last asked, in words; it ends the run with outcome `error`.
-    fn fault(&mut self) -> Option<String> {
+    /// Why its evaluations have failed, once they have; the run then ends with outcome `error`.
+    fn failure(&self) -> Option<ForceError> {
         None
     }
 }

@@ -70,10 +70,14 @@ fn header_names(text: &str, header: Range<usize>) -> Result<Vec<(String, Range<u
     let (mut names, mut known): (Vec<(String, Range<usize>)>, HashSet<&str>) = Default::default();
     for place in cells {
         let written = &text[place.clone()];
-        let name = exported(written).map_err(|message| {
-            let help = "export positions alone: `--columns 'joint.*.desired_position_*'`, or `joint.*.position_*`";
-            Fault::new(place.clone(), message).help(help)
-        })?;
+        let name = match exported(written) {
+            Exported::Position(name) => name,
+            Exported::Other(quantity) => {
+                let help = "export positions alone: `--columns 'joint.*.desired_position_*'`, or `joint.*.position_*`";
+                let message = format!("a motion holds positions, not `{quantity}`");
+                return Err(Fault::new(place, message).help(help));
+            }
+        };
         if name.is_empty() {
             return Err(Fault::new(place, "this column has no name"));
         }
@@ -88,13 +92,22 @@ fn header_names(text: &str, header: Range<usize>) -> Result<Vec<(String, Range<u
     Ok(names)
 }
 
-/// The joint of a column as `runner export` names it; other names stand for themselves.
-fn exported(written: &str) -> Result<&str, String> {
-    let Some(rest) = written.strip_prefix("joint.") else { return Ok(written) };
-    match rest.rsplit_once('.') {
-        Some((name, "position_rad" | "position_m" | "desired_position_rad" | "desired_position_m")) => Ok(name),
-        Some((_, what)) => Err(format!("a motion has positions, no `{what}`")),
-        None => Ok(written),
+/// What a column of a table holds.
+enum Exported<'a> {
+    /// Positions of this joint.
+    Position(&'a str),
+    /// Another quantity that `runner export` writes.
+    Other(&'a str),
+}
+
+/// Reads a column name as `runner export` writes it; any other name is a joint's.
+fn exported(written: &str) -> Exported<'_> {
+    match written.strip_prefix("joint.").and_then(|rest| rest.rsplit_once('.')) {
+        Some((name, "position_rad" | "position_m" | "desired_position_rad" | "desired_position_m")) => {
+            Exported::Position(name)
+        }
+        Some((_, quantity)) => Exported::Other(quantity),
+        None => Exported::Position(written),
     }
 }
 
@@ -151,7 +164,7 @@ mod tests {
             ("time\n0\n", "time", "no column beside"),
             ("time,a,\n0,1,2\n", "", "has no name"),
             ("time,a,joint.a.position_rad\n0,1,2\n", "joint.a.position_rad", "two columns of `a`"),
-            ("time,joint.a.effort_Nm\n0,1\n", "joint.a.effort_Nm", "no `effort_Nm`"),
+            ("time,joint.a.effort_Nm\n0,1\n", "joint.a.effort_Nm", "not `effort_Nm`"),
             ("time,a\n0,1,2\n", "0,1,2", "has 3 cells, the header 2"),
             ("time,a\n0,x\n", "x", "`a` must be a finite number, not \"x\""),
             ("time,a\n0,NaN\n", "NaN", "finite"),

@@ -38,6 +38,33 @@ pub struct TrajectoryPoint {
     pub a: f64,
 }
 
+/// Why knots define no curve.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum SplineError {
+    /// No knot, or lengths that differ.
+    #[error("{times} times and {values} values make no curve")]
+    Lengths {
+        /// Number of times.
+        times: usize,
+        /// Number of values.
+        values: usize,
+    },
+    /// A time or value that is not finite.
+    #[error("{0} is not a finite number")]
+    NotFinite(f64),
+    /// Times that do not increase.
+    #[error("time {1} follows {0}")]
+    Order(f64, f64),
+    /// A periodic curve whose first and last value differ.
+    #[error("a periodic curve must end at its first value {first}, not at {last}")]
+    Open {
+        /// Its first value.
+        first: f64,
+        /// Its last value.
+        last: f64,
+    },
+}
+
 /// A curve. Before its first knot it stands at its first value, behind its last one at its last.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Spline {
@@ -59,21 +86,20 @@ impl Spline {
     /// The curve through `values` (rad or m) at `times` (s).
     ///
     /// # Errors
-    /// In words: no knot, lengths that differ, numbers that are not finite, times that do not rise, a periodic curve whose
-    /// ends differ.
-    pub fn new(times: Vec<f64>, values: &[f64], ends: Ends) -> Result<Self, String> {
+    /// [`SplineError`].
+    pub fn new(times: Vec<f64>, values: &[f64], ends: Ends) -> Result<Self, SplineError> {
         if times.len() != values.len() || times.is_empty() {
-            return Err(format!("{} times and {} values make no curve", times.len(), values.len()));
+            return Err(SplineError::Lengths { times: times.len(), values: values.len() });
         }
         if let Some(x) = times.iter().chain(values).find(|x| !x.is_finite()) {
-            return Err(format!("{x} is no finite number"));
+            return Err(SplineError::NotFinite(*x));
         }
         if let Some(pair) = times.windows(2).find(|pair| pair[1] <= pair[0]) {
-            return Err(format!("time {} follows {}", pair[1], pair[0]));
+            return Err(SplineError::Order(pair[0], pair[1]));
         }
         let (first, last) = (values[0], values[values.len() - 1]);
         if ends == Ends::Periodic && first != last {
-            return Err(format!("a periodic curve ends at {first} as it begins, not at {last}"));
+            return Err(SplineError::Open { first, last });
         }
         let derivatives = match (values.len(), ends) {
             (1, _) | (2, Ends::Clamped | Ends::Periodic) => vec![Vector2::zeros(); values.len()],

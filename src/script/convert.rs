@@ -106,82 +106,117 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// What the list that a force model answered does. Errors in words.
-pub(super) fn effects(answer: Value, named: &RobotNames, effects: &mut Vec<ForceEntry>) -> Result<(), String> {
+/// Why the answer of a force model is not a list of forces.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum AnswerError {
+    #[error("`run` must return a list of forces, not {0}")]
+    NoList(String),
+    #[error("`run` must return a list of forces: {{ {{ link = .., force = .. }} }}")]
+    NoEntries,
+    #[error("force {0} must be a table, not {1}")]
+    NoTable(usize, String),
+    #[error("force {0}: {1}")]
+    Entry(usize, EntryError),
+    #[error(transparent)]
+    Lua(#[from] mlua::Error),
+}
+
+/// What is wrong with one entry of that list.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum EntryError {
+    #[error("unknown key {0}; known here: {known}", known = KEYS.join(", "))]
+    UnknownKey(String),
+    #[error("the robot has no joint {0}")]
+    NoJoint(String),
+    #[error("the robot has no link {0:?}")]
+    NoLink(String),
+    #[error("needs `link`, the name of a link, or `joint`; `link` is {0}")]
+    LinkMissing(String),
+    #[error("`frame` must be \"world\" or \"link\", not {0}")]
+    Frame(String),
+    #[error("`{0}` must be a finite number, not {1}")]
+    NotFinite(String, String),
+    #[error("`{0}` must be {{ x, y, z }}, three finite numbers, not {1}")]
+    NoVector(&'static str, String),
+    #[error(transparent)]
+    Lua(#[from] mlua::Error),
+}
+
+/// Appends the forces of the list that a force model returned.
+pub(super) fn read_forces(answer: Value, names: &RobotNames, forces: &mut Vec<ForceEntry>) -> Result<(), AnswerError> {
     let list = match &answer {
         Value::Nil => return Ok(()),
         Value::Table(list) => list,
-        other => return Err(format!("`run` must return a list of forces, not {}", shown(other))),
+        other => return Err(AnswerError::NoList(shown(other))),
     };
     for (i, entry) in list.sequence_values::<Value>().enumerate() {
-        let entry = match entry {
-            Ok(Value::Table(entry)) => entry,
-            Ok(other) => return Err(format!("force {} must be a table, not {}", i + 1, shown(&other))),
-            Err(error) => return Err(error.to_string()),
-        };
-        effects.push(effect(&entry, named).map_err(|m| format!("force {}: {m}", i + 1))?);
+        match entry? {
+            Value::Table(entry) => {
+                forces.push(read_force(&entry, names).map_err(|e| AnswerError::Entry(i + 1, e))?);
+            }
+            other => return Err(AnswerError::NoTable(i + 1, shown(&other))),
+        }
     }
-    // A table with keys alone has no entries: a force that is not in a list.
-    if effects.is_empty() && !list.is_empty() {
-        return Err("`run` must return a list of forces: { { link = .., force = .. } }".into());
+    // A table with only keys has no entries: it is one force outside a list.
+    if forces.is_empty() && !list.is_empty() {
+        return Err(AnswerError::NoEntries);
     }
     Ok(())
 }
 
 const KEYS: [&str; 7] = ["link", "point", "force", "moment", "frame", "joint", "effort"];
 
-fn effect(entry: &Table, named: &RobotNames) -> Result<ForceEntry, String> {
+fn read_force(entry: &Table, names: &RobotNames) -> Result<ForceEntry, EntryError> {
     for pair in entry.pairs::<Value, Value>() {
-        let (key, _) = pair.map_err(|e| e.to_string())?;
+        let (key, _) = pair?;
         let known = key.as_string().is_some_and(|k| KEYS.iter().any(|known| known.as_bytes() == &*k.as_bytes()));
         if !known {
-            return Err(format!("unknown key {}; known here: {}", shown(&key), KEYS.join(", ")));
+            return Err(EntryError::UnknownKey(shown(&key)));
         }
     }
-    let get = |key: &str| entry.raw_get::<Value>(key).map_err(|e| e.to_string());
+    let get = |key: &str| entry.raw_get::<Value>(key);
     let joint = get("joint")?;
     if !joint.is_nil() {
-        let index = named.joint(&joint).ok_or_else(|| format!("the robot has no joint {}", shown(&joint)))?;
+        let index = names.joint(&joint).ok_or_else(|| EntryError::NoJoint(shown(&joint)))?;
         let effort = get("effort")?;
         let value = number(&effort).filter(|x| x.is_finite());
-        let effort = value.ok_or_else(|| format!("`effort` must be a finite number, not {}", shown(&effort)))?;
+        let effort = value.ok_or_else(|| EntryError::NotFinite("effort".into(), shown(&effort)))?;
         return Ok(ForceEntry::Joint { joint: index, effort });
     }
     let link = get("link")?;
-    let name = link
-        .as_string()
-        .ok_or_else(|| format!("needs `link`, the name of a link, or `joint`; `link` is {}", shown(&link)))?;
-    let found = name.to_str().ok().and_then(|name| named.links.get(&*name));
-    let (id, frame) = found.ok_or_else(|| format!("the robot has no link {:?}", name.to_string_lossy()))?;
-    let turns = match get("frame")? {
+    let name = link.as_string().ok_or_else(|| EntryError::LinkMissing(shown(&link)))?;
+    let found = name.to_str().ok().and_then(|name| names.links.get(&*name));
+    let (id, frame) = found.ok_or_else(|| EntryError::NoLink(name.to_string_lossy()))?;
+    let in_link_axes = match get("frame")? {
         Value::Nil => false,
         Value::String(word) if word.as_bytes() == b"world" => false,
         Value::String(word) if word.as_bytes() == b"link" => true,
-        other => return Err(format!("`frame` must be \"world\" or \"link\", not {}", shown(&other))),
+        other => return Err(EntryError::Frame(shown(&other))),
     };
     Ok(ForceEntry::Wrench {
         link: *id,
         point: (frame * Point3::from(vector("point", &get("point")?)?)).coords,
         force: vector("force", &get("force")?)?,
         moment: vector("moment", &get("moment")?)?,
-        axes: turns.then_some(frame.rotation),
+        axes: in_link_axes.then_some(frame.rotation),
     })
 }
 
 /// Three finite numbers; nil is zero.
-fn vector(key: &str, value: &Value) -> Result<Vector3<f64>, String> {
-    let shape = || format!("`{key}` must be {{ x, y, z }}, three finite numbers, not {}", shown(value));
+fn vector(key: &'static str, value: &Value) -> Result<Vector3<f64>, EntryError> {
     let list = match value {
         Value::Nil => return Ok(Vector3::zeros()),
         Value::Table(list) if list.raw_len() == 3 => list,
-        Value::Table(list) => return Err(format!("{} of {}", shape(), list.raw_len())),
-        _ => return Err(shape()),
+        Value::Table(list) => {
+            return Err(EntryError::NoVector(key, format!("{} of {}", shown(value), list.raw_len())));
+        }
+        _ => return Err(EntryError::NoVector(key, shown(value))),
     };
     let mut v = Vector3::zeros();
     for i in 0..3 {
-        let entry: Value = list.raw_get(i + 1).map_err(|e| e.to_string())?;
+        let entry: Value = list.raw_get(i + 1)?;
         let finite = number(&entry).filter(|x| x.is_finite());
-        v[i] = finite.ok_or_else(|| format!("`{key}[{}]` must be a finite number, not {}", i + 1, shown(&entry)))?;
+        v[i] = finite.ok_or_else(|| EntryError::NotFinite(format!("{key}[{}]", i + 1), shown(&entry)))?;
     }
     Ok(v)
 }

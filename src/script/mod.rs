@@ -203,7 +203,7 @@ impl Script {
         effects.clear();
         self.show(view, Stage::Run)?;
         let answer: Value = self.sandbox.call(&self.run, self.robot.clone())?;
-        convert::effects(answer, named, effects).map_err(|m| self.of(&self.run, m))
+        convert::read_forces(answer, named, effects).map_err(|e| self.of(&self.run, e.to_string()))
     }
 
     /// An error in what a function answered: at its first line.

@@ -7,7 +7,7 @@
 use super::fields::View;
 use super::{ForceEntry, Params, RobotNames, Script, ScriptError};
 use crate::force::profile::Profile;
-use crate::force::{AppliedForces, Force, ForceContext, ReportEvent};
+use crate::force::{AppliedForces, Force, ForceContext, ForceError, ReportEvent};
 use nalgebra::Vector3;
 
 /// See the module.
@@ -27,7 +27,7 @@ pub struct ScriptForce {
     doubted: bool,
     /// Has it been initialised?
     ready: bool,
-    fault: Option<String>,
+    failure: Option<ScriptError>,
 }
 
 /// When a script acts and what it is told.
@@ -61,7 +61,7 @@ impl ScriptForce {
             again: Vec::new(),
             doubted: true,
             ready: false,
-            fault: None,
+            failure: None,
         }
     }
 
@@ -91,10 +91,10 @@ fn view<'a>(context: &'a ForceContext) -> View<'a> {
 }
 
 impl Force for ScriptForce {
-    fn init(&mut self, context: &ForceContext) -> Result<(), String> {
+    fn init(&mut self, context: &ForceContext) -> Result<(), ForceError> {
         let continues = self.script.init(&view(context), &self.params);
         self.ready = true;
-        continues.map(|_| ()).map_err(|e| e.to_string())
+        continues.map(|_| ()).map_err(ForceError::new)
     }
 
     fn pass(&mut self, context: &ForceContext, report: &mut ReportEvent) {
@@ -103,17 +103,17 @@ impl Force for ScriptForce {
             self.changed += 1;
             report("force", &self.name, "changes".into());
             if let Err(error) = self.script.change(&view(context), params) {
-                self.fault.get_or_insert(error.to_string());
+                self.failure.get_or_insert(error);
             }
         }
     }
 
     fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
-        if !self.ready || self.fault.is_some() || self.span.factor(context.time, context.within) == 0.0 {
+        if !self.ready || self.failure.is_some() || self.span.factor(context.time, context.within) == 0.0 {
             return;
         }
         if let Err(error) = self.ask(&view(context)) {
-            self.fault = Some(error.to_string());
+            self.failure = Some(error);
             return;
         }
         for effect in &self.effects {
@@ -132,8 +132,7 @@ impl Force for ScriptForce {
         &self.corners
     }
 
-    fn fault(&mut self) -> Option<String> {
-        // It stays: a model that has failed is not asked again.
-        self.fault.clone()
+    fn failure(&self) -> Option<ForceError> {
+        self.failure.clone().map(ForceError::new)
     }
 }

@@ -2,7 +2,9 @@
 
 use super::fields::{TaskView, View};
 use super::{Params, Script, ScriptError};
-use crate::task::{Command, Context, Needs, PointOfInterest, Status, Task, TaskResult, has_elapsed, of_type};
+use crate::task::{
+    Command, Context, Needs, PointOfInterest, Status, Task, TaskError, TaskResult, has_elapsed, of_type,
+};
 
 /// See the module.
 pub struct ScriptTask {
@@ -40,7 +42,7 @@ fn status(continues: Result<bool, ScriptError>) -> TaskResult {
     match continues {
         Ok(true) => Ok(Status::Running),
         Ok(false) => Ok(Status::Done),
-        Err(error) => Err(error.to_string()),
+        Err(error) => Err(TaskError::other(error)),
     }
 }
 

@@ -331,7 +331,7 @@ impl Plant {
             time: self.state.time,
             within: self.within,
         };
-        self.forces[i].init(&context)
+        self.forces[i].init(&context).map_err(|e| e.to_string())
     }
 
     /// Calls every force model's `pass` at the present state, whose kinematics it brings up to date.

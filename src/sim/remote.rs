@@ -199,7 +199,7 @@ impl RemoteRun {
         if let Some(own) = &mut self.self_contact {
             own.avoid(&self.model, &self.estimator.state, &mut self.safe);
         }
-        failure.map_or(ran, Err).map_err(|m| Stop::new(Outcome::Error, m))
+        failure.map_or(ran.map_err(|e| e.to_string()), Err).map_err(|m| Stop::new(Outcome::Error, m))
     }
 
     /// Tells the observer what is known now.

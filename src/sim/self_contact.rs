@@ -155,7 +155,7 @@ impl SelfContact {
         if let Some(avoider) = &self.avoider {
             (out.cycles, out.tests) = (avoider.statistics.cycles, avoider.statistics.tests_last);
             out.frozen.copy_from_slice(avoider.stopped());
-            out.wanted.iter_mut().enumerate().for_each(|(j, w)| *w = avoider.wanted(j));
+            out.wanted.iter_mut().enumerate().for_each(|(j, w)| *w = avoider.desired(j));
         }
     }
 

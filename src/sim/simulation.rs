@@ -361,7 +361,7 @@ impl Simulation {
 
     /// Ends the run when a force model has failed.
     fn check_forces(&mut self) -> Result<(), Stop> {
-        let fault = self.plant.forces.iter_mut().find_map(|f| f.fault());
+        let fault = self.plant.forces.iter().find_map(|f| f.failure());
         fault.map_or(Ok(()), |m| Err(Stop::new(Outcome::Error, format!("{m} at {:.6} s", self.plant.state.time))))
     }
 

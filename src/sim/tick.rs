@@ -53,7 +53,7 @@ impl Simulation {
             let event = SimEvent { time, kind: "task", subject: name.to_string(), message };
             failure = observer.event(&event).err().or(failure.take());
         });
-        failure.map_or(ran, Err).map_err(|m| Stop::new(Outcome::Error, m))
+        failure.map_or(ran.map_err(|e| e.to_string()), Err).map_err(|m| Stop::new(Outcome::Error, m))
     }
 
     /// Keeps what was estimated for the log, and how far it is from the truth.

@@ -11,6 +11,7 @@ pub mod augmented;
 pub mod balance;
 pub mod blend_in;
 pub mod command;
+mod error;
 pub mod gait;
 pub mod handover;
 pub mod kinematic;
@@ -27,6 +28,7 @@ pub mod walk;
 
 pub use augmented::Augmented;
 pub use command::Command;
+pub use error::{TaskError, TaskFailure};
 pub use needs::Needs;
 pub use point_of_interest::PointOfInterest;
 pub use sensed::Sensed;
@@ -90,8 +92,8 @@ pub enum Status {
     Done,
 }
 
-/// How a call of a task went; the words of a fault end the run with outcome `error`.
-pub type TaskResult = Result<Status, String>;
+/// Result of a call of a task; an error ends the run with outcome `error`.
+pub type TaskResult = Result<Status, TaskError>;
 
 /// One task.
 pub trait Task: Any + Send {

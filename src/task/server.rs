@@ -1,7 +1,7 @@
 //! Starts, runs, changes and ends the tasks of a scenario.
 
 use super::handover::{Handover, TemporaryEfforts};
-use super::{Augmented, Command, Context, Needs, Sensed, Status, Task};
+use super::{Augmented, Command, Context, Needs, Sensed, Status, Task, TaskError, TaskFailure};
 use crate::dynamics::State;
 use crate::geometry::Plane;
 use crate::robot::Model;
@@ -177,7 +177,7 @@ impl TaskServer {
     ///
     /// # Errors
     /// The words of the first task that failed, with its name.
-    pub fn run(&mut self, now: &TickInput, mut report: impl FnMut(&str, &str)) -> Result<(), String> {
+    pub fn run(&mut self, now: &TickInput, mut report: impl FnMut(&str, &str)) -> Result<(), TaskFailure> {
         let time = now.state.time;
         self.tick = (time * self.rate).round() as u64 + 1;
         let soon = time + 1e-9 / self.rate;
@@ -199,7 +199,7 @@ impl TaskServer {
             context.start = slot.start;
             self.handover.before(&self.command);
             let ended = slot.call(&context, &mut self.command, soon, &mut report);
-            slot.ended = ended.map_err(|why| format!("task {}: {why}", slot.task.name()))?;
+            slot.ended = ended.map_err(|error| TaskFailure { task: slot.task.name().to_owned(), error })?;
             let temporary = slot.task.is_temporary().then_some(&mut slot.temporary);
             self.handover.after(temporary, slot.ended, time, &mut self.command);
             if slot.ended {
@@ -219,7 +219,7 @@ impl TaskSlot {
         command: &mut Command,
         soon: f64,
         report: &mut impl FnMut(&str, &str),
-    ) -> Result<bool, String> {
+    ) -> Result<bool, TaskError> {
         if self.end_requested {
             return Ok(true);
         }

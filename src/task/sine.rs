@@ -9,7 +9,7 @@
 //! again at the end. Amplitude A, middle c and frequency f go over to new values within the ramp likewise; the phase is the
 //! integral of the frequency, in closed form, and so goes on through every change.
 
-use super::{Command, Context, Status, Task, TaskResult, has_elapsed};
+use super::{Command, Context, Status, Task, TaskError, TaskResult, has_elapsed};
 use crate::motion::minimum_jerk::SmoothTransition;
 use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::{JointId, JointKind};
@@ -108,7 +108,7 @@ impl Task for Sine {
             if self.limited && j.kind != JointKind::Continuous && swing.offset.is_none() && leaves {
                 let (name, lower, upper) = (&j.name, j.lower, j.upper);
                 let swing = format!("{:.4} about {from:.4}", swing.amplitude);
-                return Err(format!("a swing of `{name}` of {swing} leaves its range, {lower:.4} to {upper:.4}"));
+                return Err(TaskError::SwingOutOfRange { joint: name.clone(), swing, lower, upper });
             }
             let constant = |value| SmoothTransition::constant(value, self.start);
             *now = Now {

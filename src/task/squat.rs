@@ -77,7 +77,7 @@ impl Squat {
 
 impl Task for Squat {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
-        self.planner.begin(context, command).map_err(|e| e.to_string())?;
+        self.planner.begin(context, command)?;
         self.start = context.start;
         let planned = &self.planner.planned;
         let support = planned.support();

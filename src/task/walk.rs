@@ -6,7 +6,7 @@
 
 use super::gait::{Footsteps, Preview, Sample, Stride};
 use super::kinematic::{PlannedRobot, PosturePlanner};
-use super::{Command, Context, PointOfInterest, Status, Task, TaskResult, has_elapsed};
+use super::{Command, Context, PointOfInterest, Status, Task, TaskError, TaskResult, has_elapsed};
 use crate::dynamics::Motion;
 use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::Model;
@@ -93,20 +93,18 @@ impl Walk {
 
 impl Task for Walk {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
-        self.planner.begin(context, command).map_err(|e| e.to_string())?;
+        self.planner.begin(context, command)?;
         self.start = context.start;
         let planned = &self.planner.planned;
         self.upright = PlannedRobot::upright(&planned.state.rotation);
         let lean = |s: usize| planned.normal(context.model, s).map_or(0.0, |n| n.angle(&Vector3::z()));
         if let Some(s) = (0..2).find(|&s| lean(s) > LEVEL) {
-            let name = &context.model.soles[s].name;
-            return Err(format!("the sole `{name}` is tilted by {:.3} rad; it walks on level soles only", lean(s)));
+            let sole = context.model.soles[s].name.clone();
+            return Err(TaskError::TiltedSole { sole, angle: lean(s) });
         }
         let down = context.gravity.angle(&-Vector3::z());
         if down > LEVEL {
-            return Err(format!(
-                "gravity is tilted by {down:.3} rad from the vertical; it walks where that is straight down"
-            ));
+            return Err(TaskError::TiltedGravity { angle: down });
         }
         let soles = [0, 1].map(|s| planned.sole(s).translation.vector);
         let support = planned.support();
@@ -115,7 +113,7 @@ impl Task for Walk {
         let gravity = context.gravity.norm();
         let preview = Preview::new(height, gravity, PERIOD, HORIZON)
             .filter(|_| gravity > 0.0 && height > 0.0)
-            .ok_or(format!("there is no gait for a centre of mass {height} m high under {gravity} m/s^2"))?;
+            .ok_or(TaskError::NoGait { height, gravity })?;
         // Of the way beyond the end only what the preview sees.
         let needed = (self.until - self.settle).max(0.0);
         let footsteps = Footsteps::new(self.stride, soles, self.upright * Vector3::x(), needed + HORIZON + PERIOD);

@@ -1,25 +1,25 @@
-//! From what the tasks want to what the drives are asked, tick by tick.
+//! The state machine that turns the commands of the tasks into commands free of self-collision, tick by tick.
 
 use std::sync::Arc;
 
-use super::candidate::{CandidatePaths, Robot};
+use super::Limits;
+use super::candidate::Robot;
 use super::desired_motion::{DesiredMotion, PositionHistory};
-use super::detour::Detour;
 use super::joint_path::JointPath;
 use super::levers::Levers;
+use super::methods::Methods;
+use super::planner::{AT_GOAL, Planner};
 use super::statistics::AvoidanceStatistics;
 use super::tick_check::{DecayingOffset, JointMode, TickCheck};
-use super::{Limits, methods};
 use crate::collision::CollisionModel;
 use crate::motion::spline::TrajectoryPoint;
-use crate::random::Stream;
 use crate::robot::Model;
 
-/// Longest time for which an acceleration is taken to last, s.
+/// Longest time over which an acceleration is extrapolated, s.
 const FARTHEST: f64 = 0.1;
 
-/// Time between cycles while a joint catches up with a motion that its limits do not allow, s.
-const HURRY: f64 = 0.01;
+/// Time between cycles while a joint catches up with a motion that exceeds its limits, s.
+const CATCH_UP: f64 = 0.01;
 
 /// How collisions are avoided.
 #[derive(Clone, Debug)]
@@ -30,17 +30,17 @@ pub struct Settings {
     pub rate: f64,
     /// Distance that is kept, m.
     pub margin: f64,
-    /// By joint.
+    /// Limits by joint.
     pub limits: Vec<Limits>,
-    /// Of random perturbations.
+    /// Seed of the random postures.
     pub seed: u64,
 }
 
-/// What the joints are asked at a tick, before and after; one entry per joint.
+/// The joints at a tick, one entry per joint. Positions and velocities are commands, rewritten where they are not safe.
 pub struct JointCommands<'a> {
-    /// Does the joint follow its position?
+    /// True for joints that follow their position command.
     pub follows: &'a [bool],
-    /// Measured positions, of those that do not.
+    /// Measured positions of the joints that do not.
     pub measured: &'a [f64],
     /// Their measured velocities.
     pub rates: &'a [f64],
@@ -50,49 +50,33 @@ pub struct JointCommands<'a> {
     pub velocity: &'a mut [f64],
 }
 
-/// See [`super`]. Allocates nothing after construction.
+/// Keeps joint commands free of self-collision; see [`super`]. Allocates nothing after construction.
 pub struct Avoider {
-    pub(super) collision: Arc<CollisionModel>,
-    pub(super) levers: Levers,
-    pub(super) settings: Settings,
-    pub(super) candidate: CandidatePaths,
-    pub(super) wanted: DesiredMotion,
-    pub(super) detour: Detour,
-    pub(super) random: Stream,
-    /// Joints that the method at hand keeps from where the tasks want them.
-    pub(super) stopped: Vec<bool>,
-    /// Pairs for which joints were stopped.
-    pub(super) blocking: Vec<usize>,
-    /// Where the tasks want the joints, one cycle ahead.
-    pub(super) goal: Vec<f64>,
-    /// Paths to there; where none keeps the limits, what the joint does fallback.
-    pub(super) proposed: Vec<JointPath>,
-    /// Scratch of the methods: paths, a posture, joints.
-    pub(super) best: Vec<JointPath>,
-    pub(super) continuation: Vec<JointPath>,
-    pub(super) posture: Vec<f64>,
-    pub(super) marked: Vec<bool>,
+    collision: Arc<CollisionModel>,
+    levers: Arc<Levers>,
+    planner: Planner,
+    methods: Methods,
+    desired: DesiredMotion,
     /// Motion of the joints at the beginning of the cycle's paths.
     here: Vec<TrajectoryPoint>,
-    /// Time of the tick at hand, s.
-    pub(super) now: f64,
     tick_check: TickCheck,
-    /// What was asked at the last ticks.
-    asked: PositionHistory,
-    /// Of the joints that are not free.
+    /// Commands of the last ticks.
+    commanded: PositionHistory,
+    /// Paths of the joints that are not free.
     paths: Vec<JointPath>,
     refused: Vec<bool>,
     /// Time of the last tick, s.
     last: f64,
+    /// Number of the next regular cycle.
     next: u64,
     /// Time of the last cycle, s.
     last_cycle: f64,
-    /// What was done.
+    /// Work and effect since the start.
     pub statistics: AvoidanceStatistics,
 }
 
 impl Avoider {
-    /// For a robot that is asked to hold `start` at first, with `period` seconds from tick to tick.
+    /// For a robot commanded to hold `start` at time `begin`, with ticks `period` seconds apart.
     pub fn new(
         model: &Model,
         collision: Arc<CollisionModel>,
@@ -100,28 +84,17 @@ impl Avoider {
         start: &[f64],
         (begin, period): (f64, f64),
     ) -> Self {
-        let levers = Levers::new(model, &collision);
+        let levers = Arc::new(Levers::new(model, &collision));
         let robot = Robot { model, collision: &collision, levers: &levers, margin: settings.margin };
-        let resting: Vec<JointPath> = start.iter().map(|&q| JointPath::resting(q)).collect();
         let n = start.len();
         Avoider {
-            candidate: CandidatePaths::new(robot, start),
-            wanted: DesiredMotion::new(start, period),
-            detour: Detour::new(n),
-            random: Stream::new(settings.seed, &["self-collision"]),
-            stopped: vec![false; n],
-            blocking: Vec::with_capacity(2 * collision.pairs.len()),
+            methods: Methods::new(settings.seed, n, collision.pairs.len()),
+            planner: Planner::new(settings, robot, start, begin),
+            desired: DesiredMotion::new(start, period),
             here: vec![TrajectoryPoint::default(); n],
-            goal: start.to_vec(),
-            proposed: resting.clone(),
-            best: resting.clone(),
-            continuation: resting.clone(),
-            posture: start.to_vec(),
-            marked: vec![false; n],
-            now: begin,
             tick_check: TickCheck::new(n),
-            asked: PositionHistory::new(start, period),
-            paths: resting,
+            commanded: PositionHistory::new(start, period),
+            paths: start.iter().map(|&q| JointPath::resting(q)).collect(),
             refused: vec![false; n],
             last: begin - period,
             next: 0,
@@ -129,69 +102,69 @@ impl Avoider {
             statistics: AvoidanceStatistics::default(),
             collision,
             levers,
-            settings,
         }
     }
 
-    /// Is a joint kept from where the tasks want it?
+    /// For each joint: true while it is kept from its desired position.
     pub fn stopped(&self) -> &[bool] {
-        &self.stopped
+        &self.planner.stopped
     }
 
-    /// Where the tasks wanted a joint at the last tick, within its range.
-    pub fn wanted(&self, joint: usize) -> f64 {
-        self.wanted.now(joint).q
+    /// Desired position of a joint at the last tick, within its range.
+    pub fn desired(&self, joint: usize) -> f64 {
+        self.desired.now(joint).q
     }
 
-    /// One tick at time `now`: `asked` comes as the tasks want it and goes as it is safe.
-    pub fn tick(&mut self, model: &Model, now: f64, asked: &mut JointCommands) {
-        self.now = now;
-        let changes = self.update_modes(asked);
-        self.wanted.push(asked.position, asked.velocity, &self.settings.limits);
-        let due = now >= self.next as f64 / self.settings.rate - 1e-9;
+    /// One tick at time `now`: rewrites the desired `commands` to safe ones.
+    pub fn tick(&mut self, model: &Model, now: f64, commands: &mut JointCommands) {
+        self.planner.now = now;
+        let changes = self.update_modes(commands);
+        let (rate, limits) = (self.planner.settings.rate, &self.planner.settings.limits);
+        self.desired.push(commands.position, commands.velocity, limits);
+        let due = now >= self.next as f64 / rate - 1e-9;
         if due {
-            self.next = (now * self.settings.rate + 1e-6).floor() as u64 + 1;
+            self.next = (now * rate + 1e-6).floor() as u64 + 1;
         }
-        // A joint that its limits have left behind finds its way sooner when it is asked more often where it leads.
-        let late = self.tick_check.late.contains(&true) && now >= self.last_cycle + HURRY - 1e-9;
+        // A joint that its limits hold back catches up sooner when its goal is updated more often.
+        let late = self.tick_check.late.contains(&true) && now >= self.last_cycle + CATCH_UP - 1e-9;
         if due || changes || late || !self.tick_is_safe(model) {
             self.last_cycle = now;
             self.statistics.early += u64::from(!due);
-            self.cycle(model, asked, due);
+            self.cycle(model, commands, due);
         }
         self.last = now;
-        for j in (0..asked.follows.len()).filter(|j| asked.follows[*j]) {
-            let wanted = self.wanted.now(j);
-            let mut out = self.out(j, now);
-            if self.tick_check.mode[j] == JointMode::Free && asked.position[j] == wanted.q {
-                // As it was told, whether or not it fits the positions.
-                out.v += asked.velocity[j] - wanted.v;
+        for j in (0..commands.follows.len()).filter(|j| commands.follows[*j]) {
+            let desired = self.desired.now(j);
+            let mut out = self.command_at(j, now);
+            if self.tick_check.mode[j] == JointMode::Free && commands.position[j] == desired.q {
+                // The velocity command passes unchanged, whether or not it fits the positions.
+                out.v += commands.velocity[j] - desired.v;
             }
-            (asked.position[j], asked.velocity[j]) = (out.q, out.v);
-            let off = (out.q - wanted.q).abs();
+            (commands.position[j], commands.velocity[j]) = (out.q, out.v);
+            let off = (out.q - desired.q).abs();
             let statistics = &mut self.statistics;
             statistics.ticks += 1;
-            statistics.held_back += u64::from(self.stopped[j] || off > methods::AT_GOAL);
+            statistics.held_back += u64::from(self.planner.stopped[j] || off > AT_GOAL);
             statistics.squares += off * off;
             statistics.greatest = statistics.greatest.max(off);
         }
-        self.asked.next().copy_from_slice(asked.position);
+        self.commanded.next().copy_from_slice(commands.position);
     }
 
-    /// Takes note of which joints follow their commands. One that begins to goes on from where and how it is measured to move;
-    /// true when there is one.
-    fn update_modes(&mut self, asked: &JointCommands) -> bool {
+    /// Updates which joints follow their commands. A joint that begins to follow continues from its measured motion;
+    /// true when a joint has changed.
+    fn update_modes(&mut self, commands: &JointCommands) -> bool {
         let mut changes = false;
-        for j in 0..asked.follows.len() {
-            match (asked.follows[j], self.tick_check.mode[j]) {
-                (false, way) => {
-                    changes |= way != JointMode::Uncontrolled;
+        for j in 0..commands.follows.len() {
+            match (commands.follows[j], self.tick_check.mode[j]) {
+                (false, mode) => {
+                    changes |= mode != JointMode::Uncontrolled;
                     self.tick_check.mode[j] = JointMode::Uncontrolled;
-                    self.paths[j] = JointPath::resting(asked.measured[j]);
+                    self.paths[j] = JointPath::resting(commands.measured[j]);
                 }
                 (true, JointMode::Uncontrolled) => {
-                    let here = TrajectoryPoint { q: asked.measured[j], v: asked.rates[j], a: 0.0 };
-                    self.paths[j] = JointPath::stop(here, self.now, &self.settings.limits[j]);
+                    let here = TrajectoryPoint { q: commands.measured[j], v: commands.rates[j], a: 0.0 };
+                    self.paths[j] = JointPath::stop(here, self.planner.now, &self.planner.settings.limits[j]);
                     self.tick_check.mode[j] = JointMode::OnPath;
                     changes = true;
                 }
@@ -201,36 +174,35 @@ impl Avoider {
         changes
     }
 
-    fn out(&self, j: usize, t: f64) -> TrajectoryPoint {
+    fn command_at(&self, j: usize, t: f64) -> TrajectoryPoint {
         match self.tick_check.mode[j] {
-            JointMode::Free => self.tick_check.asked(j, &self.wanted.now(j), t),
+            JointMode::Free => self.tick_check.command(j, &self.desired.now(j), t),
             _ => self.paths[j].at(t),
         }
     }
 
     fn tick_is_safe(&mut self, model: &Model) -> bool {
-        let robot = Robot { model, collision: &self.collision, levers: &self.levers, margin: self.settings.margin };
-        let limits = &self.settings.limits;
-        let refused = (self.now, self.refused.as_mut_slice());
-        self.tick_check.allows(robot, &self.candidate, (&self.wanted, &self.asked), &self.paths, limits, refused)
+        let Settings { margin, limits, .. } = &self.planner.settings;
+        let robot = Robot { model, collision: &self.collision, levers: &self.levers, margin: *margin };
+        let refused = (self.planner.now, self.refused.as_mut_slice());
+        let motion = (&self.desired, &self.commanded);
+        self.tick_check.allows(robot, &self.planner.candidate, motion, &self.paths, limits, refused)
     }
 
-    /// Decides anew where the joints go, from where they were at the last tick.
-    fn cycle(&mut self, model: &Model, asked: &JointCommands, due: bool) {
-        let before = self.candidate.detector.counts.postures;
-        self.predict(asked);
-        let collision = self.collision.clone();
-        // Levers are only read, and by this cycle alone.
-        let levers = std::mem::take(&mut self.levers);
-        let robot = Robot { model, collision: &collision, levers: &levers, margin: self.settings.margin };
-        self.candidate.measure(robot);
-        if self.candidate.uncontrolled.contains(&true) {
-            self.candidate.brake(robot, &self.here, &self.settings.limits);
-            self.propose_goals(asked);
+    /// Plans the paths of the joints anew, from their state at the last tick.
+    fn cycle(&mut self, model: &Model, commands: &JointCommands, due: bool) {
+        let before = self.planner.candidate.detector.counts.postures;
+        self.predict(commands);
+        let (collision, levers) = (self.collision.clone(), self.levers.clone());
+        let margin = self.planner.settings.margin;
+        let robot = Robot { model, collision: &collision, levers: &levers, margin };
+        self.planner.candidate.measure(robot);
+        if self.planner.candidate.uncontrolled.contains(&true) {
+            self.planner.candidate.brake(robot, &self.here, &self.planner.settings.limits);
+            self.propose_goals(commands);
         }
-        let free = methods::decide(self, robot);
+        let free = self.methods.decide(&mut self.planner, robot);
         self.adopt(robot, due);
-        self.levers = levers;
         while !self.tick_is_safe(model) && self.refused.contains(&true) {
             for j in 0..self.refused.len() {
                 if self.refused[j] && self.tick_check.mode[j] == JointMode::Free {
@@ -238,7 +210,7 @@ impl Avoider {
                 }
             }
         }
-        let tests = self.candidate.detector.counts.postures - before;
+        let tests = self.planner.candidate.detector.counts.postures - before;
         let statistics = &mut self.statistics;
         statistics.cycles += 1;
         statistics.blocked += u64::from(!free);
@@ -246,87 +218,88 @@ impl Avoider {
         (statistics.tests_last, statistics.tests_max) = (tests, statistics.tests_max.max(tests));
     }
 
-    /// Where the joints are, what they do fallback, and the paths to where the tasks want them.
-    fn predict(&mut self, asked: &JointCommands) {
-        let (begin, period) = (self.last, 1.0 / self.settings.rate);
-        self.candidate.begin = begin;
-        for (j, limits) in self.settings.limits.iter().enumerate() {
-            self.candidate.uncontrolled[j] = self.tick_check.mode[j] == JointMode::Uncontrolled;
+    /// Sets the joints' present motion, their fallback paths, and the paths to the goals.
+    fn predict(&mut self, commands: &JointCommands) {
+        let Planner { candidate, settings, .. } = &mut self.planner;
+        let (begin, period) = (self.last, 1.0 / settings.rate);
+        candidate.begin = begin;
+        for (j, limits) in settings.limits.iter().enumerate() {
+            candidate.uncontrolled[j] = self.tick_check.mode[j] == JointMode::Uncontrolled;
             let fallback = match self.tick_check.mode[j] {
-                JointMode::Free => self.tick_check.stop(j, &self.wanted.before(j), begin, limits),
+                JointMode::Free => self.tick_check.stop(j, &self.desired.before(j), begin, limits),
                 JointMode::OnPath => self.paths[j],
-                JointMode::Uncontrolled => JointPath::drift(asked.measured[j], asked.rates[j], begin, period),
+                JointMode::Uncontrolled => JointPath::drift(commands.measured[j], commands.rates[j], begin, period),
             };
             self.here[j] = fallback.at(begin);
-            self.candidate.anchor[j] = self.here[j].q;
-            self.candidate.fallback[j] = fallback;
-            self.candidate.reset(j);
+            candidate.anchor[j] = self.here[j].q;
+            candidate.fallback[j] = fallback;
+            candidate.reset(j);
         }
-        self.propose_goals(asked);
+        self.propose_goals(commands);
     }
 
-    /// Lets the candidate lead where the tasks want the joints.
-    fn propose_goals(&mut self, asked: &JointCommands) {
-        let (begin, period) = (self.last, 1.0 / self.settings.rate);
-        self.stopped.fill(false);
-        for (j, limits) in self.settings.limits.iter().enumerate() {
-            self.proposed[j] = self.candidate.fallback[j];
-            if !asked.follows[j] {
+    /// Proposes the soonest paths to the desired motion one cycle ahead that keep the limits.
+    fn propose_goals(&mut self, commands: &JointCommands) {
+        let planner = &mut self.planner;
+        let (begin, period) = (self.last, 1.0 / planner.settings.rate);
+        let horizon = period.min(FARTHEST);
+        planner.stopped.fill(false);
+        for (j, limits) in planner.settings.limits.iter().enumerate() {
+            planner.proposed[j] = planner.candidate.fallback[j];
+            if !commands.follows[j] {
                 continue;
             }
-            self.goal[j] = self.wanted.ahead(j, period, period.min(FARTHEST), limits).q;
-            match self.path_to_desired(j, self.here[j], begin, period) {
+            planner.goal[j] = self.desired.ahead(j, period, horizon, limits).q;
+            let (here, shortest) = (self.here[j], planner.now - begin + period);
+            let path = JointPath::soonest(here, begin, shortest, limits, |duration| {
+                self.desired.ahead(j, begin + duration - planner.now, horizon, limits)
+            });
+            match path {
                 Some(path) => {
-                    self.proposed[j] = path;
-                    self.candidate.set(j, path);
+                    planner.proposed[j] = path;
+                    planner.candidate.set(j, path);
                 }
-                None => self.stopped[j] = (self.goal[j] - self.here[j].q).abs() > methods::AT_GOAL,
+                None => planner.stopped[j] = (planner.goal[j] - here.q).abs() > AT_GOAL,
             }
         }
     }
 
-    /// The soonest path to where the tasks want a joint that keeps the limits.
-    fn path_to_desired(&self, j: usize, here: TrajectoryPoint, begin: f64, period: f64) -> Option<JointPath> {
-        let limits = &self.settings.limits[j];
-        methods::soonest(here, begin, self.now - begin + period, limits, |duration| {
-            self.wanted.ahead(j, begin + duration - self.now, period.min(FARTHEST), limits)
-        })
-    }
-
-    /// Lets the joints follow the paths of the candidate, free where they may be. Only regular cycles set a joint free: between
-    /// them one that was refused stays on its path.
+    /// Lets the joints follow the candidate, free where that is safe. Only regular cycles set a joint free: between them
+    /// a joint that was refused stays on its path.
     fn adopt(&mut self, robot: Robot, due: bool) {
-        let period = 1.0 / self.settings.rate;
-        for (j, limits) in self.settings.limits.iter().enumerate() {
-            let path = self.candidate.paths[j];
-            let was = self.tick_check.mode[j];
+        let planner = &self.planner;
+        let (candidate, period) = (&planner.candidate, 1.0 / planner.settings.rate);
+        let check = &mut self.tick_check;
+        for (j, limits) in planner.settings.limits.iter().enumerate() {
+            let path = candidate.paths[j];
+            let was = check.mode[j];
             if was == JointMode::Uncontrolled {
                 continue;
             }
             self.paths[j] = path;
-            self.tick_check.mode[j] = JointMode::OnPath;
-            let may = due || self.tick_check.late[j];
-            if self.stopped[j] || path != self.proposed[j] || (was == JointMode::OnPath && !may) {
+            check.mode[j] = JointMode::OnPath;
+            let may = due || check.late[j];
+            if planner.stopped[j] || path != planner.proposed[j] || (was == JointMode::OnPath && !may) {
                 continue;
             }
-            let (here, wanted) = (path.at(self.candidate.begin), self.wanted.before(j));
+            let (here, desired) = (path.at(candidate.begin), self.desired.before(j));
             let offset = match was {
-                JointMode::Free => Some(self.tick_check.offset[j]),
-                _ => DecayingOffset::new(&here, &wanted, self.candidate.begin, period, limits),
+                JointMode::Free => Some(check.offset[j]),
+                _ => DecayingOffset::new(&here, &desired, candidate.begin, period, limits),
             };
             if let Some(offset) = offset {
-                self.tick_check.mode[j] = JointMode::Free;
-                self.tick_check.offset[j] = offset;
-                self.tick_check.late[j] = false;
+                check.mode[j] = JointMode::Free;
+                check.offset[j] = offset;
+                check.late[j] = false;
             }
         }
         for pair in 0..self.collision.pairs.len() {
-            if self.candidate.is_clear(robot, pair) {
+            if candidate.is_clear(robot, pair) {
                 continue;
             }
             for lever in robot.levers.of(pair) {
-                if self.tick_check.mode[lever.joint] == JointMode::Free {
-                    self.tick_check.mode[lever.joint] = JointMode::OnPath;
+                if check.mode[lever.joint] == JointMode::Free {
+                    check.mode[lever.joint] = JointMode::OnPath;
                 }
             }
         }

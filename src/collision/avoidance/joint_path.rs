@@ -41,6 +41,9 @@ const RANGE_ROUNDING: f64 = 1e-9;
 /// Limits are kept to this relative rounding.
 const ROUNDING: f64 = 1e-6;
 
+/// Durations tried for a path grow by this factor up to this length, s.
+const LONGER: (f64, f64) = (1.2, 30.0);
+
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct Piece {
     begin: f64,
@@ -101,6 +104,28 @@ impl JointPath {
         }
         path.append_stop(to, begin + duration, limits);
         path.keeps(limits).then_some(path)
+    }
+
+    /// The path with the shortest of a series of durations from `shortest` on that keeps the limits; `target` gives
+    /// the end of the motion for a duration.
+    pub fn soonest(
+        here: TrajectoryPoint,
+        begin: f64,
+        shortest: f64,
+        limits: &Limits,
+        target: impl Fn(f64) -> TrajectoryPoint,
+    ) -> Option<Self> {
+        // From rest to rest over x the jerk is 54 x / T^3; no much shorter path keeps its limit.
+        let distance = (target(shortest).q - here.q).abs();
+        let mut duration = shortest.max(0.5 * (54.0 * distance / limits.jerk).cbrt());
+        while duration <= LONGER.1.max(2.0 * shortest) {
+            let path = JointPath::go(here, begin, target(duration), duration, limits);
+            if path.is_some() {
+                return path;
+            }
+            duration *= LONGER.0;
+        }
+        None
     }
 
     fn push(&mut self, from: TrajectoryPoint, begin: f64, length: f64, jerk: f64) -> TrajectoryPoint {

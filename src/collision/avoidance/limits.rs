@@ -1,4 +1,4 @@
-//! What a joint may do.
+//! Motion limits of a joint.
 
 use crate::robot::Joint;
 

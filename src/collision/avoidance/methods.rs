@@ -1,214 +1,130 @@
-//! What to do when the way to where the tasks want the joints is not free: the four methods of the paper's Table I.
+//! The four methods of the paper's Table I for cycles in which the direct paths to the goals are not free.
 //!
-//! 1. All joints stop, each on the path that was proven before.
-//! 2. Only joints between the bodies in question stop. Then one side of each pair at a time is let go again where that is
+//! 1. All joints stop, each on its last proven path.
+//! 2. Only joints between the pairs in question stop. Then one side of each pair at a time is released where that is
 //!    free.
-//! 3. As 2; then random postures of the stopped joints are tried, and what brings them nearer to the goal g is kept:
-//!    less of `sum (q_k - g_k)^2` over them.
-//! 4. As 2; then a detour around the obstacle is looked for ([`super::around`]), and then as 3.
+//! 3. As 2; then random postures of the stopped joints are tried. One is kept where it brings them nearer to the goal
+//!    g: a smaller `sum (q_k - g_k)^2` over them.
+//! 4. As 2; then a detour around the obstacle is searched ([`super::detour`]), and then as 3.
 //!
-//! Joints that are where the tasks want them are stopped, but never moved by 3 and 4: the robot may be standing on them.
+//! Joints at their goals are stopped but never moved by 3 and 4: the robot may be standing on them.
 
-use super::Limits;
-use super::avoider::Avoider;
 use super::candidate::Robot;
-use super::joint_path::JointPath;
-use crate::motion::spline::TrajectoryPoint;
+use super::detour::Detour;
+use super::planner::Planner;
+use crate::random::Stream;
 
-/// A joint this near to its goal is there, rad or m.
-pub(super) const AT_GOAL: f64 = 1e-3;
-
-/// Random postures that methods 3 and 4 look at in a cycle.
+/// Random postures that methods 3 and 4 draw in a cycle.
 const DRAWS: usize = 24;
 
-/// Of these, at most so many are proven: the others are no improvement, or come too late.
+/// At most this many of them are proven; the others are no improvement or exceed the budget.
 const PROOFS: usize = 10;
 
-/// What is left of the sum after an improvement that is worth a motion, relative, and the least that is one, rad^2.
+/// A posture must reduce the sum to this part, less this many rad^2, to be worth a motion.
 const WORTH: (f64, f64) = (0.98, 1e-6);
 
-/// Durations tried for a path grow by this factor up to this length, s.
-const LONGER: (f64, f64) = (1.2, 30.0);
-
-/// The path with the shortest of a series of durations from `shortest` on that keeps the limits; `target` says where it leads
-/// after a duration.
-pub(super) fn soonest(
-    here: TrajectoryPoint,
-    begin: f64,
-    shortest: f64,
-    limits: &Limits,
-    target: impl Fn(f64) -> TrajectoryPoint,
-) -> Option<JointPath> {
-    // From rest to rest over x the jerk is 54 x / T^3; none much shorter keeps its limit.
-    let way = (target(shortest).q - here.q).abs();
-    let mut duration = shortest.max(0.5 * (54.0 * way / limits.jerk).cbrt());
-    while duration <= LONGER.1.max(2.0 * shortest) {
-        let path = JointPath::go(here, begin, target(duration), duration, limits);
-        if path.is_some() {
-            return path;
-        }
-        duration *= LONGER.0;
-    }
-    None
+/// The methods with the state they keep from cycle to cycle.
+pub(super) struct Methods {
+    detour: Detour,
+    random: Stream,
+    /// Pairs for which joints were stopped.
+    blocking: Vec<usize>,
+    /// The posture drawn last.
+    posture: Vec<f64>,
 }
 
-/// Leaves a proven set of paths in the candidate. True when it leads where the tasks want the joints.
-pub(super) fn decide(avoider: &mut Avoider, robot: Robot) -> bool {
-    if avoider.candidate.succeeds(robot) {
-        avoider.detour.end();
-        return true;
-    }
-    match avoider.settings.method {
-        1 => {
-            (0..avoider.stopped.len()).for_each(|j| {
-                avoider.stopped[j] = !avoider.candidate.uncontrolled[j];
-                avoider.candidate.reset(j);
-            });
-        }
-        method => {
-            let first = avoider.candidate.colliding[0];
-            avoider.stop_involved(robot);
-            avoider.release_sides(robot);
-            if method == 4 {
-                avoider.go_around(robot, first);
-            }
-            if method >= 3 && !avoider.detour.is_on() {
-                avoider.perturb(robot);
-            }
-        }
-    }
-    false
-}
-
-impl Avoider {
-    /// Stops the joints between bodies that would touch, until nothing does.
-    fn stop_involved(&mut self, robot: Robot) {
-        self.blocking.clear();
-        while !self.candidate.colliding.is_empty() {
-            for i in 0..self.candidate.colliding.len() {
-                let pair = self.candidate.colliding[i];
-                self.blocking.push(pair);
-                for lever in robot.levers.of(pair) {
-                    self.stopped[lever.joint] = !self.candidate.uncontrolled[lever.joint];
-                    self.candidate.reset(lever.joint);
-                }
-            }
-            // Each round stops at least one joint more: a pair of which all have stopped is not in question.
-            self.candidate.succeeds(robot);
+impl Methods {
+    /// For a robot of so many joints and pairs.
+    pub fn new(seed: u64, joints: usize, pairs: usize) -> Self {
+        Methods {
+            detour: Detour::new(joints),
+            random: Stream::new(seed, &["self-collision"]),
+            blocking: Vec::with_capacity(2 * pairs),
+            posture: vec![0.0; joints],
         }
     }
 
-    /// Lets the stopped joints on one side of the pairs in question go again, if that is free: of all pairs at once, or else of
-    /// one after the other.
-    fn release_sides(&mut self, robot: Robot) {
-        for second in [false, true] {
-            let all = self.blocking.len();
-            if self.release(robot, second, 0..all) || all == 1 {
-                continue;
-            }
-            for k in 0..all {
-                self.release(robot, second, k..k + 1);
-            }
-        }
-    }
-
-    /// Lets one side of some of the pairs in question go, if that is free.
-    fn release(&mut self, robot: Robot, second: bool, blocking: std::ops::Range<usize>) -> bool {
-        self.marked.fill(false);
-        for k in blocking {
-            let side = robot.levers.of(self.blocking[k]).iter().filter(|l| l.second == second);
-            side.for_each(|l| self.marked[l.joint] = true);
-        }
-        if !self.mark_only_movable() {
+    /// Leaves a proven set of paths in the candidate. True when it leads to the goals.
+    pub fn decide(&mut self, planner: &mut Planner, robot: Robot) -> bool {
+        if planner.candidate.succeeds(robot) {
+            self.detour.end();
             return true;
         }
-        if !self.try_marked(robot, |avoider, j| Some(avoider.proposed[j])) {
-            self.undo_marked();
-            return false;
-        }
-        (0..self.marked.len()).for_each(|j| self.stopped[j] &= !self.marked[j]);
-        true
-    }
-
-    /// Of the marked joints keeps those that are stopped and could go somewhere.
-    fn mark_only_movable(&mut self) -> bool {
-        for j in 0..self.marked.len() {
-            self.marked[j] &= self.stopped[j] && self.proposed[j] != self.candidate.fallback[j];
-        }
-        self.marked.contains(&true)
-    }
-
-    /// Keeps the present paths of the marked joints in mind, and tries others; a joint without another keeps its own.
-    pub(super) fn try_marked(&mut self, robot: Robot, path: impl Fn(&Self, usize) -> Option<JointPath>) -> bool {
-        for j in 0..self.marked.len() {
-            if !self.marked[j] {
-                continue;
+        match planner.settings.method {
+            1 => {
+                (0..planner.stopped.len()).for_each(|j| {
+                    planner.stopped[j] = !planner.candidate.uncontrolled[j];
+                    planner.candidate.reset(j);
+                });
             }
-            self.best[j] = self.candidate.paths[j];
-            if let Some(path) = path(self, j) {
-                self.candidate.set(j, path);
-            }
-        }
-        self.candidate.succeeds(robot)
-    }
-
-    /// Takes back what was tried last.
-    pub(super) fn undo_marked(&mut self) {
-        for j in 0..self.marked.len() {
-            if self.marked[j] {
-                let path = self.best[j];
-                self.candidate.set(j, path);
-                if path == self.candidate.fallback[j] {
-                    self.candidate.reset(j);
+            method => {
+                let first = planner.candidate.colliding[0];
+                self.stop_involved(planner, robot);
+                self.release_sides(planner, robot);
+                if method == 4 {
+                    self.detour.pursue(planner, robot, first);
+                }
+                if method >= 3 && !self.detour.is_active() {
+                    self.perturb(planner, robot);
                 }
             }
         }
-        self.candidate.colliding.clear();
+        false
     }
 
-    /// A path of a joint to rest at `q`.
-    pub(super) fn path_to_rest(&self, j: usize, q: f64) -> Option<JointPath> {
-        let limits = &self.settings.limits[j];
-        let here = self.candidate.fallback[j].at(self.candidate.begin);
-        let target = TrajectoryPoint { q: q.clamp(limits.lower, limits.upper), v: 0.0, a: 0.0 };
-        let shortest = self.now - self.candidate.begin + 1.0 / self.settings.rate;
-        soonest(here, self.candidate.begin, shortest, limits, |_| target)
-    }
-
-    /// Sum of the squares of what the stopped joints miss of their goals where their present paths end.
-    pub(super) fn goal_error(&self) -> f64 {
-        let missed = |j: &usize| (self.candidate.paths[*j].rest() - self.goal[*j]).powi(2);
-        (0..self.stopped.len()).filter(|j| self.stopped[*j]).map(|j| missed(&j)).sum()
-    }
-
-    /// Marks the joints that methods 3 and 4 may move: stopped, and not where they are wanted.
-    pub(super) fn mark_movable(&mut self) {
-        for j in 0..self.marked.len() {
-            self.marked[j] = self.stopped[j] && (self.goal[j] - self.candidate.anchor[j]).abs() > AT_GOAL;
+    /// Stops the joints between colliding pairs until no pair collides.
+    fn stop_involved(&mut self, planner: &mut Planner, robot: Robot) {
+        self.blocking.clear();
+        while !planner.candidate.colliding.is_empty() {
+            for i in 0..planner.candidate.colliding.len() {
+                let pair = planner.candidate.colliding[i];
+                self.blocking.push(pair);
+                for lever in robot.levers.of(pair) {
+                    planner.stopped[lever.joint] = !planner.candidate.uncontrolled[lever.joint];
+                    planner.candidate.reset(lever.joint);
+                }
+            }
+            // Each round stops at least one more joint: a pair whose joints have all stopped is not tested again.
+            planner.candidate.succeeds(robot);
         }
     }
 
-    /// Method 3: random postures of the stopped joints.
-    fn perturb(&mut self, robot: Robot) {
-        self.mark_movable();
-        let count = self.marked.iter().filter(|m| **m).count();
+    /// Releases the stopped joints on one side of the blocking pairs where that is free: of all pairs at once, or else
+    /// of one after the other.
+    fn release_sides(&self, planner: &mut Planner, robot: Robot) {
+        for second in [false, true] {
+            let all = &self.blocking[..];
+            if release(planner, robot, second, all) || all.len() == 1 {
+                continue;
+            }
+            for pair in all {
+                release(planner, robot, second, std::slice::from_ref(pair));
+            }
+        }
+    }
+
+    /// Method 3: tries random postures of the stopped joints.
+    fn perturb(&mut self, planner: &mut Planner, robot: Robot) {
+        planner.mark_movable();
+        let count = planner.marked.iter().filter(|m| **m).count();
         if count == 0 {
             return;
         }
-        let (mut proofs, mut least) = (0, self.goal_error());
+        let (mut proofs, mut least) = (0, planner.goal_error());
         for _ in 0..DRAWS {
-            let goal_error = self.draw(count);
-            if goal_error > WORTH.0 * least - WORTH.1 {
+            let error = self.draw(planner, count);
+            if error > WORTH.0 * least - WORTH.1 {
                 continue;
             }
             proofs += 1;
-            let free = self.try_marked(robot, |avoider, j| avoider.path_to_rest(j, avoider.posture[j]));
-            // Less is reached where a joint has no path to there.
-            let goal_error = self.goal_error();
-            if free && goal_error <= WORTH.0 * least - WORTH.1 {
-                least = goal_error;
+            let posture = &self.posture;
+            let free = planner.try_marked(robot, |planner, j| planner.path_to_rest(j, posture[j]));
+            // A joint without a path stays where it is, so the error may be greater than the posture's.
+            let error = planner.goal_error();
+            if free && error <= WORTH.0 * least - WORTH.1 {
+                least = error;
             } else {
-                self.undo_marked();
+                planner.undo_marked();
             }
             if proofs == PROOFS {
                 return;
@@ -216,28 +132,50 @@ impl Avoider {
         }
     }
 
-    /// A random posture of the marked joints, and what it misses: one joint part of its way, all of them each a part of its
-    /// own, or all anywhere near.
-    fn draw(&mut self, count: usize) -> f64 {
+    /// Draws a posture of the marked joints and returns its goal error. Moves one joint part of its way, all of them
+    /// each a part of its own way, or all to anywhere near.
+    fn draw(&mut self, planner: &Planner, count: usize) -> f64 {
         let kind = self.random.below(3);
         let one = self.random.below(count as u64) as usize;
-        let (mut k, mut goal_error) = (0, 0.0);
-        for j in 0..self.marked.len() {
-            if !self.marked[j] {
+        let (mut k, mut error) = (0, 0.0);
+        for j in 0..planner.marked.len() {
+            if !planner.marked[j] {
                 continue;
             }
-            let here = self.candidate.paths[j].rest();
-            let way = self.goal[j] - here;
+            let here = planner.candidate.paths[j].rest();
+            let distance = planner.goal[j] - here;
             let to = match kind {
                 0 if k != one => here,
-                0 | 1 => here + self.random.unit() * way,
-                _ => here + 0.5 * way + (0.1 + 0.5 * way.abs()) * self.random.normal(),
+                0 | 1 => here + self.random.unit() * distance,
+                _ => here + 0.5 * distance + (0.1 + 0.5 * distance.abs()) * self.random.normal(),
             };
-            let limits = &self.settings.limits[j];
+            let limits = &planner.settings.limits[j];
             self.posture[j] = to.clamp(limits.lower, limits.upper);
-            goal_error += (self.posture[j] - self.goal[j]).powi(2);
+            error += (self.posture[j] - planner.goal[j]).powi(2);
             k += 1;
         }
-        goal_error
+        error
     }
+}
+
+/// Releases one side of `pairs` where that is free.
+fn release(planner: &mut Planner, robot: Robot, second: bool, pairs: &[usize]) -> bool {
+    planner.marked.fill(false);
+    for pair in pairs {
+        let side = robot.levers.of(*pair).iter().filter(|l| l.second == second);
+        side.for_each(|l| planner.marked[l.joint] = true);
+    }
+    // A joint without another path than its fallback cannot be released.
+    for j in 0..planner.marked.len() {
+        planner.marked[j] &= planner.stopped[j] && planner.proposed[j] != planner.candidate.fallback[j];
+    }
+    if !planner.marked.contains(&true) {
+        return true;
+    }
+    if !planner.try_marked(robot, |planner, j| Some(planner.proposed[j])) {
+        planner.undo_marked();
+        return false;
+    }
+    (0..planner.marked.len()).for_each(|j| planner.stopped[j] &= !planner.marked[j]);
+    true
 }

@@ -1,20 +1,17 @@
-//! Keeps what the joints are asked free of self-collision, whatever the tasks want.
+//! Self-collision avoidance: keeps joint commands free of self-collision.
 //!
-//! Between the tasks and the drives. In every *cycle*, at a rate of their choice, it looks where the wanted motion leads,
-//! and lets the joints go there only along paths that are proven to be free **and to end at rest**: whatever comes next,
-//! each joint can follow its last proven path to its end. So by induction the output is free of collisions as long as the
-//! posture it begins in is. The paths keep the limits of position, speed, acceleration and jerk.
+//! Runs between the tasks and the drives. Every *cycle*, at a rate of its own, extrapolates the desired motion and lets the
+//! joints follow it only along paths that are proven free of collision **and end at rest**. Each joint can therefore always
+//! follow its last proven path to its end: by induction the output is collision-free if the initial posture is. The paths
+//! keep the limits of position, speed, acceleration and jerk.
 //!
-//! - [`path`](JointPath): motions of one joint in pieces of constant jerk.
-//! - `bound`, `prover`: proof over all of a motion, not at samples.
-//! - `wanted`: what the tasks want, and where it leads (the paper's extrapolation by second derivative).
-//! - `candidate`: one set of paths under proof.
-//! - `tick_check`: joints that are asked exactly what the tasks want, between two tests.
-//! - `methods`, `around`: what to do when the way is not free, the four methods of the paper's Table I.
-//! - [`Avoider`]: the state machine.
+//! Between two cycles a joint whose pairs are all far from touching is *free*: it follows the desired motion exactly while
+//! a stop from there stays within the motion that the last test proves free.
 //!
-//! Between two cycles a joint whose pairs are all far from touching is *free*: it is asked exactly what the tasks want, as
-//! long as a stop from there stays within what the last test proves to be free ([`tick_check`]). The others follow their paths.
+//! Files, lowest first: `limits`, [`joint_path`](JointPath) (motions of one joint in pieces of constant jerk), `levers` and
+//! `prover` (proof over a whole motion, not at samples), `desired_motion` (the motion that the tasks command, and the
+//! paper's extrapolation by second derivatives), `candidate` (one set of paths under proof), `tick_check` (free joints
+//! between cycles), `planner`, `detour` and `methods` (the four methods of the paper's Table I), [`avoider`](Avoider).
 
 mod avoider;
 mod candidate;
@@ -24,6 +21,7 @@ mod joint_path;
 mod levers;
 mod limits;
 mod methods;
+mod planner;
 mod prover;
 mod statistics;
 mod tick_check;

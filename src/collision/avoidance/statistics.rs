@@ -1,13 +1,13 @@
-//! What avoidance did and what it took.
+//! Work and effect of avoidance over a run.
 
-/// Work and effect since the start.
+/// Counts and deviations since the start.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct AvoidanceStatistics {
-    /// Cycles.
+    /// Planning cycles.
     pub cycles: u64,
-    /// Of these, those between the regular ones: a joint moved as its last test did not foresee.
+    /// Of these, cycles between the regular ones: the last test did not cover the motion of a joint.
     pub early: u64,
-    /// Cycles in which a joint could not go where the tasks want it.
+    /// Cycles in which a joint could not reach its goal.
     pub blocked: u64,
     /// Postures tested.
     pub tests: u64,
@@ -17,26 +17,26 @@ pub struct AvoidanceStatistics {
     pub tests_last: u64,
     /// Ticks of joints: one for each joint that follows its command at each tick.
     pub ticks: u64,
-    /// Of these, those of joints that were stopped by a method, or asked something else by more than 1 mrad or mm.
+    /// Of these, ticks of joints stopped by a method or commanded more than 1 mrad or mm from the desired position.
     pub held_back: u64,
-    /// Sum of the squares of the differences between asked and wanted over them.
+    /// Sum over them of the squared difference between commanded and desired position.
     pub squares: f64,
     /// The greatest difference, rad or m.
     pub greatest: f64,
 }
 
 impl AvoidanceStatistics {
-    /// Postures tested in a cycle, on average; none without cycles.
+    /// Mean number of postures tested in a cycle; none without cycles.
     pub fn tests_mean(&self) -> Option<f64> {
         (self.cycles > 0).then(|| self.tests as f64 / self.cycles as f64)
     }
 
-    /// Root mean square of the difference between what is asked and what is wanted, over joints and ticks, rad or m.
+    /// Root mean square of the difference between commanded and desired position over joints and ticks, rad or m.
     pub fn deviation(&self) -> Option<f64> {
         (self.ticks > 0).then(|| (self.squares / self.ticks as f64).sqrt())
     }
 
-    /// Share of the joints' time in which they were kept from where the tasks want them.
+    /// Share of the joints' ticks in which they were held back from their desired positions.
     pub fn held_share(&self) -> Option<f64> {
         (self.ticks > 0).then(|| self.held_back as f64 / self.ticks as f64)
     }

@@ -1,13 +1,14 @@
-//! Joints that are asked exactly what the tasks want, between two tests.
+//! Check of each tick for joints that pass the desired motion unchanged between two cycles.
 //!
-//! With c the posture of the last test, d its distances, and t_k the greatest distance of joint k from c on what it can still
-//! do (a free joint: where it is, and its stop from there; another one: the rest of its path), nothing touches as long as
+//! With c the posture of the last test, d its distances, and t_k the greatest distance of joint k from c on its remaining
+//! motion (of a free joint: its position and its stop from there; of another one: the rest of its path), no pair touches
+//! as long as
 //!
 //! ```text
-//! d_p - sum over k of min(L_k, r_k) t_k > margin         for every pair p with a free joint ([`super::bound`])
+//! d_p - sum over k of min(L_k, r_k) t_k > margin         for every pair p with a free joint ([`super::levers`])
 //! ```
 //!
-//! and the limits hold. That is asked of every tick before it is passed on.
+//! and the limits hold. Every tick is checked so before it is passed on.
 
 use super::Limits;
 use super::candidate::{CandidatePaths, Robot};
@@ -15,27 +16,27 @@ use super::desired_motion::{DesiredMotion, PositionHistory};
 use super::joint_path::JointPath;
 use crate::motion::spline::{TrajectoryPoint, quintic};
 
-/// Shortest and longest time in which the difference between a path and the wanted motion fades, s.
-const FADE: (f64, f64) = (0.05, 0.5);
+/// Shortest and longest decay of the difference between a path and the desired motion, s.
+const DECAY: (f64, f64) = (0.05, 0.5);
 
-/// Part of the limits of acceleration and jerk that a offset may take.
+/// Part of the limits of acceleration and jerk that a decay may take.
 const PART: f64 = 0.5;
 
-/// A joint that follows nothing and goes this much farther than its last test foresaw makes a cycle come early, rad or m.
-const UNFORESEEN: f64 = 2e-3;
+/// An uncontrolled joint that moves this much farther than its last test assumed triggers an early cycle, rad or m.
+const UNTESTED: f64 = 2e-3;
 
-/// How a joint is treated.
+/// How a joint is commanded.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum JointMode {
-    /// It is asked what the tasks want.
+    /// It follows the desired motion.
     Free,
-    /// It follows its path.
+    /// It follows its proven path.
     OnPath,
-    /// It follows no positions, or is passive: where it is, is measured.
+    /// It follows no position command, or is passive; its position is measured.
     Uncontrolled,
 }
 
-/// A difference from the wanted motion that fades.
+/// An offset from the desired motion that decays along a quintic.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DecayingOffset {
     from: TrajectoryPoint,
@@ -47,16 +48,16 @@ impl DecayingOffset {
     pub const NONE: DecayingOffset =
         DecayingOffset { from: TrajectoryPoint { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY, length: 1.0 };
 
-    /// Of a joint that is at `here` where `wanted` is wanted; none when that would take more than its part of the limits.
+    /// For a joint at `here` whose desired motion is at `desired`; none when the decay exceeds its part of the limits.
     pub fn new(
         here: &TrajectoryPoint,
-        wanted: &TrajectoryPoint,
+        desired: &TrajectoryPoint,
         since: f64,
         period: f64,
         limits: &Limits,
     ) -> Option<Self> {
-        let from = TrajectoryPoint { q: here.q - wanted.q, v: here.v - wanted.v, a: here.a - wanted.a };
-        let length = period.clamp(FADE.0, FADE.1);
+        let from = TrajectoryPoint { q: here.q - desired.q, v: here.v - desired.v, a: here.a - desired.a };
+        let length = period.clamp(DECAY.0, DECAY.1);
         let (q, v, a) = (from.q.abs(), from.v.abs(), from.a.abs());
         // The quintic's jerk is greatest at its start or end, its acceleration less than the sum of those of its parts.
         let jerk = 60.0 * q / length.powi(3) + 36.0 * v / length.powi(2) + 9.0 * a / length;
@@ -65,7 +66,7 @@ impl DecayingOffset {
         fits.then_some(DecayingOffset { from, since, length })
     }
 
-    /// What is left at time `t`.
+    /// The remaining offset at time `t`.
     pub fn at(&self, t: f64) -> TrajectoryPoint {
         let s = t - self.since;
         if s >= self.length {
@@ -76,13 +77,13 @@ impl DecayingOffset {
     }
 }
 
-/// What the free joints are asked at a tick.
+/// Modes and offsets of the joints, and the check of a tick.
 pub(super) struct TickCheck {
     pub mode: Vec<JointMode>,
     pub offset: Vec<DecayingOffset>,
-    /// Was the joint refused for its limits, and is not free again?
+    /// True for a joint that was refused for its limits and is not free again.
     pub late: Vec<bool>,
-    /// Greatest distance of each joint from the anchor in what it can still do.
+    /// Greatest distance of each joint from the anchor on its remaining motion.
     travel: Vec<f64>,
 }
 
@@ -96,39 +97,39 @@ impl TickCheck {
         }
     }
 
-    /// What a free joint is asked at time `t` where `wanted` is wanted.
-    pub fn asked(&self, joint: usize, wanted: &TrajectoryPoint, t: f64) -> TrajectoryPoint {
+    /// Command of a free joint at time `t` for the desired motion `desired`.
+    pub fn command(&self, joint: usize, desired: &TrajectoryPoint, t: f64) -> TrajectoryPoint {
         let e = self.offset[joint].at(t);
-        TrajectoryPoint { q: wanted.q + e.q, v: wanted.v + e.v, a: wanted.a + e.a }
+        TrajectoryPoint { q: desired.q + e.q, v: desired.v + e.v, a: desired.a + e.a }
     }
 
-    /// The stop of a free joint from time `t`, where `wanted` is wanted.
-    pub fn stop(&self, joint: usize, wanted: &TrajectoryPoint, t: f64, limits: &Limits) -> JointPath {
-        let mut here = self.asked(joint, wanted, t);
+    /// The stop of a free joint from time `t`, for the desired motion `desired`.
+    pub fn stop(&self, joint: usize, desired: &TrajectoryPoint, t: f64, limits: &Limits) -> JointPath {
+        let mut here = self.command(joint, desired, t);
         here.v = here.v.clamp(-limits.speed, limits.speed);
         here.a = here.a.clamp(-limits.acceleration, limits.acceleration);
         JointPath::stop(here, t, limits)
     }
 
-    /// May the free joints be asked what is wanted now? `held` has the paths of the others. Marks those that may not in
-    /// `refused`.
+    /// True when the free joints may follow the desired motion now. `held` has the paths of the others. Marks joints that
+    /// may not in `refused`.
     pub fn allows(
         &mut self,
         robot: Robot,
         candidate: &CandidatePaths,
-        (wanted, asked_before): (&DesiredMotion, &PositionHistory),
+        (desired, commanded): (&DesiredMotion, &PositionHistory),
         held: &[JointPath],
         limits: &[Limits],
         (now, refused): (f64, &mut [bool]),
     ) -> bool {
         refused.fill(false);
-        let mut fine = true;
+        let mut safe = true;
         for (j, limit) in limits.iter().enumerate() {
             if self.mode[j] == JointMode::Uncontrolled {
-                // Where it is now, and what was taken into account of its motion.
-                let foreseen = candidate.reach[j];
-                self.travel[j] = foreseen.max((held[j].rest() - candidate.anchor[j]).abs());
-                fine &= self.travel[j] <= foreseen + UNFORESEEN;
+                // Its position now, and the motion that the last test covered.
+                let tested = candidate.reach[j];
+                self.travel[j] = tested.max((held[j].rest() - candidate.anchor[j]).abs());
+                safe &= self.travel[j] <= tested + UNTESTED;
                 continue;
             }
             if self.mode[j] != JointMode::Free {
@@ -136,31 +137,31 @@ impl TickCheck {
                 continue;
             }
             let offset = self.offset[j].at(now) != TrajectoryPoint::default();
-            let asked = self.asked(j, &wanted.now(j), now);
-            let stop = self.stop(j, &wanted.now(j), now, limit);
+            let command = self.command(j, &desired.now(j), now);
+            let stop = self.stop(j, &desired.now(j), now, limit);
             let jerk = if offset { (1.0 - PART) * limit.jerk } else { limit.jerk };
             // Rounding of differences of a limit that is met exactly.
             let more = 1.0 + 1e-6;
-            let keeps = wanted.jerk(j).abs() <= jerk * more
-                && asked.a.abs() <= limit.acceleration * more
-                && asked.v.abs() <= limit.speed * more
-                && (wanted.has_velocity(j) || asked_before.may_be_followed_by(j, asked.q, limit))
+            let keeps = desired.jerk(j).abs() <= jerk * more
+                && command.a.abs() <= limit.acceleration * more
+                && command.v.abs() <= limit.speed * more
+                && (desired.has_velocity(j) || commanded.may_be_followed_by(j, command.q, limit))
                 && stop.keeps(limit);
             if !keeps {
                 self.late[j] = true;
                 refused[j] = true;
-                fine = false;
+                safe = false;
             }
-            self.travel[j] = stop.reach(candidate.anchor[j], now).max((asked.q - candidate.anchor[j]).abs());
+            self.travel[j] = stop.reach(candidate.anchor[j], now).max((command.q - candidate.anchor[j]).abs());
         }
         for pair in 0..candidate.clearance.len() {
             let levers = robot.levers.of(pair);
             let free = levers.iter().any(|lever| self.mode[lever.joint] == JointMode::Free);
             if free && !candidate.stays_clear(robot, pair, &self.travel) {
-                fine = false;
+                safe = false;
                 levers.iter().filter(|l| self.mode[l.joint] == JointMode::Free).for_each(|l| refused[l.joint] = true);
             }
         }
-        fine
+        safe
     }
 }

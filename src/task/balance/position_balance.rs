@@ -173,7 +173,7 @@ impl PositionBalance {
 
 impl Task for PositionBalance {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
-        planned_robot::check_driven(context.model, command, &self.joints).map_err(|e| e.to_string())?;
+        planned_robot::check_driven(context.model, command, &self.joints)?;
         self.planned.stand_as_commanded(context, command);
         self.goal = self.planned.goal();
         self.posture.copy_from_slice(&command.position);

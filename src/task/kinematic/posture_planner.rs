@@ -1,6 +1,6 @@
 //! From a goal to the joints of a command: what tasks share that plan with positions.
 
-use super::{Goal, InverseKinematics, NotPlannable, PlannedRobot, Rates, feed_forward, planned_robot};
+use super::{Goal, InverseKinematics, NotPlannable, PlannedRobot, Rates, Unreachable, feed_forward, planned_robot};
 use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::Model;
 use crate::task::{Command, Context};
@@ -73,15 +73,15 @@ impl PosturePlanner {
     /// Writes the joints that meet the goal now; those that it does not move are taken as they are asked for.
     ///
     /// # Errors
-    /// The words of [`super::Unreachable`]; nothing is written then.
-    pub fn write_joints(&mut self, context: &Context, command: &mut Command) -> Result<(), String> {
+    /// [`Unreachable`]; the command is then unchanged.
+    pub fn write_joints(&mut self, context: &Context, command: &mut Command) -> Result<(), Unreachable> {
         let model = context.model;
         for (j, q) in self.planned.state.joints.iter_mut().enumerate() {
             if !self.joints.contains(&j) {
                 *q = command.position[j];
             }
         }
-        self.inverse.solve(model, &mut self.planned, &self.goal, &self.rates).map_err(|e| e.to_string())?;
+        self.inverse.solve(model, &mut self.planned, &self.goal, &self.rates)?;
         for &j in &self.joints {
             command.position[j] = self.planned.state.joints[j];
             command.velocity[j] = self.planned.state.v[model.nb() + j];
