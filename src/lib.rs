@@ -38,6 +38,7 @@ pub mod linalg;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod log;
+pub mod metrics;
 pub mod motion;
 pub mod random;
 pub mod remote;

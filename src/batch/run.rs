@@ -187,7 +187,7 @@ fn record(job: &Job, end: End, timing: Timing) -> RunRecord {
         seed: scenario.seed,
         parameters: job.parameters(),
         verdicts: Vec::new(),
-        metrics: end.metrics.unwrap_or_else(Metrics::unmeasured),
+        metrics: end.metrics.unwrap_or_default(),
         comparison: end.comparison,
         notes: end.notes,
         program: PROGRAM.to_owned(),

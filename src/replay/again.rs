@@ -36,7 +36,7 @@ pub fn prepare(
     problems: Problems,
 ) -> Result<Prepared, ReplayError> {
     let record = &left.record;
-    if record.metrics.elsewhere {
+    if record.metrics.remote_robot {
         return Err(ReplayError::Elsewhere { record: left.path.clone() });
     }
     let folder = match (base, &record.timing.file) {

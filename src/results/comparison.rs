@@ -1,6 +1,6 @@
 //! How far a run is from its reference run and from known truths.
 
-use crate::results::number;
+use crate::metrics::{Distance, number};
 use serde::{Deserialize, Serialize};
 
 /// What a comparison found. Without a reference, and where nothing could be compared, the errors are none.
@@ -60,6 +60,17 @@ impl Comparison {
     /// Was there nothing to compare with?
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
+    }
+
+    pub(crate) fn distance(&self, distance: Distance) -> Option<f64> {
+        match distance {
+            Distance::PositionRms => self.error_position_rms_m,
+            Distance::JointRms => self.error_joint_rms_rad,
+            Distance::ForceRms => self.error_force_rms_n,
+            Distance::StateAgreement => self.contact_state_agreement,
+            Distance::FinalPosition => self.error_final_position_m,
+            Distance::FinalRotation => self.error_final_rotation_rad,
+        }
     }
 }
 

@@ -2,8 +2,9 @@
 
 use crate::files::input::{self, MOST_DATA};
 use crate::files::{RecordError, atomic};
-use crate::results::{Comparison, LeftLog, ParamValue, Repeats, SummaryRow, Verdict, number};
-use crate::sim::{AvoidanceTime, Metrics, Outcome};
+use crate::metrics::{Metrics, number};
+use crate::results::{Comparison, LeftLog, ParamValue, Repeats, SummaryRow, Verdict};
+use crate::sim::{AvoidanceTime, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::io::Write;
@@ -43,7 +44,6 @@ pub struct RunRecord {
     /// What was expected of it, and what came of it, in file order.
     pub verdicts: Vec<Verdict>,
     /// What was measured.
-    #[serde(with = "MetricsRecord")]
     pub metrics: Metrics,
     /// How far it is from what it was compared with.
     #[serde(default, skip_serializing_if = "Comparison::is_empty")]
@@ -195,141 +195,4 @@ mod outcome {
         let found = Outcome::ALL.into_iter().find(|o| o.name() == word);
         found.ok_or_else(|| D::Error::custom(format!("unknown outcome `{word}`")))
     }
-}
-
-/// [`Metrics`] in JSON; the compiler checks that no field is forgotten.
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Metrics")]
-struct MetricsRecord {
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    elsewhere: bool,
-    #[serde(with = "number::real")]
-    duration_s: f64,
-    steps: u64,
-    rejected_steps: u64,
-    evaluations: u64,
-    events: u64,
-    state_changes: u64,
-    selections: u64,
-    states_tested: u64,
-    #[serde(default)]
-    confirmed: u64,
-    states_tested_max: u64,
-    impacts: u64,
-    jams: u64,
-    inconsistent: u64,
-    #[serde(with = "number::triple")]
-    final_base_position: [f64; 3],
-    #[serde(with = "number::triple")]
-    final_base_rpy: [f64; 3],
-    #[serde(with = "number::triple")]
-    final_base_velocity: [f64; 3],
-    #[serde(with = "number::real")]
-    max_penetration_m: f64,
-    #[serde(with = "number::real")]
-    max_static_creep_m: f64,
-    #[serde(with = "number::real")]
-    max_projection_m: f64,
-    #[serde(with = "number::real")]
-    max_lift_m: f64,
-    #[serde(with = "number::real")]
-    max_cone_excess: f64,
-    #[serde(with = "number::real", rename = "energy_error_J")]
-    energy_error_j: f64,
-    first_touchdown_s: Option<f64>,
-    first_liftoff_s: Option<f64>,
-    first_slip_s: Option<f64>,
-    first_stick_s: Option<f64>,
-    first_fall_s: Option<f64>,
-    #[serde(with = "number::real")]
-    rms_penetration_m: f64,
-    #[serde(with = "number::real", rename = "max_tension_N")]
-    max_tension_n: f64,
-    #[serde(with = "number::real", rename = "rms_tension_N")]
-    rms_tension_n: f64,
-    #[serde(with = "number::real", rename = "max_signorini_Nm")]
-    max_signorini_nm: f64,
-    #[serde(with = "number::real", rename = "rms_signorini_Nm")]
-    rms_signorini_nm: f64,
-    #[serde(with = "number::real", rename = "rms_cone_excess_N")]
-    rms_cone_excess_n: f64,
-    #[serde(with = "number::real", rename = "max_dissipation_gap_W")]
-    max_dissipation_gap_w: f64,
-    #[serde(with = "number::real", rename = "rms_dissipation_gap_W")]
-    rms_dissipation_gap_w: f64,
-    #[serde(with = "number::real")]
-    max_creep_speed_m_per_s: f64,
-    #[serde(with = "number::real")]
-    rms_creep_speed_m_per_s: f64,
-    #[serde(with = "number::real", rename = "max_resultant_gap_N")]
-    max_resultant_gap_n: f64,
-    force_flickers: u64,
-    #[serde(with = "number::real", rename = "max_energy_error_J")]
-    max_energy_error_j: f64,
-    #[serde(with = "number::real", rename = "rms_energy_error_J")]
-    rms_energy_error_j: f64,
-    #[serde(with = "number::real", rename = "energy_change_J")]
-    energy_change_j: f64,
-    #[serde(with = "number::real", rename = "actuator_work_J")]
-    actuator_work_j: f64,
-    #[serde(with = "number::real", rename = "external_work_J")]
-    external_work_j: f64,
-    #[serde(with = "number::real", rename = "joint_loss_J")]
-    joint_loss_j: f64,
-    #[serde(with = "number::real", rename = "friction_loss_J")]
-    friction_loss_j: f64,
-    #[serde(with = "number::real", rename = "impact_loss_J")]
-    impact_loss_j: f64,
-    #[serde(with = "number::triple")]
-    final_base_angular_velocity: [f64; 3],
-    #[serde(with = "number::triple")]
-    final_com_position: [f64; 3],
-    #[serde(with = "number::triple")]
-    final_com_velocity: [f64; 3],
-    #[serde(with = "number::real")]
-    final_base_shift_m: f64,
-    #[serde(with = "number::some_real")]
-    final_base_sideways_m: Option<f64>,
-    #[serde(with = "number::some_real", rename = "final_normal_force_N")]
-    final_normal_force_n: Option<f64>,
-    #[serde(with = "number::some_real")]
-    final_cop_offset_m: Option<f64>,
-    first_tip_s: Option<f64>,
-    last_impact_s: Option<f64>,
-    #[serde(with = "number::some_real")]
-    first_impact_speed_ratio: Option<f64>,
-    #[serde(with = "number::real")]
-    max_flight_path_drift_m: f64,
-    #[serde(with = "number::real", rename = "max_flight_spin_drift_Nms")]
-    max_flight_spin_drift_nms: f64,
-    #[serde(default, with = "number::some_real")]
-    max_estimate_error_m: Option<f64>,
-    #[serde(default, with = "number::some_real")]
-    max_estimate_error_rad: Option<f64>,
-    #[serde(default, with = "number::some_real")]
-    final_estimate_error_m: Option<f64>,
-    #[serde(default, with = "number::some_real")]
-    final_estimate_error_rad: Option<f64>,
-    #[serde(default, with = "number::some_real")]
-    min_self_distance_m: Option<f64>,
-    #[serde(default)]
-    self_collisions: Option<u64>,
-    #[serde(default, with = "number::some_real")]
-    self_near_s: Option<f64>,
-    #[serde(default)]
-    avoidance_cycles: Option<u64>,
-    #[serde(default)]
-    avoidance_early_cycles: Option<u64>,
-    #[serde(default)]
-    avoidance_blocked_cycles: Option<u64>,
-    #[serde(default, with = "number::some_real")]
-    avoidance_tests_mean: Option<f64>,
-    #[serde(default)]
-    avoidance_tests_max: Option<u64>,
-    #[serde(default, with = "number::some_real")]
-    avoidance_held_share: Option<f64>,
-    #[serde(default, with = "number::some_real")]
-    avoidance_rms_deviation: Option<f64>,
-    #[serde(default, with = "number::some_real")]
-    avoidance_max_deviation: Option<f64>,
 }

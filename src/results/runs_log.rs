@@ -2,9 +2,9 @@
 //! it wrote. Whoever has it open to append has the folder to himself: the lock ends with the program, however that ends.
 
 use crate::files::{RecordError, confined};
+use crate::metrics::{COLUMNS, number::Real};
 use crate::results::SummaryRow;
-use crate::results::columns::{COLUMNS, Number, TEXT_COLUMNS};
-use crate::results::number::Real;
+use crate::results::columns::TEXT_COLUMNS;
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap};
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -157,11 +157,8 @@ impl Serialize for Line<'_> {
         for (name, value) in &row.parameters {
             map.serialize_entry(name, value)?;
         }
-        for column in COLUMNS {
-            match column.of(row) {
-                Number::Count(n) => map.serialize_entry(column.name, &n)?,
-                Number::Real(x) => map.serialize_entry(column.name, &x.map(Real))?,
-            }
+        for column in &COLUMNS {
+            map.serialize_entry(column.name, &row.cell(column))?;
         }
         for truth in &row.comparison.truth {
             map.serialize_entry(&truth.column(), &truth.error.map(Real))?;

@@ -2,7 +2,8 @@
 //! than some thousands.
 
 use crate::files::{RecordError, atomic};
-use crate::results::columns::{COLUMNS, Number, TEXT_COLUMNS, truth_columns, truth_error};
+use crate::metrics::{COLUMNS, Measure};
+use crate::results::columns::{TEXT_COLUMNS, truth_columns, truth_error};
 use crate::results::{ParamValue, SummaryRow};
 use polars::prelude::{Column, DataFrame, NamedFrom, PolarsResult, Series};
 use polars_io::SerWriter;
@@ -182,13 +183,13 @@ fn text_series(name: &str, values: impl Iterator<Item = Option<String>>) -> Seri
 }
 
 /// Counts stay whole numbers.
-fn metric_series(column: &crate::results::columns::Column, rows: &[SummaryRow]) -> Series {
-    let cells = rows.iter().map(|r| column.of(r));
-    if column.counts {
-        let counts = cells.map(|cell| if let Number::Count(n) = cell { Some(n) } else { None });
+fn metric_series(column: &crate::metrics::Column, rows: &[SummaryRow]) -> Series {
+    let cells = rows.iter().map(|row| row.cell(column));
+    if column.is_count {
+        let counts = cells.map(|cell| if let Measure::Count(n) = cell { Some(n) } else { None });
         Series::new(column.name.into(), counts.collect::<Vec<Option<u64>>>())
     } else {
-        let reals = cells.map(|cell| if let Number::Real(x) = cell { x } else { None });
+        let reals = cells.map(|cell| if let Measure::Real(x) = cell { Some(x) } else { None });
         Series::new(column.name.into(), reals.collect::<Vec<Option<f64>>>())
     }
 }

@@ -1,6 +1,6 @@
 //! Verdicts: what was expected of a run, what was measured, and how far apart they are.
 
-use crate::results::number;
+use crate::metrics::number;
 use crate::results::parameter::is_truth;
 use crate::results::table::{align, clip};
 use crate::results::{ParamValue, SummaryRow};

@@ -34,6 +34,7 @@ mod schema;
 mod source;
 mod tree;
 
+pub use crate::metrics::METRICS;
 pub use checks::host_and_port;
 pub use diagnostic::{Diagnostic, Diagnostics, Place, Severity};
 pub use events::Event;
@@ -49,7 +50,7 @@ pub use format::{
     },
     control::{AccelerationSource, ControlSpec, Estimator, InertialSpec, KinematicSpec},
     event::EventSpec,
-    expect::{Expect, ExpectedOutcome, METRICS},
+    expect::{Expect, ExpectedOutcome},
     floor::{FloorSpec, Friction, PatchSpec},
     force::{
         AnchorSpec, CarriedObject, ConstantForce, Directions, DragForce, ForceFrame, ForceSpec, JointFrictionForce,

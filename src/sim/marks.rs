@@ -87,9 +87,8 @@ impl Simulation {
     pub(super) fn mark_end(&mut self) {
         let plant = &self.plant;
         let m = &mut self.metrics;
-        if plant.model.nb() == 6 {
-            m.final_base_angular_velocity = [plant.state.v[3], plant.state.v[4], plant.state.v[5]];
-        }
+        let (is_floating, v) = (plant.model.nb() == 6, &plant.state.v);
+        m.final_base_angular_velocity = if is_floating { [v[3], v[4], v[5]] } else { [0.0; 3] };
         let com = body::center_of_mass(&plant.ws);
         m.final_com_position = com.into();
         m.final_com_velocity = body::center_of_mass_velocity(&plant.ws).into();

@@ -41,7 +41,6 @@ pub mod simulation;
 mod speed;
 mod stepping;
 mod tick;
-mod unmeasured;
 mod watch;
 mod zones;
 

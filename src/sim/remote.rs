@@ -94,7 +94,7 @@ impl RemoteRun {
             estimator,
             self_contact,
             snapshot,
-            metrics: Metrics { elsewhere: true, ..Metrics::unmeasured() },
+            metrics: Metrics { remote_robot: true, ..Metrics::default() },
             duration: setup.duration,
             log_rate: setup.log_rate,
             logged: 0,

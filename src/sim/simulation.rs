@@ -184,7 +184,7 @@ impl Simulation {
             sensors,
             estimator,
             self_contact,
-            metrics: Metrics::default(),
+            metrics: Metrics::at_start(),
             work: 0.0,
             flows: Flows::default(),
             tally: Tally::default(),
@@ -425,9 +425,8 @@ impl Simulation {
         m.final_base_position = state.position.into();
         let (roll, pitch, yaw) = state.rotation.euler_angles();
         m.final_base_rpy = [roll, pitch, yaw];
-        if self.plant.model.nb() == 6 {
-            m.final_base_velocity = [state.v[0], state.v[1], state.v[2]];
-        }
+        let is_floating = self.plant.model.nb() == 6;
+        m.final_base_velocity = if is_floating { [state.v[0], state.v[1], state.v[2]] } else { [0.0; 3] };
         if let Some(own) = &self.self_contact {
             own.sum_up(&mut self.metrics);
         }

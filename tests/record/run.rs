@@ -11,7 +11,7 @@ use stiction::sim::{AvoidanceTime, Metrics, Outcome};
 /// Metrics whose digits would show any rounding on the way.
 pub fn metrics() -> Metrics {
     Metrics {
-        elsewhere: false,
+        remote_robot: false,
         duration_s: 0.1 + 0.2,
         steps: u64::MAX,
         rejected_steps: 2,

@@ -92,6 +92,13 @@ fn columns_are_those_of_the_contract_with_the_parameters_between() {
 }
 
 #[test]
+fn the_results_page_lists_the_columns() {
+    let page = std::fs::read_to_string("docs/results.md").unwrap();
+    let table = stiction::metrics::column_reference();
+    assert!(page.contains(&table), "docs/results.md shall contain this table:\n{table}");
+}
+
+#[test]
 fn numbers_read_back_to_the_last_bit_from_both_files() {
     let rows = rows();
     let (csv, parquet, _) = written(&rows);

@@ -2,21 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::results::NUMERIC_COLUMNS;
+use crate::metrics::NUMERIC_COLUMNS;
 use crate::results::changes::Results;
-
-/// Columns that cost time; all but the last grow when a run gets slower.
-const TIMES: [&str; 9] = [
-    "wall_s",
-    "cpu_s",
-    "timing_wall_min_s",
-    "timing_wall_median_s",
-    "timing_cpu_min_s",
-    "timing_cpu_median_s",
-    "avoidance_cpu_s",
-    "avoidance_cycles_cpu_s",
-    "real_time_factor",
-];
 
 /// How far apart two numbers may be: `absolute + relative max(|a|, |b|)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +59,7 @@ impl Limits {
 
     /// How a column is compared; none when it is not.
     pub(super) fn kind(&self, column: &str) -> Option<Kind> {
-        match (self.columns.get(column), TIMES.contains(&column)) {
+        match (self.columns.get(column), crate::metrics::column(column).is_some_and(|c| c.is_cost())) {
             // Any distance is allowed, and any cell.
             (Some(tolerance), _) if tolerance.absolute.is_infinite() => None,
             (Some(tolerance), _) => Some(Kind::Number(*tolerance)),

@@ -10,8 +10,9 @@ use super::polygon;
 use super::scenario::Scenario;
 use super::source::Span;
 use super::tree::Node;
-use crate::scenario::format::compare::{COMPARED, CompareSpec};
-use crate::scenario::format::expect::{Expect, METRICS};
+use crate::metrics::{METRICS, is_distance};
+use crate::scenario::format::compare::CompareSpec;
+use crate::scenario::format::expect::Expect;
 use crate::scenario::format::floor::Friction;
 use crate::scenario::format::robot::{PayloadSpec, SoleSpec};
 
@@ -205,7 +206,7 @@ impl Check<'_> {
     /// Errors against a reference run need one.
     fn compared(&mut self, path: &str, expect: &Expect, compare: Option<&CompareSpec>) {
         let reference = compare.is_some_and(|c| c.reference.is_some());
-        if let Some(metric) = expect.metric.as_deref().filter(|m| COMPARED.contains(m) && !reference) {
+        if let Some(metric) = expect.metric.as_deref().filter(|m| is_distance(m) && !reference) {
             self.error(path, format!("names `{metric}`, which takes a reference run: `[compare]` with `reference`"));
         }
         let distance = expect.metric.as_deref().filter(|m| !METRICS.contains(m)).and_then(|m| m.strip_prefix("error_"));

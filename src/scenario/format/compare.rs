@@ -5,22 +5,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use crate::scenario::format::expect::METRICS;
+use crate::metrics::COLUMNS;
 use crate::scenario::quantity::{json, some_count};
 use crate::text::suggest;
-
-/// Metrics that come of a reference run.
-pub const COMPARED: [&str; 6] = [
-    "error_position_rms_m",
-    "error_joint_rms_rad",
-    "error_force_rms_N",
-    "contact_state_agreement",
-    "error_final_position_m",
-    "error_final_rotation_rad",
-];
-
-/// Columns that tell of the machine.
-const TIMED: [&str; 3] = ["wall_s", "cpu_s", "real_time_factor"];
 
 /// Accuracy and cost of a run: against a reference run of the same cell, against known truths, by repeated timing. At
 /// least one of the three.
@@ -60,5 +47,5 @@ impl<'de> Deserialize<'de> for TruthMetric {
 
 /// Columns of the summary that may have a truth: what costs time, or is a distance itself, has none of its own.
 fn truth_metrics() -> Vec<&'static str> {
-    METRICS.iter().copied().filter(|metric| !COMPARED.contains(metric) && !TIMED.contains(metric)).collect()
+    COLUMNS.iter().filter(|column| column.is_metric()).map(|column| column.name).collect()
 }

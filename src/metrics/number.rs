@@ -27,6 +27,12 @@ pub enum Measure {
     Nothing,
 }
 
+impl From<Option<f64>> for Measure {
+    fn from(value: Option<f64>) -> Self {
+        value.map_or(Measure::Nothing, Measure::Real)
+    }
+}
+
 impl JsonSchema for Measure {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Measure".into()
@@ -83,18 +89,5 @@ pub(crate) mod some_real {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
         Ok(Option::<Real>::deserialize(deserializer)?.map(|r| r.0))
-    }
-}
-
-/// `#[serde(with = "number::triple")]` for an `[f64; 3]`.
-pub(crate) mod triple {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(value: &[f64; 3], serializer: S) -> Result<S::Ok, S::Error> {
-        value.map(Real).serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 3], D::Error> {
-        <[Real; 3]>::deserialize(deserializer).map(|a| a.map(|r| r.0))
     }
 }
