@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 use super::audience::{Audience, Pacer, RATE};
 use super::{End, Job, Role, Track, Wanted};
 use crate::assemble::setup;
-use crate::contact::model::frozen::Frozen;
+use crate::contact::selection_record::SelectionRecord;
 use crate::files::RecordError;
 use crate::log::{Document, LogHeader, LogWriter, Outlet, ProblemWriter, Topics};
 use crate::remote::{Address, Remote};
@@ -158,7 +158,7 @@ impl Observer for Recorder<'_> {
         self.problems.as_ref().map_or(Problems::None, ProblemWriter::which)
     }
 
-    fn problem(&mut self, frozen: &Frozen) -> Result<(), String> {
+    fn problem(&mut self, frozen: &SelectionRecord) -> Result<(), String> {
         self.problems.as_mut().map_or(Ok(()), |p| p.write(frozen).map_err(|e| e.to_string()))
     }
 }

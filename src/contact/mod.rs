@@ -8,3 +8,4 @@
 pub mod methods;
 pub mod model;
 pub mod search;
+pub mod selection_record;

@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// A frame as seen from the root link, in its axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct RelativeMotion {
     /// Root from frame.
     pub rotation: UnitQuaternion<f64>,
     /// Origin of the frame, m.
@@ -26,7 +26,7 @@ pub struct Seen {
 }
 
 /// `mount` at joint positions `q` (rad, m) and rates `qd`, one each per joint.
-pub fn from_root(model: &Model, mount: &Mount, q: &[f64], qd: &[f64]) -> Seen {
+pub fn from_root(model: &Model, mount: &Mount, q: &[f64], qd: &[f64]) -> RelativeMotion {
     let mut rotation: Matrix3<f64> = mount.pose.rotation.to_rotation_matrix().into_inner();
     let mut position = mount.pose.translation.vector;
     let (mut velocity, mut omega) = (Vector3::zeros(), Vector3::zeros());
@@ -51,7 +51,7 @@ pub fn from_root(model: &Model, mount: &Mount, q: &[f64], qd: &[f64]) -> Seen {
         at = parent;
     }
     let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
-    Seen { rotation, position, velocity, omega }
+    RelativeMotion { rotation, position, velocity, omega }
 }
 
 /// How a frame moves, world axes.
@@ -76,7 +76,7 @@ impl FrameMotion {
     }
 
     /// Makes it the motion of a state's base; of a fixed one its place alone.
-    pub fn put_base(&self, state: &mut State) {
+    pub fn write_base(&self, state: &mut State) {
         (state.position, state.rotation) = (self.position, self.rotation);
         if state.v.len() > state.joints.len() {
             state.v[..3].copy_from_slice(self.velocity.as_slice());
@@ -85,7 +85,7 @@ impl FrameMotion {
     }
 }
 
-impl Seen {
+impl RelativeMotion {
     /// How the frame moves when the root moves as `root`.
     pub fn carried_by(&self, root: &FrameMotion) -> FrameMotion {
         let arm = root.rotation * self.position;

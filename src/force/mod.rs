@@ -64,7 +64,7 @@ impl<'a> AppliedForces<'a> {
         force: &Vector3<f64>,
         moment: &Vector3<f64>,
     ) {
-        crate::dynamics::force::accumulate(context.kinematics, link, point, force, moment, self.tau);
+        crate::dynamics::link_force::accumulate(context.kinematics, link, point, force, moment, self.tau);
         if *force != Vector3::zeros() {
             self.arrows.push((*point, *force));
         }

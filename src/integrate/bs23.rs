@@ -4,7 +4,7 @@
 //! difference to the embedded method of order 2, b* = (7/24, 1/4, 1/3, 1/8); between the ends the cubic of Hermite is as
 //! good as the solution.
 
-use super::runge_kutta::{Dense, Tableau};
+use super::runge_kutta::{DenseOutput, Tableau};
 
 /// See the module.
 pub static BS23: Tableau = Tableau {
@@ -14,5 +14,5 @@ pub static BS23: Tableau = Tableau {
     c: &[0.0, 1.0 / 2.0, 3.0 / 4.0, 1.0],
     a: &[&[], &[1.0 / 2.0], &[0.0, 3.0 / 4.0], &[2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0]],
     error: &[-5.0 / 72.0, 1.0 / 12.0, 1.0 / 9.0, -1.0 / 8.0],
-    dense: Dense::Hermite,
+    dense: DenseOutput::Hermite,
 };

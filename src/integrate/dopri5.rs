@@ -4,7 +4,7 @@
 //! dense output by Shampine as in Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
 //! section II.6, equation 6.12 and its coefficients d_i.
 
-use super::runge_kutta::{Dense, Tableau};
+use super::runge_kutta::{DenseOutput, Tableau};
 
 /// See the module.
 pub static DOPRI5: Tableau = Tableau {
@@ -22,7 +22,7 @@ pub static DOPRI5: Tableau = Tableau {
         &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
     ],
     error: &[71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0],
-    dense: Dense::Quartic(&[
+    dense: DenseOutput::Quartic(&[
         -12715105075.0 / 11282082432.0,
         0.0,
         87487479700.0 / 32700410799.0,

@@ -2,17 +2,17 @@
 //! location. Nothing here knows of robots or contact.
 
 pub mod bs23;
-pub mod control;
 pub mod dopri5;
-pub mod event;
+pub mod event_location;
 pub mod rk4;
 pub mod runge_kutta;
+pub mod step_control;
 
 pub use bs23::BS23;
-pub use control::StepControl;
 pub use dopri5::DOPRI5;
 pub use rk4::RK4;
 pub use runge_kutta::{RungeKutta, Tableau};
+pub use step_control::StepControl;
 
 /// A system of ordinary differential equations dy/dt = f(t, y).
 pub trait System {

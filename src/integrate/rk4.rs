@@ -4,7 +4,7 @@
 //! evaluation at the end of the step gives the slope for the cubic of Hermite, whose error within a step, of the order h^4,
 //! vanishes towards its ends.
 
-use super::runge_kutta::{Dense, Tableau};
+use super::runge_kutta::{DenseOutput, Tableau};
 
 /// See the module.
 pub static RK4: Tableau = Tableau {
@@ -14,5 +14,5 @@ pub static RK4: Tableau = Tableau {
     c: &[0.0, 1.0 / 2.0, 1.0 / 2.0, 1.0, 1.0],
     a: &[&[], &[1.0 / 2.0], &[0.0, 1.0 / 2.0], &[0.0, 0.0, 1.0], &[1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0]],
     error: &[],
-    dense: Dense::Hermite,
+    dense: DenseOutput::Hermite,
 };

@@ -26,12 +26,12 @@ pub struct Tableau {
     /// Weights of the error estimate; none for a method without.
     pub error: &'static [f64],
     /// How the solution between the ends is found.
-    pub dense: Dense,
+    pub dense: DenseOutput,
 }
 
 /// Solution between the ends of a step.
 #[derive(Debug, PartialEq)]
-pub enum Dense {
+pub enum DenseOutput {
     /// The cubic that meets value and slope at both ends, of order 3.
     Hermite,
     /// The same and `h theta^2 (1 - theta)^2 sum_i d_i k_i`.
@@ -112,8 +112,8 @@ impl RungeKutta {
             let bulge = self.h * self.k[0][i] - difference;
             let skew = difference - self.h * slope[i] - bulge;
             let quartic = match self.tableau.dense {
-                Dense::Hermite => 0.0,
-                Dense::Quartic(d) => d.iter().zip(&self.k).map(|(d, k)| d * k[i]).sum::<f64>() * self.h,
+                DenseOutput::Hermite => 0.0,
+                DenseOutput::Quartic(d) => d.iter().zip(&self.k).map(|(d, k)| d * k[i]).sum::<f64>() * self.h,
             };
             *y = self.start[i] + theta * (difference + rest * (bulge + theta * (skew + rest * quartic)));
         }

@@ -20,7 +20,7 @@
 const BLOCKS: f64 = 1e-9;
 /// How it ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum End {
+pub enum LemkeOutcome {
     /// With a solution.
     Solved,
     /// On a ray: no solution was reached.
@@ -40,7 +40,7 @@ pub struct Lemke {
     basic: Vec<usize>,
     nonbasic: Vec<usize>,
     /// Where each variable is: row, or n + column.
-    place: Vec<usize>,
+    position: Vec<usize>,
     pivot_row: Vec<f64>,
     ties: Vec<usize>,
     /// What makes a tie: between entries of the inverse basis, and between constants.
@@ -55,7 +55,7 @@ impl Lemke {
             table: vec![0.0; n * (n + 2)],
             basic: vec![0; n],
             nonbasic: vec![0; n + 1],
-            place: vec![0; 2 * n + 1],
+            position: vec![0; 2 * n + 1],
             pivot_row: vec![0.0; n + 2],
             ties: Vec::with_capacity(n),
             tie: [0.0; 2],
@@ -70,10 +70,10 @@ impl Lemke {
         for i in 0..n {
             self.table[i * stride + n] = 1.0;
             (self.basic[i], self.nonbasic[i]) = (i, n + i);
-            (self.place[i], self.place[n + i]) = (i, n + i);
+            (self.position[i], self.position[n + i]) = (i, n + i);
         }
         self.nonbasic[n] = 2 * n;
-        self.place[2 * n] = 2 * n;
+        self.position[2 * n] = 2 * n;
     }
 
     /// Row `i` of M, n numbers, to be filled between [`begin`](Self::begin) and [`solve`](Self::solve).
@@ -88,7 +88,7 @@ impl Lemke {
 
     /// Solves; `z` is the solution, or zero. Ratios that differ by less than `tie`, relative to the constants, count as
     /// equal: small is accurate, large survives rounding. Returns the number of pivots with the end. M and q are used up.
-    pub fn solve(&mut self, z: &mut [f64], tie: f64) -> (End, usize) {
+    pub fn solve(&mut self, z: &mut [f64], tie: f64) -> (LemkeOutcome, usize) {
         let (n, stride) = (self.n, self.n + 2);
         z[..n].fill(0.0);
         let size = (0..n).map(|i| self.constant(i).abs()).fold(0.0, f64::max);
@@ -96,10 +96,10 @@ impl Lemke {
         // Of equally negative rows the last is lexicographically least.
         let Some(mut row) = (0..n).min_by(|&i, &j| self.constant(i).total_cmp(&self.constant(j)).then(j.cmp(&i)))
         else {
-            return (End::Solved, 0);
+            return (LemkeOutcome::Solved, 0);
         };
         if self.constant(row) >= 0.0 {
-            return (End::Solved, 0);
+            return (LemkeOutcome::Solved, 0);
         }
         let mut column = n;
         let limit = 50 * n + 100;
@@ -111,16 +111,16 @@ impl Lemke {
                         z[variable - n] = self.table[i * stride + n + 1].max(0.0);
                     }
                 }
-                return (End::Solved, pivots);
+                return (LemkeOutcome::Solved, pivots);
             }
             let enters = if left < n { left + n } else { left - n };
-            column = self.place[enters] - n;
+            column = self.position[enters] - n;
             match self.blocking(column) {
                 Some(blocking) => row = blocking,
-                None => return (End::Ray, pivots),
+                None => return (LemkeOutcome::Ray, pivots),
             }
         }
-        (End::Limit, limit)
+        (LemkeOutcome::Limit, limit)
     }
 
     fn constant(&self, i: usize) -> f64 {
@@ -156,7 +156,7 @@ impl Lemke {
                 break;
             }
             let ratio = |i: usize| {
-                let inverse = match self.place[j] {
+                let inverse = match self.position[j] {
                     row if row < n => f64::from(row == i),
                     at => -self.table[i * stride + at - n],
                 };
@@ -195,7 +195,7 @@ impl Lemke {
         }
         let (leaves, enters) = (self.basic[row], self.nonbasic[column]);
         (self.basic[row], self.nonbasic[column]) = (enters, leaves);
-        (self.place[enters], self.place[leaves]) = (row, n + column);
+        (self.position[enters], self.position[leaves]) = (row, n + column);
         leaves
     }
 }
@@ -204,7 +204,7 @@ impl Lemke {
 mod tests {
     use super::*;
 
-    fn solve(m: &[&[f64]], q: &[f64]) -> (End, Vec<f64>, usize) {
+    fn solve(m: &[&[f64]], q: &[f64]) -> (LemkeOutcome, Vec<f64>, usize) {
         let mut lemke = Lemke::new(q.len());
         lemke.begin(q.len());
         for (i, row) in m.iter().enumerate() {
@@ -220,14 +220,14 @@ mod tests {
     fn textbook_problems() {
         // Positive definite: unique solutions, by hand.
         let (end, z, _) = solve(&[&[2.0, 1.0], &[1.0, 2.0]], &[-5.0, -6.0]);
-        assert_eq!(end, End::Solved);
+        assert_eq!(end, LemkeOutcome::Solved);
         assert!((z[0] - 4.0 / 3.0).abs() < 1e-15 && (z[1] - 7.0 / 3.0).abs() < 1e-15, "{z:?}");
         let (end, z, _) = solve(&[&[2.0, 1.0], &[1.0, 2.0]], &[-5.0, 6.0]);
-        assert_eq!((end, z.as_slice()), (End::Solved, &[2.5, 0.0][..]));
+        assert_eq!((end, z.as_slice()), (LemkeOutcome::Solved, &[2.5, 0.0][..]));
         // Nothing to do.
-        assert_eq!(solve(&[&[2.0, 1.0], &[1.0, 2.0]], &[0.0, 6.0]), (End::Solved, vec![0.0, 0.0], 0));
+        assert_eq!(solve(&[&[2.0, 1.0], &[1.0, 2.0]], &[0.0, 6.0]), (LemkeOutcome::Solved, vec![0.0, 0.0], 0));
         // w1 = -z2 - 1 can never be feasible.
-        assert_eq!(solve(&[&[0.0, -1.0], &[1.0, 0.0]], &[-1.0, 1.0]).0, End::Ray);
+        assert_eq!(solve(&[&[0.0, -1.0], &[1.0, 0.0]], &[-1.0, 1.0]).0, LemkeOutcome::Ray);
     }
 
     /// K. G. Murty, Computational complexity of complementary pivot methods, Math. Programming Study 7 (1978): M lower
@@ -243,7 +243,7 @@ mod tests {
             let (end, z, pivots) = solve(&rows, &q);
             let mut truth = vec![0.0; n];
             truth[0] = f64::powi(2.0, n as i32);
-            assert_eq!((end, z, pivots), (End::Solved, truth, 1 << n));
+            assert_eq!((end, z, pivots), (LemkeOutcome::Solved, truth, 1 << n));
         }
     }
 
@@ -254,7 +254,7 @@ mod tests {
             let m = vec![vec![1.0; n]; n];
             let rows: Vec<&[f64]> = m.iter().map(Vec::as_slice).collect();
             let (end, z, pivots) = solve(&rows, &vec![-1.0; n]);
-            assert!(end == End::Solved && pivots <= n + 1, "{end:?} {pivots}");
+            assert!(end == LemkeOutcome::Solved && pivots <= n + 1, "{end:?} {pivots}");
             assert_eq!(z.iter().sum::<f64>(), 1.0);
         }
     }

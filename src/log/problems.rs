@@ -1,6 +1,6 @@
 //! `problems/0001.json`, ...: selections of a contact state, to be looked at and solved again elsewhere.
 
-use crate::contact::model::frozen::Frozen;
+use crate::contact::selection_record::SelectionRecord;
 use crate::files::input::{self, MOST_DATA};
 use crate::files::{RecordError, atomic};
 use crate::sim::Problems;
@@ -29,7 +29,7 @@ pub struct ProblemRecord {
     /// Which of the run's problems it is, from 1.
     pub number: usize,
     /// The problem and the answer given.
-    pub selection: Frozen,
+    pub selection: SelectionRecord,
 }
 
 impl ProblemRecord {
@@ -91,7 +91,7 @@ impl ProblemWriter {
     ///
     /// # Errors
     /// The folder or file cannot be written.
-    pub fn write(&mut self, selection: &Frozen) -> Result<(), RecordError> {
+    pub fn write(&mut self, selection: &SelectionRecord) -> Result<(), RecordError> {
         self.met += 1;
         if self.met > MAX_PROBLEMS {
             return Ok(());

@@ -9,7 +9,7 @@ use super::error::Stop;
 use super::simulation::{Jump, Simulation};
 use super::watch::{MAX_WATCHED, Watch};
 use crate::contact::search::judge::CLEAR;
-use crate::integrate::event::first_crossing;
+use crate::integrate::event_location::first_crossing;
 use crate::integrate::{RungeKutta, StepControl, Tableau};
 use crate::sim::Observer;
 

@@ -4,9 +4,9 @@ use super::error::Stop;
 use super::report::{Observer, Outcome, Problems};
 use super::simulation::Simulation;
 use crate::contact::methods::method::Question;
-use crate::contact::model::frozen::Frozen;
 use crate::contact::model::state::{MAX_SOLES, SoleState};
 use crate::contact::search::select::Selection;
+use crate::contact::selection_record::SelectionRecord;
 
 impl Simulation {
     /// Freezes the problem at hand, before the method sees it, if the observer wants to hear of any.
@@ -19,7 +19,8 @@ impl Simulation {
         self.frozen = (observer.problems() != Problems::None).then(|| {
             let (time, plant) = (self.plant.state.time, &self.plant);
             let told = (self.contact.method.as_str(), &self.contact.parameters);
-            let mut frozen = Frozen::posed(time, told, &plant.problem, question, forced, &plant.solution);
+            let mut frozen =
+                SelectionRecord::from_problem(time, told, &plant.problem, question, forced, &plant.solution);
             for (s, sole) in frozen.soles.iter_mut().enumerate() {
                 sole.name.clone_from(&plant.model.soles[s].name);
                 sole.reference_m = plant.sole_origin(s).into();
@@ -32,7 +33,7 @@ impl Simulation {
     /// to hear of every selection.
     pub(super) fn freeze_answer(&mut self, observer: &mut dyn Observer, selection: &Selection) -> Result<(), Stop> {
         let Some(frozen) = &mut self.frozen else { return Ok(()) };
-        frozen.answered(selection, &self.plant.solution);
+        frozen.set_answer(selection, &self.plant.solution);
         if observer.problems() == Problems::All {
             observer.problem(frozen).map_err(|m| Stop::new(Outcome::Error, m))?;
             self.frozen = None;

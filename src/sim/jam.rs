@@ -44,8 +44,8 @@ use super::report::Observer;
 use super::simulation::Simulation;
 use crate::contact::methods::method::Question;
 use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Pattern, SoleState, States};
-use crate::contact::search::candidate::Solution;
 use nalgebra::{Vector2, Vector3};
 
 /// Approach that stands for a vanishing one, relative to the greatest speed: a thousand times what the velocity level

@@ -178,7 +178,7 @@ impl Plant {
         crba::mass_matrix(&self.model, &mut self.ws);
         self.ws.mass.multiply(&self.state.v, &mut excess);
         let (momentum, none) = (velocity * mass, Vector3::zeros());
-        dynamics::force::accumulate(&self.ws, load.link, &place, &momentum, &none, &mut excess);
+        dynamics::link_force::accumulate(&self.ws, load.link, &place, &momentum, &none, &mut excess);
         self.set_body(load.link, whole);
         crba::mass_matrix(&self.model, &mut self.ws);
         self.ws.mass.multiply(&self.state.v, &mut other);

@@ -16,8 +16,9 @@ use super::setup::{Floor, IntegratorSetup, Setup};
 use super::zones::Place;
 use crate::contact::methods::method::{Manner, Method, Stored};
 use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
-use crate::contact::search::candidate::{Solution, share_static};
+use crate::contact::search::candidate::share_static;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
 use crate::force::{AppliedForces, Force, ForceContext, ReportEvent};
 use crate::integrate::System;
@@ -382,7 +383,7 @@ impl Plant {
         p.step = 0.0;
         for (s, sole) in p.soles.iter_mut().enumerate() {
             sole.target = Vector3::zeros();
-            sole.place = self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point));
+            sole.position = self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point));
             let m = &self.reduced.velocity[6 * s..6 * s + 6];
             let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
             let height = self.floor.height(&self.reduced.reference[s]);

@@ -2,10 +2,10 @@
 //! by [`crate::results`]; nothing here steps or writes.
 
 use super::ledger::Balance;
-use crate::contact::model::frozen::Frozen;
 use crate::contact::model::residual::Residual;
 use crate::contact::model::state::SoleState;
 pub use crate::metrics::Metrics;
+use crate::contact::selection_record::SelectionRecord;
 use crate::task::PointOfInterest;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
@@ -232,7 +232,7 @@ pub trait Observer {
         Problems::None
     }
     /// Called for every selection of the kind asked for, before the event that goes with it.
-    fn problem(&mut self, _: &Frozen) -> Result<(), String> {
+    fn problem(&mut self, _: &SelectionRecord) -> Result<(), String> {
         Ok(())
     }
 }

@@ -18,11 +18,11 @@ use super::self_contact::SelfContact;
 use super::sensors::Sensors;
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
 use crate::contact::methods::method::{self, Manner};
-use crate::contact::model::frozen::Frozen;
 use crate::contact::model::problem::{Problem, Tolerances};
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::MAX_SOLES;
-use crate::contact::search::candidate::Solution;
 use crate::contact::search::judge::TOUCHING;
+use crate::contact::selection_record::SelectionRecord;
 use crate::geometry::stable_point::Edge;
 use crate::integrate::StepControl;
 use crate::task::TaskServer;
@@ -74,7 +74,7 @@ pub struct Simulation {
     pub(super) anchors: Vec<Vec<Vector3<f64>>>,
     pub(super) projection: Solution,
     /// The selection at hand, for an observer that wants to hear of it.
-    pub(super) frozen: Option<Box<Frozen>>,
+    pub(super) frozen: Option<Box<SelectionRecord>>,
     pub(super) displacement: Vec<f64>,
     pub(super) snapshot: Snapshot,
     /// Scratch of the snapshot's point of optimal stability.

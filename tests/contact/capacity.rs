@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use proptest::prelude::*;
-use stiction::contact::model::capacity;
+use stiction::contact::model::friction_capacity;
 
 /// Largest factor of the load that friction can carry: least over slip twists of friction power over load power, by a
 /// grid over the sphere of twists and ever smaller circles about its best points.
@@ -58,7 +58,7 @@ proptest! {
         let force = Vector2::new(heading.cos(), heading.sin()) * (1.0 - share.abs());
         let yaw = share * radius;
         let limit = factor(&points, &force, yaw, radius);
-        let margin = |f: f64| capacity::face(&points, &(force * f), yaw * f, radius).0;
+        let margin = |f: f64| friction_capacity::face(&points, &(force * f), yaw * f, radius).0;
         // The scan ends at 1e-9 rad; the ratio is at worst first order there (kinks at vertices).
         prop_assert!(margin(limit * (1.0 - 1e-6)) > 0.0, "{} at {limit}", margin(limit * (1.0 - 1e-6)));
         prop_assert!(margin(limit * (1.0 + 1e-6)) < 0.0, "{} at {limit}", margin(limit * (1.0 + 1e-6)));

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use stiction::contact::methods::exact::Exact;
 use stiction::contact::methods::method::{Method, Question};
 use stiction::contact::model::problem::{Level, Problem};
-use stiction::contact::search::candidate::Solution;
+use stiction::contact::model::solution::Solution;
 use stiction::contact::search::select::Selection;
 
 /// Velocities before: of the centre of mass up to 2 m/s, downwards 0.2 to 2.2 m/s, turning up to 6 rad/s.

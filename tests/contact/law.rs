@@ -2,10 +2,10 @@
 //! judge is used.
 
 use nalgebra::{Vector2, Vector3};
-use stiction::contact::model::capacity;
+use stiction::contact::model::friction_capacity;
 use stiction::contact::model::problem::Problem;
+use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::States;
-use stiction::contact::search::candidate::Solution;
 
 /// What is missed, in words; empty when everything holds. At the acceleration level from rest, at the velocity level
 /// after a plastic impulse. `drive` is the size of the motion without contact, by which small motions are measured.
@@ -65,7 +65,7 @@ pub fn missed(p: &Problem, states: &States, out: &Solution, drive: f64) -> Vec<S
         let (mut force, mut yaw) = (Vector2::zeros(), 0.0);
         for &t in &group {
             for (i, v) in p.soles[t].vertices.iter().enumerate() {
-                let (place, f) = ((p.soles[t].place + v.r).xy(), out.tangent[t][i]);
+                let (place, f) = ((p.soles[t].position + v.r).xy(), out.tangent[t][i]);
                 points.push((v.mu_s * out.normal[t][i].max(0.0), place));
                 force += f;
                 yaw += place.perp(&f);
@@ -73,7 +73,7 @@ pub fn missed(p: &Problem, states: &States, out: &Solution, drive: f64) -> Vec<S
         }
         let loaded = points.iter().filter(|(c, _)| *c > 0.0).count();
         let left = if loaded > 1 {
-            capacity::face(&points, &force, yaw, 0.1).0
+            friction_capacity::face(&points, &force, yaw, 0.1).0
         } else {
             points.iter().map(|(c, _)| *c).sum::<f64>() - force.norm()
         };

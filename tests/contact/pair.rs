@@ -79,7 +79,7 @@ impl Pair {
         p.scale = parts[0].scale + parts[1].scale;
         p.soles = parts.map(|part| part.soles[0].clone()).into();
         p.soles[1].body = usize::from(self.joint != Joint::Weld);
-        p.soles[1].place = self.apart;
+        p.soles[1].position = self.apart;
         self.join(&w, &mut b);
         let joined = self.joined(&w);
         for r in 0..12 {

@@ -3,8 +3,8 @@
 use nalgebra::{Vector2, Vector3};
 use stiction::contact::model::problem::Problem;
 use stiction::contact::model::residual::{Residual, evaluate};
+use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::{Mode, Pattern, SoleState, States};
-use stiction::contact::search::candidate::Solution;
 
 const MU_S: f64 = 0.5;
 const MU_K: f64 = 0.4;

@@ -5,8 +5,8 @@ use super::rigid::{G, Rigid, body_on, rules, stuck, triple};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stiction::contact::model::problem::{Level, Problem};
+use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::{SoleState, States};
-use stiction::contact::search::candidate::Solution;
 use stiction::contact::search::select::{Selection, Selector};
 
 /// Force and moment at the centre of mass in units of the weight: forces up to `1.2 m g`, moments up to `0.05 m m g`.

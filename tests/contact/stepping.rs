@@ -9,7 +9,7 @@ use stiction::contact::methods::lcp::LcpParameters;
 use stiction::contact::methods::method::{self, Parameters, Question};
 use stiction::contact::methods::ncp::NcpParameters;
 use stiction::contact::model::problem::Problem;
-use stiction::contact::search::candidate::Solution;
+use stiction::contact::model::solution::Solution;
 use stiction::contact::search::select::Selection;
 
 /// One answer, starting from nothing.

@@ -6,7 +6,7 @@ use crate::analytic::support::{root, simulation};
 use crate::identities::allocations::count;
 use crate::identities::random_tree::Random;
 use nalgebra::{UnitQuaternion, Vector3};
-use stiction::dynamics::{State, Workspace, body, force, kinematics, rnea};
+use stiction::dynamics::{State, Workspace, body, kinematics, link_force, rnea};
 use stiction::geometry::Plane;
 use stiction::robot::{DriveMode, Model, SoleId, load};
 use stiction::task::balance::force_balance::{ForceBalance, Gains, Settings};
@@ -74,7 +74,7 @@ fn unbalanced(model: &Model, state: &State, task: &ForceBalance, command: &Comma
     rnea::bias(model, &mut ws, &GRAVITY);
     let mut rest = ws.bias.clone();
     for (hold, f) in task.stance().footholds.iter().zip(task.forces()) {
-        force::accumulate(&ws, model.soles[hold.sole.0].link, &hold.point, &-f, &Vector3::zeros(), &mut rest);
+        link_force::accumulate(&ws, model.soles[hold.sole.0].link, &hold.point, &-f, &Vector3::zeros(), &mut rest);
     }
     for (j, joint) in model.joints.iter().enumerate() {
         let rest = &mut rest[model.nb() + j];

@@ -6,7 +6,9 @@ use super::random_tree::{Random, state, tree};
 use nalgebra::{Matrix3, Vector3};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use stiction::dynamics::{self, Reduced, Workspace, aba, body, factor, force, jacobian, kinematics, reduced, rnea};
+use stiction::dynamics::{
+    self, Reduced, Workspace, aba, body, factor, jacobian, kinematics, link_force, reduced, rnea,
+};
 use stiction::robot::{Base, LinkId};
 
 thread_local! {
@@ -90,7 +92,7 @@ fn dynamics_allocates_nothing_after_the_workspace() {
             reduced::assemble(&model, &ws, &Matrix3::identity(), &tau, &mut problem);
             reduced::apply(&model, &ws, &mut problem, &wrench, &mut vdot);
             kinematics::accelerations(&model, &mut ws, &vdot);
-            force::accumulate(&ws, link, &point, &point, &point, &mut x);
+            link_force::accumulate(&ws, link, &point, &point, &point, &mut x);
             jacobian::frame(&ws, link, &point, &mut frame);
             jacobian::center_of_mass(&ws, &mut com);
             std::hint::black_box((jacobian::point_acceleration(&ws, link, &point), body::momentum(&ws)));

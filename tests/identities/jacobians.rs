@@ -3,7 +3,7 @@
 use super::numeric::{GRAVITY, along, assert_near, prepared};
 use super::random_tree::{Random, samples};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use stiction::dynamics::{State, Workspace, body, force, jacobian, kinematics};
+use stiction::dynamics::{State, Workspace, body, jacobian, kinematics, link_force};
 use stiction::robot::{LinkId, Model};
 
 /// A link and a point fixed in it (internal frame).
@@ -61,7 +61,7 @@ fn point_velocity_is_jacobian_times_v_and_force_is_its_transpose() {
         let (f, n) = (r.vector(10.0), r.vector(10.0));
         let before = r.list(model.nv(), 1.0);
         let mut tau = before.clone();
-        force::accumulate(&ws, link, &point, &f, &n, &mut tau);
+        link_force::accumulate(&ws, link, &point, &f, &n, &mut tau);
         let wrench = DVector::from_iterator(6, f.iter().chain(n.iter()).copied());
         let truth = j.transpose() * wrench + DVector::from_vec(before);
         assert_near("J^T (f, n)", &tau, truth.as_slice(), 1e-13);

@@ -4,7 +4,7 @@
 
 use serde::Deserialize;
 use std::collections::BTreeSet;
-use stiction::contact::model::frozen::{Answer, Frozen};
+use stiction::contact::selection_record::{Answer, SelectionRecord};
 
 #[derive(Deserialize)]
 struct Oracle {
@@ -19,7 +19,7 @@ struct Problem {
     residual: f64,
     /// Sole wrenches by ADMM, 6F.
     wrench: Vec<f64>,
-    selection: Frozen,
+    selection: SelectionRecord,
 }
 
 fn oracles() -> [Oracle; 2] {

@@ -2,7 +2,7 @@
 
 use crate::analytic::support::simulation;
 use std::sync::atomic::AtomicBool;
-use stiction::contact::model::frozen::{Answer, Frozen};
+use stiction::contact::selection_record::{Answer, SelectionRecord};
 use stiction::log::{MAX_PROBLEMS, ProblemRecord, ProblemWriter};
 use stiction::sim::{Observer, Outcome, Problems, SimEvent, Snapshot};
 
@@ -19,14 +19,14 @@ impl Observer for Keep {
     fn problems(&self) -> Problems {
         self.0
     }
-    fn problem(&mut self, frozen: &Frozen) -> Result<(), String> {
+    fn problem(&mut self, frozen: &SelectionRecord) -> Result<(), String> {
         self.1.push(serde_json::to_string(frozen).map_err(|e| e.to_string())?);
         Ok(())
     }
 }
 
 /// The problems of a run, and its counts of selections and of inconsistent ones.
-fn problems(text: &str, which: Problems) -> (Vec<Frozen>, u64, u64) {
+fn problems(text: &str, which: Problems) -> (Vec<SelectionRecord>, u64, u64) {
     let mut keep = Keep(which, vec![]);
     let mut sim = simulation(text);
     let (outcome, message) = sim.run(&mut keep, &AtomicBool::new(false));

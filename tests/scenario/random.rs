@@ -47,7 +47,7 @@ fn what_is_drawn_is_what_is_run() {
 
 #[test]
 fn the_same_seed_draws_the_same_for_ever() {
-    // Frozen: results are found again by keys that hang on these numbers.
+    // SelectionRecord: results are found again by keys that hang on these numbers.
     let frozen: [(&str, [[f64; 4]; 3]); 3] = [
         (
             "random",

@@ -20,10 +20,10 @@
 //! down sticks if it is slower than v_t.
 
 use crate::contact::model::problem::{Problem, SoleProblem, Tolerances};
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
-use crate::contact::search::candidate::Solution;
-use crate::contact::search::implicit::Onset;
 use crate::contact::search::judge::{self, carried, margin};
+use crate::contact::search::sliding_directions::Onset;
 
 /// What one vertex wants.
 #[derive(Clone, Copy, PartialEq, Debug)]

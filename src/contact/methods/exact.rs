@@ -3,8 +3,8 @@
 
 use crate::contact::methods::method::{Manner, Method, Question};
 use crate::contact::model::problem::Problem;
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
-use crate::contact::search::candidate::Solution;
 use crate::contact::search::select::{Selection, Selector, first_mode};
 
 /// See the module.

@@ -30,10 +30,10 @@ use crate::contact::methods::method::{Manner, Method, Question};
 use crate::contact::methods::ncp::{Sweeps, plain};
 use crate::contact::methods::points::Points;
 use crate::contact::model::problem::Problem;
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
-use crate::contact::search::candidate::Solution;
 use crate::contact::search::select::Selection;
-use crate::linalg::lemke::{End, Lemke};
+use crate::linalg::lemke::{Lemke, LemkeOutcome};
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -106,7 +106,7 @@ impl Lcp {
             let (end, _) = self.lemke.solve(&mut self.z[..n], tie);
             self.read(unit);
             self.points.deliver(p, &self.impulses[..count], out);
-            consistent = end == End::Solved && self.miss(out, load, fastest) <= MISSED * fastest;
+            consistent = end == LemkeOutcome::Solved && self.miss(out, load, fastest) <= MISSED * fastest;
             if consistent {
                 break;
             }

@@ -30,8 +30,8 @@
 use crate::contact::methods::method::{Manner, Method, Question};
 use crate::contact::methods::points::Points;
 use crate::contact::model::problem::Problem;
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, States};
-use crate::contact::search::candidate::Solution;
 use crate::contact::search::judge::{Faults, Verdict};
 use crate::contact::search::select::Selection;
 use nalgebra::Vector3;

@@ -4,8 +4,9 @@
 use crate::contact::methods::decision;
 use crate::contact::methods::method::{Manner, Method, Question};
 use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{SoleState, States};
-use crate::contact::search::candidate::{Kernel, Solution, share_static};
+use crate::contact::search::candidate::{Kernel, share_static};
 use crate::contact::search::judge::judge;
 use crate::contact::search::select::Selection;
 

@@ -12,8 +12,9 @@
 
 use crate::contact::methods::exact::covering;
 use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, SoleState, States};
-use crate::contact::search::candidate::{Solution, wrench_at};
+use crate::contact::search::candidate::wrench_at;
 use crate::contact::search::judge::TOUCHING;
 use nalgebra::{Matrix3, Vector3};
 

@@ -1,9 +1,9 @@
 //! The contact problem and what its solutions must satisfy: states, the reduced problem, friction limits, residuals.
 
-pub mod capacity;
-pub mod frozen;
-pub mod group;
+pub mod friction_capacity;
 pub mod pressure;
 pub mod problem;
 pub mod residual;
+pub mod sole_group;
+pub mod solution;
 pub mod state;

@@ -94,7 +94,7 @@ mod tests {
                 .collect(),
             radius: 2f64.sqrt(),
             body: 0,
-            place: Vector3::zeros(),
+            position: Vector3::zeros(),
             target: Vector3::zeros(),
         }
     }

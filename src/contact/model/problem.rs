@@ -91,7 +91,7 @@ pub struct SoleProblem {
     /// The body it belongs to: soles of one body keep their places to each other.
     pub body: usize,
     /// Reference point relative to the floor's origin, floor axes, m.
-    pub place: Vector3<f64>,
+    pub position: Vector3<f64>,
     /// Motion wanted along clamped normals: of the reference point, and about x and y (restitution, gap closing).
     pub target: Vector3<f64>,
 }
@@ -136,7 +136,7 @@ impl Problem {
                     vertices: vec![Vertex::default(); k],
                     radius: 1.0,
                     body: s,
-                    place: Vector3::zeros(),
+                    position: Vector3::zeros(),
                     target: Vector3::zeros(),
                 })
                 .collect(),

@@ -11,13 +11,13 @@
 //!
 //! with N and t the normal and tangential force, v the sliding velocity, gap the height of a vertex. How a static edge or
 //! face splits its tangential load is a rule, so there the resultant is judged, by the exact capacity of
-//! [`crate::contact::model::capacity`]. Nothing here asks a solver how well it did.
+//! [`crate::contact::model::friction_capacity`]. Nothing here asks a solver how well it did.
 
-use crate::contact::model::capacity;
-use crate::contact::model::group;
+use crate::contact::model::friction_capacity;
 use crate::contact::model::problem::{Problem, SoleProblem, Vertex};
+use crate::contact::model::sole_group;
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
-use crate::contact::search::candidate::Solution;
 use nalgebra::{Vector2, Vector3};
 
 /// What the contact laws miss at one instant, greatest over all vertices and soles.
@@ -70,11 +70,11 @@ pub fn evaluate(p: &Problem, states: &States, solution: &Solution) -> Residual {
         for (i, v) in sole.vertices.iter().enumerate() {
             r.vertex(v, normal[i], &tangent[i], role(states[s], i, sole.vertices.len()));
         }
-        if group::is_shared(p, states, s)
-            && let Some(joint) = group::joint(p, states, s, solution)
+        if sole_group::is_shared(p, states, s)
+            && let Some(group) = sole_group::group_margin(p, states, s, solution)
         {
             // Soles of one body hold together or not at all.
-            r.cone_excess = r.cone_excess.max(-joint.margin);
+            r.cone_excess = r.cone_excess.max(-group.margin);
         } else if states[s].is_static() {
             r.cone_excess = r.cone_excess.max(-static_margin(sole, states[s].pattern, normal, tangent, wrench));
         }
@@ -139,22 +139,22 @@ fn static_margin(
     let carries = |i: usize| sole.vertices[i].mu_s * normal[i].max(0.0);
     match pattern {
         Pattern::Free => 0.0,
-        Pattern::Vertex(i) => capacity::vertex(carries(i as usize), &tangent[i as usize]),
+        Pattern::Vertex(i) => friction_capacity::vertex(carries(i as usize), &tangent[i as usize]),
         Pattern::Edge(i) => {
             let (i, j) = (i as usize, (i as usize + 1) % k);
             let along = (sole.vertices[j].r - sole.vertices[i].r).xy().normalize();
             let across = Vector2::new(-along.y, along.x);
             let side = [tangent[i].dot(&across), tangent[j].dot(&across)];
-            capacity::edge([carries(i), carries(j)], side, (tangent[i] + tangent[j]).dot(&along))
+            friction_capacity::edge([carries(i), carries(j)], side, (tangent[i] + tangent[j]).dot(&along))
         }
         Pattern::Face => {
             let mut points = [(0.0, Vector2::zeros()); 64];
             (0..k).for_each(|i| points[i] = (carries(i), sole.vertices[i].r.xy()));
             // The wrench acts; its split over the vertices need not exist when nothing presses them down.
             let (points, force) = (&points[..k], Vector2::new(wrench[0], wrench[1]));
-            match capacity::carries(points, tangent, &force, wrench[5], sole.radius) {
+            match friction_capacity::carries(points, tangent, &force, wrench[5], sole.radius) {
                 true => 0.0,
-                false => capacity::face(points, &force, wrench[5], sole.radius).0,
+                false => friction_capacity::face(points, &force, wrench[5], sole.radius).0,
             }
         }
     }

@@ -6,12 +6,13 @@
 //! velocity level the kernel's answer needs no anti-chatter band, so there an unclamped touching vertex must not
 //! approach at all beyond rounding.
 
-use crate::contact::model::capacity::{self, Slip};
-use crate::contact::model::group;
+use crate::contact::model::friction_capacity::{self, Slip};
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
+use crate::contact::model::sole_group;
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
-use crate::contact::search::candidate::{Solution, edge_load};
-use crate::contact::search::implicit::Onset;
+use crate::contact::search::candidate::edge_load;
+use crate::contact::search::sliding_directions::Onset;
 use nalgebra::{Vector2, Vector3};
 use std::cmp::Ordering;
 
@@ -223,24 +224,24 @@ pub fn margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Ma
         return m;
     }
     m.normal = normal_margin(p, state, s, solution);
-    if group::is_shared(p, states, s)
-        && let Some(joint) = group::joint(p, states, s, solution)
+    if sole_group::is_shared(p, states, s)
+        && let Some(group) = sole_group::group_margin(p, states, s, solution)
     {
-        m.friction = joint.margin / p.scale;
-        m.slip = joint.slip(p, s);
+        m.friction = group.margin / p.scale;
+        m.slip = group.slip(p, s);
         return m;
     }
     let capacity = |i: usize| sole.vertices[i].mu_s * n[i].max(0.0);
     m.friction = match (state.mode, state.pattern) {
         (Mode::Sliding, _) => f64::INFINITY,
-        (Mode::Pivoting(j), _) => capacity::vertex(capacity(j as usize), &t[j as usize]),
+        (Mode::Pivoting(j), _) => friction_capacity::vertex(capacity(j as usize), &t[j as usize]),
         (Mode::Static, Pattern::Vertex(i)) => {
             let t = &t[i as usize];
             let size = t.norm();
             if size > 0.0 {
                 m.slip = Vector3::new(-t.x / size, -t.y / size, 0.0);
             }
-            capacity::vertex(capacity(i as usize), t)
+            friction_capacity::vertex(capacity(i as usize), t)
         }
         (Mode::Static, Pattern::Edge(i)) => {
             let (i, j) = (i as usize, (i as usize + 1) % k);
@@ -251,12 +252,12 @@ pub fn margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Ma
             if size > 0.0 {
                 m.slip = Vector3::new(-pull.x / size, -pull.y / size, 0.0);
             }
-            capacity::edge([capacity(i), capacity(j)], side, along)
+            friction_capacity::edge([capacity(i), capacity(j)], side, along)
         }
         (Mode::Static, _) => {
             let mut points = [(0.0, Vector2::zeros()); 64];
             (0..k).for_each(|i| points[i] = (capacity(i), sole.vertices[i].r.xy()));
-            let (margin, slip) = capacity::face(&points[..k], &Vector2::new(w[0], w[1]), w[5], sole.radius);
+            let (margin, slip) = friction_capacity::face(&points[..k], &Vector2::new(w[0], w[1]), w[5], sole.radius);
             m.slip = -slip;
             margin
         }
@@ -293,8 +294,8 @@ pub fn carried(p: &Problem, states: &States, s: usize, solution: &Solution) -> b
     points.iter_mut().zip(vertices).for_each(|(point, (v, n))| *point = (v.mu_s * n.max(0.0), v.r.xy()));
     let points = &points[..sole.vertices.len()];
     states[s] == SoleState::fixed(Pattern::Face)
-        && !group::is_shared(p, states, s)
-        && capacity::carries(points, &solution.tangent[s], &Vector2::new(w[0], w[1]), w[5], sole.radius)
+        && !sole_group::is_shared(p, states, s)
+        && friction_capacity::carries(points, &solution.tangent[s], &Vector2::new(w[0], w[1]), w[5], sole.radius)
 }
 
 /// The directions in which the vertices of a sole give way whose friction load in `state` is at its limit. Vertices that
@@ -305,7 +306,7 @@ pub fn onset(p: &Problem, states: &States, s: usize, solution: &Solution, out: &
     let k = sole.vertices.len();
     let (n, t) = (&solution.normal[s], &solution.tangent[s]);
     out.vertices = 0;
-    let shared = group::is_shared(p, states, s);
+    let shared = sole_group::is_shared(p, states, s);
     match (state.mode, state.pattern) {
         (Mode::Sliding, _) | (_, Pattern::Free) => {}
         (Mode::Pivoting(j), _) => out.against(j as usize, &t[j as usize]),

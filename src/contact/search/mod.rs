@@ -1,7 +1,7 @@
 //! Search for a valid contact state: candidates, their validity, best-first order.
 
 pub mod candidate;
-pub mod implicit;
 pub mod judge;
+pub mod regularized_modes;
 pub mod select;
-pub mod settle;
+pub mod sliding_directions;

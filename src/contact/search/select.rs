@@ -3,15 +3,16 @@
 //! The search starts from the state that continuity suggests. Candidates wait in a priority queue ordered by
 //! [`Verdict::compare`]; the best is expanded by the local moves that its faults suggest, never the same candidate
 //! twice. It stops at the first valid candidate that none of its smaller neighbours beats. If the queue runs dry
-//! without one, the search is repeated over clamped patterns whose modes are solved for ([`crate::contact::search::settle`]), then with
+//! without one, the search is repeated over clamped patterns whose modes are solved for ([`crate::contact::search::regularized_modes`]), then with
 //! slow hops allowed, and at last all states of all soles are tried; if none is valid the least violating is returned and
 //! the selection says so.
 
 use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
-use crate::contact::search::candidate::{Kernel, Solution, share_static};
-use crate::contact::search::implicit::{self, Finder, Onset, Slips};
+use crate::contact::search::candidate::{Kernel, share_static};
 use crate::contact::search::judge::{Faults, Rules, SUSPECT_FRICTION, Verdict, judge, margin, onset};
+use crate::contact::search::sliding_directions::{self, DirectionFinder, Onset, Slips};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
 
@@ -24,7 +25,7 @@ struct Entry {
     verdict: Verdict,
     /// How its soles slip, for the directions to be found again.
     slips: Slips,
-    /// Were its directions sought from a settled start?
+    /// Were its directions sought from a unchanged start?
     guessed: bool,
     expanded: bool,
 }
@@ -46,7 +47,7 @@ pub struct Selection {
 #[derive(Clone, Debug)]
 pub struct Selector {
     kernel: Kernel,
-    finder: Finder,
+    finder: DirectionFinder,
     /// Slips to start from when directions are sought, beside those that the loads suggest.
     guess: Option<Slips>,
     /// How soles give way whose load an event has put at its limit.
@@ -61,7 +62,7 @@ impl Selector {
     pub fn new(p: &Problem) -> Self {
         Selector {
             kernel: Kernel::new(p),
-            finder: Finder::new(p),
+            finder: DirectionFinder::new(p),
             guess: None,
             onset: vec![Onset::default(); p.soles.len()],
             queue: Vec::with_capacity(1024),
@@ -78,10 +79,10 @@ impl Selector {
     pub fn test(&mut self, p: &mut Problem, states: &States, rules: &Rules, out: &mut Solution) -> Verdict {
         // A static load beyond its capacity tells in which direction it gives way.
         let mut hint = [Vector3::zeros(); MAX_SOLES];
-        if (0..p.soles.len()).any(|s| implicit::is_implicit(p, states, s)) {
+        if (0..p.soles.len()).any(|s| sliding_directions::is_implicit(p, states, s)) {
             let mut stuck = *states;
             (0..p.soles.len())
-                .filter(|&s| implicit::is_implicit(p, states, s))
+                .filter(|&s| sliding_directions::is_implicit(p, states, s))
                 .for_each(|s| stuck[s].mode = Mode::Static);
             self.kernel.solve(p, &stuck, out);
             share_static(p, &stuck, out);
@@ -96,14 +97,14 @@ impl Selector {
         judge(p, states, out, slides, rules)
     }
 
-    /// Selects the states. `start` is tried first; unless `settled` (nothing happened since it was chosen), smaller
+    /// Selects the states. `start` is tried first; unless `unchanged` (nothing happened since it was chosen), smaller
     /// neighbours of a valid candidate are tried too. `out` holds the solution of the states before. `allowed` restricts
     /// the states of each sole (forced states).
     pub fn select(
         &mut self,
         p: &mut Problem,
         start: &States,
-        settled: bool,
+        unchanged: bool,
         rules: &Rules,
         allowed: &dyn Fn(usize, SoleState) -> bool,
         out: &mut Solution,
@@ -118,7 +119,7 @@ impl Selector {
         }
         let (mut tested, mut hops) = (0, rules.hops);
         self.push(p, start, rules, &mut tested, out);
-        self.explore(p, settled, false, rules, allowed, &mut tested, out);
+        self.explore(p, unchanged, false, rules, allowed, &mut tested, out);
         let mut best = self.best();
         if !best.verdict.valid() {
             // Again from the best, patterns only: what sticks and what slips is then solved for.
@@ -161,7 +162,7 @@ impl Selector {
     fn explore(
         &mut self,
         p: &mut Problem,
-        settled: bool,
+        unchanged: bool,
         completing: bool,
         rules: &Rules,
         allowed: &dyn Fn(usize, SoleState) -> bool,
@@ -179,7 +180,7 @@ impl Selector {
                 break;
             }
             self.queue[best].expanded = true;
-            if entry.verdict.valid() && settled {
+            if entry.verdict.valid() && unchanged {
                 break;
             }
             for s in 0..p.soles.len() {
@@ -228,14 +229,14 @@ impl Selector {
         }
         self.patterns.push(patterns);
         *tested += 1;
-        let Some(settled) = self.finder.settle(&mut self.kernel, p, &patterns, out) else { return };
+        let Some(regularized) = self.finder.regularized_modes(&mut self.kernel, p, &patterns, out) else { return };
         // A slip that has hardly begun can be told from viscous creep only by trying.
         for threshold in [10.0, 1e3, 1e6] {
-            let states = settled.modes(p, threshold);
+            let states = regularized.modes(p, threshold);
             if (0..p.soles.len()).all(|s| allowed(s, states[s])) {
                 // What failed before for want of a good start is tried once more.
                 self.queue.retain(|e| e.states != states || e.verdict.valid() || e.guessed);
-                self.guess = Some(settled.slips);
+                self.guess = Some(regularized.slips);
                 self.push(p, &states, rules, tested, out);
                 self.guess = None;
             }
@@ -252,7 +253,7 @@ impl Selector {
         }
         let verdict = self.test(p, states, rules, out);
         *tested += 1;
-        let slips = implicit::slips(p, states, &out.motion);
+        let slips = sliding_directions::slips(p, states, &out.motion);
         let guessed = self.guess.is_some();
         self.queue.push(Entry { states: *states, verdict, slips, guessed, expanded: false });
     }

@@ -86,7 +86,7 @@ impl Inertial {
             frame.position += frame.velocity * dt + a * (0.5 * dt * dt);
             frame.velocity += a * dt;
         }
-        self.imu.base(model, out, &self.frame).put_base(out);
+        self.imu.base(model, out, &self.frame).write_base(out);
         if !self.by_soles {
             return;
         }

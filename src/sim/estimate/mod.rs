@@ -84,7 +84,7 @@ impl Estimator {
         let dt = sensed.time - self.state.time;
         let first = !std::mem::replace(&mut self.started, true);
         if let Some(base) = sensed.base.filter(|_| first || !self.estimates()) {
-            base.put_base(&mut self.state);
+            base.write_base(&mut self.state);
         }
         self.state.time = sensed.time;
         self.state.joints.copy_from_slice(&sensed.position);

@@ -67,7 +67,7 @@ fn problem(sole: &Sole) -> SoleProblem {
         vertices: vec![Vertex::default(); sole.vertices.len()],
         radius: if reach > 0.0 { reach } else { 1.0 },
         body: sole.link.0,
-        place: Vector3::zeros(),
+        position: Vector3::zeros(),
         target: Vector3::zeros(),
     }
 }

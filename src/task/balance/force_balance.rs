@@ -25,7 +25,7 @@ use super::distribution::{Distribution, Measure, Wrench};
 use super::null_space_motion::NullSpaceMotion;
 use super::reference_trajectory::ReferenceTrajectory;
 use super::stance::{Stance, turn_to, upwards};
-use crate::dynamics::{Workspace, body, crba, force, jacobian, kinematics};
+use crate::dynamics::{Workspace, body, crba, jacobian, kinematics, link_force};
 use crate::robot::{DriveMode, JointId, LinkId, Model, SoleId};
 use crate::task::{Command, Context, Needs, PointOfInterest, Status, Task, TaskResult, has_elapsed};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -213,7 +213,7 @@ impl ForceBalance {
         }
         for (hold, f) in self.stance.footholds.iter().zip(self.split.forces()) {
             let link = context.model.soles[hold.sole.0].link;
-            force::accumulate(&data.workspace, link, &hold.point, &-f, &Vector3::zeros(), &mut self.effort);
+            link_force::accumulate(&data.workspace, link, &hold.point, &-f, &Vector3::zeros(), &mut self.effort);
         }
     }
 

@@ -16,7 +16,8 @@
 
 use crate::contact::methods::penalty::PenaltyParameters;
 use crate::contact::model::problem::{Problem, Vertex};
-use crate::contact::search::candidate::{Solution, wrench_at};
+use crate::contact::model::solution::Solution;
+use crate::contact::search::candidate::wrench_at;
 use crate::linalg::linear::Linear;
 use nalgebra::{Matrix2, Matrix3, Vector3};
 

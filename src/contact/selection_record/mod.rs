@@ -1,12 +1,12 @@
 //! A selection frozen: the contact problem as it was posed, before the choice turned any direction, and the answer, as
-//! plain numbers that JSON carries bit for bit. [`Frozen::replay`] chooses again from nothing but these.
+//! plain numbers that JSON carries bit for bit. [`SelectionRecord::replay`] chooses again from nothing but these.
 //!
 //! Axes are the floor's (z the normal). See [`crate::contact::model::problem`] for the equation `m = b + W w` and the order of its rows.
 //!
 //! `freeze` makes it, `thaw` brings it back; here is its shape.
 
-mod freeze;
-mod thaw;
+mod deserialize;
+mod serialize;
 
 use crate::contact::methods::method::Parameters;
 use crate::contact::model::state::{Mode, SoleState};
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// A selection: what was asked, of whom, and what was answered.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Frozen {
+pub struct SelectionRecord {
     /// Simulated time, s.
     pub time_s: f64,
     /// The contact method asked.
@@ -26,7 +26,7 @@ pub struct Frozen {
     /// Units of the numbers whose names do not say them.
     pub units: Units,
     /// `acceleration`: motions are accelerations, wrenches forces. `velocity`: velocities after, impulses.
-    pub level: Word,
+    pub level: LevelName,
     /// Did anything happen since the previous states were chosen?
     pub event: bool,
     /// What a force is small against, [`Problem::scale`](crate::contact::model::problem::Problem::scale).
@@ -40,9 +40,9 @@ pub struct Frozen {
     /// b, 6F: the motions without contact.
     pub b: Vec<f64>,
     /// The scenario's tolerances as they stood in the selection.
-    pub tolerances: FrozenTolerances,
+    pub tolerances: ToleranceRecord,
     /// The soles.
-    pub soles: Vec<FrozenSole>,
+    pub soles: Vec<SoleRecord>,
     /// What was chosen.
     pub answer: Answer,
 }
@@ -50,7 +50,7 @@ pub struct Frozen {
 /// [`Level`](crate::contact::model::problem::Level) as a word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Word {
+pub enum LevelName {
     /// Accelerations and forces.
     Acceleration,
     /// Velocities and impulses.
@@ -74,7 +74,7 @@ pub struct Units {
 /// [`Tolerances`](crate::contact::model::problem::Tolerances).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FrozenTolerances {
+pub struct ToleranceRecord {
     /// d.
     pub distance_m: f64,
     /// v_t.
@@ -88,7 +88,7 @@ pub struct FrozenTolerances {
 /// One sole before the choice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FrozenSole {
+pub struct SoleRecord {
     /// Name in the robot file.
     pub name: String,
     /// Reference point of motion, wrench and vertices, relative to the floor's origin.
@@ -113,13 +113,13 @@ pub struct FrozenSole {
     /// Wrench of the last known solution (forces), which the one-step method decides by.
     pub last_wrench: Vec<f64>,
     /// Its vertices in order around the polygon.
-    pub vertices: Vec<FrozenVertex>,
+    pub vertices: Vec<VertexRecord>,
 }
 
 /// One vertex before the choice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FrozenVertex {
+pub struct VertexRecord {
     /// Position from the sole's reference point.
     pub r_m: [f64; 3],
     /// Centripetal term, added to the motion of the vertex.
@@ -182,7 +182,7 @@ pub struct Violations {
 
 /// Why a frozen problem cannot be thawed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum FrozenError {
+pub enum SelectionRecordError {
     /// A list has another length than the soles need.
     #[error("`{what}` has {found} numbers, {wanted} are wanted")]
     Length {

@@ -10,11 +10,12 @@
 //! candidate's conditions still held.
 //!
 //! Where one vertex alone has an open direction that is an angle, and all angles are looked over.
-//! Which vertices stick and which slip is found by [`crate::contact::search::settle`].
+//! Which vertices stick and which slip is found by [`crate::contact::search::regularized_modes`].
 
 use crate::contact::model::problem::Problem;
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, Mode, States};
-use crate::contact::search::candidate::{Kernel, Solution, wrench_at};
+use crate::contact::search::candidate::{Kernel, wrench_at};
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 
@@ -23,7 +24,7 @@ pub type Slips = [Vector3<f64>; MAX_SOLES];
 
 /// Slip, relative to the frictionless motion, up to which a load at its limit is taken not to accelerate yet: what is left
 /// after its event has been located.
-const LIMIT: f64 = 1e-7;
+const ONSET_SLIP: f64 = 1e-7;
 
 /// Slip of a vertex, relative to that of its sole, below which it stands still.
 const STILL: f64 = 1e-14;
@@ -63,17 +64,17 @@ impl Onset {
 
 /// The search for implicit directions, with its scratch.
 #[derive(Clone, Debug)]
-pub struct Finder {
+pub struct DirectionFinder {
     linear: Linear,
     jacobian: Vec<f64>,
     motion: Vec<f64>,
 }
 
-impl Finder {
+impl DirectionFinder {
     /// For problems of this size.
     pub fn new(p: &Problem) -> Self {
         let n = 3 * p.soles.len();
-        Finder { linear: Linear::new(n), jacobian: vec![0.0; n * n], motion: vec![0.0; p.dim()] }
+        DirectionFinder { linear: Linear::new(n), jacobian: vec![0.0; n * n], motion: vec![0.0; p.dim()] }
     }
 
     /// Solves a candidate, finding the implicit directions, which are left in the problem. `hints` are first guesses of
@@ -122,7 +123,7 @@ impl Finder {
         let mut still = true;
         for (s, taken) in taken.iter().enumerate().take(p.soles.len()) {
             for i in (0..p.soles[s].vertices.len()).filter(|i| taken >> i & 1 == 1) {
-                still &= p.vertex_motion(&out.motion, s, i).xy().norm() <= LIMIT * drive;
+                still &= p.vertex_motion(&out.motion, s, i).xy().norm() <= ONSET_SLIP * drive;
                 p.soles[s].vertices[i].moving = false;
             }
         }
@@ -151,18 +152,26 @@ impl Finder {
         let which = &which[..count];
         // Without friction on the implicit vertices: the drive, and a first guess.
         let zero = [Vector3::zeros(); MAX_SOLES];
-        point(p, states, which, &MEANS, &zero, 0.0);
+        set_directions(p, states, which, &MEANS, &zero, 0.0);
         kernel.solve(p, states, out);
-        let places = places(p, states, which);
-        let drive = read(p, states, which, &places, &out.motion, true);
-        let mut search =
-            Search { finder: self, kernel, p, states, which, places, drive: norm(which, &drive), viscosity: 0.0 };
+        let points = slip_points(p, states, which);
+        let drive = read_slips(p, states, which, &points, &out.motion, true);
+        let mut search = DirectionSearch {
+            finder: self,
+            kernel,
+            p,
+            states,
+            which,
+            points,
+            drive: norm(which, &drive),
+            viscosity: 0.0,
+        };
         if search.drive == 0.0 {
             return false;
         }
         let rounds = 12;
         for hint in hints {
-            let guess = moved(search.p, states, which, &places, hint);
+            let guess = shift_slips(search.p, states, which, &points, hint);
             if norm(which, &guess) > 0.0 && search.iterate(guess, rounds, out) {
                 return true;
             }
@@ -174,11 +183,11 @@ impl Finder {
             if let Mode::Pivoting(j) = states[s].mode {
                 // About a pivot only the sense of rotation is open.
                 let radius = search.p.soles[s].radius;
-                let r = search.p.soles[s].vertices[j as usize].r - place(search.p, states, s, None).0;
+                let r = search.p.soles[s].vertices[j as usize].r - slip_point(search.p, states, s, None).0;
                 for turn in [1.0, -1.0] {
                     let mut guess = zero;
                     guess[s] = Vector3::new(r.y * turn, -r.x * turn, turn * radius);
-                    let guess = moved(search.p, states, which, &places, &guess);
+                    let guess = shift_slips(search.p, states, which, &points, &guess);
                     if search.iterate(guess, rounds, out) {
                         return true;
                     }
@@ -187,7 +196,7 @@ impl Finder {
             let mut open = open_vertices(search.p, states, s);
             if let (Some(i), None) = (open.next(), open.next()) {
                 drop(open);
-                return search.swing(s, i, out);
+                return search.scan_angles(s, i, out);
             }
         }
         false
@@ -204,38 +213,38 @@ pub(super) fn open_vertices<'a>(p: &'a Problem, states: &'a States, s: usize) ->
 }
 
 /// One candidate whose directions are sought.
-pub(super) struct Search<'a> {
-    pub(super) finder: &'a mut Finder,
+pub(super) struct DirectionSearch<'a> {
+    pub(super) finder: &'a mut DirectionFinder,
     pub(super) kernel: &'a mut Kernel,
     pub(super) p: &'a mut Problem,
     pub(super) states: &'a States,
     /// Soles with open directions.
     pub(super) which: &'a [usize],
     /// Where their slips are taken.
-    pub(super) places: Places,
+    pub(super) points: SlipPoints,
     /// Size of the slips without friction.
     pub(super) drive: f64,
     /// e of the module comment.
     pub(super) viscosity: f64,
 }
 
-impl Search<'_> {
+impl DirectionSearch<'_> {
     /// The candidate solve with directions from `slips`: G of the module comment.
     pub(super) fn evaluate(&mut self, slips: &Slips, out: &mut Solution) -> Slips {
-        point(self.p, self.states, self.which, &self.places, slips, self.viscosity);
+        set_directions(self.p, self.states, self.which, &self.points, slips, self.viscosity);
         self.kernel.solve(self.p, self.states, out);
-        read(self.p, self.states, self.which, &self.places, &out.motion, true)
+        read_slips(self.p, self.states, self.which, &self.points, &out.motion, true)
     }
 
     /// One open direction, that of vertex `i`: finds the angles at which it opposes the motion that results, and takes
     /// the first (from the direction +x) with a pushing floor.
-    fn swing(&mut self, s: usize, i: usize, out: &mut Solution) -> bool {
+    fn scan_angles(&mut self, s: usize, i: usize, out: &mut Solution) -> bool {
         const STEPS: usize = 48;
         let mut across = |search: &mut Self, angle: f64| {
             let mut slips = [Vector3::zeros(); MAX_SOLES];
             slips[s] = Vector3::new(angle.cos(), angle.sin(), 0.0);
             let image = search.evaluate(&slips, out);
-            let (centre, sole) = (place(search.p, search.states, s, search.places[s]).0, &search.p.soles[s]);
+            let (centre, sole) = (slip_point(search.p, search.states, s, search.points[s]).0, &search.p.soles[s]);
             let t = tangential(&image[s], &sole.vertices[i].r, &centre, sole.radius);
             let u = slips[s].xy();
             (u.perp(&t), u.dot(&t) > 0.0 && out.normal[s][i] >= 0.0)
@@ -267,7 +276,7 @@ impl Search<'_> {
     fn iterate(&mut self, mut slips: Slips, rounds: usize, out: &mut Solution) -> bool {
         let mut image = self.evaluate(&slips, out);
         // A load at the very limit of its capacity does not accelerate yet; the directions are then those of the guess.
-        if norm(self.which, &image) <= 0.01 * LIMIT * self.drive {
+        if norm(self.which, &image) <= 0.01 * ONSET_SLIP * self.drive {
             return true;
         }
         for round in 0..rounds {
@@ -303,8 +312,8 @@ impl Search<'_> {
             let mut trial = *slips;
             self.which.iter().for_each(|&s| trial[s] -= step[s] * t);
             let trial_image = self.evaluate(&trial, out);
-            let wanted = if share < 1.0 { share } else { 1.0 - 1e-4 * t };
-            if norm(self.which, &subtract(self.which, &trial, &trial_image)) < size * wanted {
+            let target = if share < 1.0 { share } else { 1.0 - 1e-4 * t };
+            if norm(self.which, &subtract(self.which, &trial, &trial_image)) < size * target {
                 (*slips, *image) = (trial, trial_image);
                 return true;
             }
@@ -320,7 +329,7 @@ impl Search<'_> {
     /// After convergence: every implicit vertex really moves along its direction (or not at all).
     fn opposes(&self, slips: &Slips) -> bool {
         self.which.iter().all(|&s| {
-            let centre = place(self.p, self.states, s, self.places[s]).0;
+            let centre = slip_point(self.p, self.states, s, self.points[s]).0;
             let sole = &self.p.soles[s];
             open_vertices(self.p, self.states, s).all(|i| {
                 let v = &sole.vertices[i];
@@ -335,7 +344,7 @@ impl Search<'_> {
         let n = 3 * self.which.len();
         let a = &mut self.finder.jacobian[..n * n];
         for (c, &s) in self.which.iter().enumerate() {
-            let centre = place(self.p, self.states, s, self.places[s]).0;
+            let centre = slip_point(self.p, self.states, s, self.points[s]).0;
             let sole = &self.p.soles[s];
             for axis in 0..3 {
                 let mut unit = Vector3::zeros();
@@ -356,7 +365,7 @@ impl Search<'_> {
                     six.iter_mut().zip(more).for_each(|(x, y)| *x += y);
                 }
                 self.kernel.answer(self.p, s, &six, &mut self.finder.motion);
-                let change = read(self.p, self.states, self.which, &self.places, &self.finder.motion, false);
+                let change = read_slips(self.p, self.states, self.which, &self.points, &self.finder.motion, false);
                 for (r, &t) in self.which.iter().enumerate() {
                     for row in 0..3 {
                         let identity = f64::from(u8::from(s == t && axis == row));
@@ -391,28 +400,28 @@ pub(super) fn subtract(which: &[usize], a: &Slips, b: &Slips) -> Slips {
 /// Where the slip of each sole is taken: at the mean of its clamped vertices, or at one of them. Motions of other points
 /// contain rotations that the pattern leaves free and that no friction opposes. A vertex that hardly moves while its sole
 /// turns must be the place itself, or its motion would drown in the rounding of the others'.
-pub type Places = [Option<u8>; MAX_SOLES];
+pub type SlipPoints = [Option<u8>; MAX_SOLES];
 
 /// The mean for all soles.
-pub(super) const MEANS: Places = [None; MAX_SOLES];
+pub(super) const MEANS: SlipPoints = [None; MAX_SOLES];
 
-/// The places for a candidate: a vertex that alone has an open direction, or the mean.
-fn places(p: &Problem, states: &States, which: &[usize]) -> Places {
-    let mut places = MEANS;
+/// The points for a candidate: a vertex that alone has an open direction, or the mean.
+fn slip_points(p: &Problem, states: &States, which: &[usize]) -> SlipPoints {
+    let mut points = MEANS;
     for &s in which {
         let mut open = open_vertices(p, states, s);
         if let (Some(i), None) = (open.next(), open.next()) {
-            places[s] = Some(i as u8);
+            points[s] = Some(i as u8);
         }
     }
-    places
+    points
 }
 
-/// Slips taken at the means, as they are at `places`.
-fn moved(p: &Problem, states: &States, which: &[usize], places: &Places, slips: &Slips) -> Slips {
+/// Slips taken at the means, as they are at `points`.
+fn shift_slips(p: &Problem, states: &States, which: &[usize], points: &SlipPoints, slips: &Slips) -> Slips {
     let mut moved = *slips;
     for &s in which.iter().filter(|&&s| slips[s] != Vector3::zeros()) {
-        let (from, to) = (place(p, states, s, None), place(p, states, s, places[s]));
+        let (from, to) = (slip_point(p, states, s, None), slip_point(p, states, s, points[s]));
         let t = tangential(&slips[s], &to.0, &from.0, p.soles[s].radius) + (to.1 - from.1).xy();
         moved[s] = Vector3::new(t.x, t.y, slips[s].z);
     }
@@ -420,9 +429,9 @@ fn moved(p: &Problem, states: &States, which: &[usize], places: &Places, slips: 
 }
 
 /// Position of a place relative to the reference point, and its centripetal term.
-pub(super) fn place(p: &Problem, states: &States, s: usize, place: Option<u8>) -> (Vector3<f64>, Vector3<f64>) {
+pub(super) fn slip_point(p: &Problem, states: &States, s: usize, at: Option<u8>) -> (Vector3<f64>, Vector3<f64>) {
     let sole = &p.soles[s];
-    if let Some(i) = place {
+    if let Some(i) = at {
         let v = &sole.vertices[i as usize];
         return (v.r, v.bias);
     }
@@ -450,15 +459,15 @@ pub fn slips(p: &Problem, states: &States, motion: &[f64]) -> Slips {
         which[count] = s;
         count += 1;
     }
-    read(p, states, &which[..count], &MEANS, motion, true)
+    read_slips(p, states, &which[..count], &MEANS, motion, true)
 }
 
 /// Slips of sole motions (6F); of changes of motion when `whole` is false, which have no centripetal part.
-pub(super) fn read(
+pub(super) fn read_slips(
     p: &Problem,
     states: &States,
     which: &[usize],
-    places: &Places,
+    points: &SlipPoints,
     motion: &[f64],
     whole: bool,
 ) -> Slips {
@@ -467,7 +476,7 @@ pub(super) fn read(
         let sole = &p.soles[s];
         let m = &motion[6 * s..6 * s + 6];
         let (linear, angular) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
-        let (at, bias) = place(p, states, s, places[s]);
+        let (at, bias) = slip_point(p, states, s, points[s]);
         let t = linear + angular.cross(&at) + if whole { bias } else { Vector3::zeros() };
         // A vertex turns freely.
         let turn = if states[s].normal_rows() > 1 { m[5] * sole.radius } else { 0.0 };
@@ -477,9 +486,16 @@ pub(super) fn read(
 }
 
 /// Sets the implicit directions from the slips; a vertex that stands still gets none.
-pub(super) fn point(p: &mut Problem, states: &States, which: &[usize], places: &Places, slips: &Slips, viscosity: f64) {
+pub(super) fn set_directions(
+    p: &mut Problem,
+    states: &States,
+    which: &[usize],
+    points: &SlipPoints,
+    slips: &Slips,
+    viscosity: f64,
+) {
     for &s in which {
-        let centre = place(p, states, s, places[s]).0;
+        let centre = slip_point(p, states, s, points[s]).0;
         let sole = &mut p.soles[s];
         let (k, radius) = (sole.vertices.len(), sole.radius);
         let slip = &slips[s];

@@ -1,14 +1,14 @@
 //! From a problem and a selection to plain numbers.
 
 use crate::contact::methods::method::{Parameters, Question};
-use crate::contact::model::frozen::{
-    Answer, Frozen, FrozenSole, FrozenTolerances, FrozenVertex, Units, Violations, Word, state_name,
-};
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Vertex};
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::SoleState;
-use crate::contact::search::candidate::Solution;
 use crate::contact::search::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL};
 use crate::contact::search::select::Selection;
+use crate::contact::selection_record::{
+    Answer, LevelName, SelectionRecord, SoleRecord, ToleranceRecord, Units, VertexRecord, Violations, state_name,
+};
 
 impl Units {
     fn at(level: Level) -> Self {
@@ -21,10 +21,10 @@ impl Units {
     }
 }
 
-impl Frozen {
+impl SelectionRecord {
     /// Freezes a problem before the method sees it; `last` is the last known solution. Names, reference points and the
     /// answer are left empty.
-    pub fn posed(
+    pub fn from_problem(
         time: f64,
         (method, parameters): (&str, &Parameters),
         p: &Problem,
@@ -33,7 +33,7 @@ impl Frozen {
         last: &Solution,
     ) -> Self {
         let (rules, tol) = (question.rules, &question.rules.tolerances);
-        let sole = |(s, sole): (usize, &SoleProblem)| FrozenSole {
+        let sole = |(s, sole): (usize, &SoleProblem)| SoleRecord {
             name: String::new(),
             reference_m: [0.0; 3],
             body: Some(sole.body),
@@ -44,23 +44,23 @@ impl Frozen {
             suspect_normal: rules.suspect[s] & SUSPECT_NORMAL != 0,
             suspect_friction: rules.suspect[s] & SUSPECT_FRICTION != 0,
             last_wrench: last.wrench[6 * s..6 * s + 6].to_vec(),
-            vertices: (0..sole.vertices.len()).map(|i| FrozenVertex::new(&sole.vertices[i], s, i, last)).collect(),
+            vertices: (0..sole.vertices.len()).map(|i| VertexRecord::new(&sole.vertices[i], s, i, last)).collect(),
         };
-        Frozen {
+        SelectionRecord {
             time_s: time,
             method: method.to_owned(),
             parameters: *parameters,
             units: Units::at(p.level),
             level: match p.level {
-                Level::Acceleration => Word::Acceleration,
-                Level::Velocity => Word::Velocity,
+                Level::Acceleration => LevelName::Acceleration,
+                Level::Velocity => LevelName::Velocity,
             },
             event: question.event,
             scale: p.scale,
             step_s: p.step,
             w: p.w.clone(),
             b: p.b.clone(),
-            tolerances: FrozenTolerances {
+            tolerances: ToleranceRecord {
                 distance_m: tol.distance,
                 velocity_m_per_s: tol.velocity,
                 acceleration_m_per_s2: tol.acceleration,
@@ -81,14 +81,14 @@ impl Frozen {
     }
 
     /// Adds what the method answered.
-    pub fn answered(&mut self, selection: &Selection, solution: &Solution) {
+    pub fn set_answer(&mut self, selection: &Selection, solution: &Solution) {
         self.answer = Answer::new(self.soles.len(), selection, solution);
     }
 }
 
-impl FrozenVertex {
+impl VertexRecord {
     fn new(v: &Vertex, s: usize, i: usize, last: &Solution) -> Self {
-        FrozenVertex {
+        VertexRecord {
             r_m: v.r.into(),
             bias: v.bias.into(),
             height_m: v.height,

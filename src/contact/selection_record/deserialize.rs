@@ -1,44 +1,49 @@
 //! From plain numbers back to a problem, and to the choice made again.
 
 use crate::contact::methods::method::{self, Method, Question};
-use crate::contact::model::frozen::{Answer, Frozen, FrozenError, FrozenSole, FrozenVertex, Word, state_named};
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, SoleState, States};
-use crate::contact::search::candidate::Solution;
 use crate::contact::search::judge::{Rules, SUSPECT_FRICTION, SUSPECT_NORMAL};
 use crate::contact::search::select::Selection;
+use crate::contact::selection_record::{
+    Answer, LevelName, SelectionRecord, SelectionRecordError, SoleRecord, VertexRecord, state_named,
+};
 use nalgebra::{Vector2, Vector3};
 
-impl Frozen {
+impl SelectionRecord {
     /// The problem as it was posed.
     ///
     /// # Errors
     /// Lists of wrong length.
-    pub fn problem(&self) -> Result<Problem, FrozenError> {
+    pub fn problem(&self) -> Result<Problem, SelectionRecordError> {
         let n = 6 * self.soles.len();
         let length = |what, found, wanted| {
-            if found == wanted { Ok(()) } else { Err(FrozenError::Length { what, found, wanted }) }
+            if found == wanted { Ok(()) } else { Err(SelectionRecordError::Length { what, found, wanted }) }
         };
         length("W", self.w.len(), n * n)?;
         length("b", self.b.len(), n)?;
         if self.soles.len() > MAX_SOLES {
-            return Err(FrozenError::Size(format!("{} soles, at most {MAX_SOLES} are supported", self.soles.len())));
+            return Err(SelectionRecordError::Size(format!(
+                "{} soles, at most {MAX_SOLES} are supported",
+                self.soles.len()
+            )));
         }
         if let Some(s) = self.soles.iter().find(|s| s.vertices.is_empty() || s.vertices.len() > 64) {
             let message = format!("sole `{}` has {} vertices, 1 to 64 are supported", s.name, s.vertices.len());
-            return Err(FrozenError::Size(message));
+            return Err(SelectionRecordError::Size(message));
         }
-        let sole = |(i, s): (usize, &FrozenSole)| SoleProblem {
-            vertices: s.vertices.iter().map(FrozenVertex::thaw).collect(),
+        let sole = |(i, s): (usize, &SoleRecord)| SoleProblem {
+            vertices: s.vertices.iter().map(VertexRecord::to_vertex).collect(),
             radius: s.radius_m,
             body: s.body.unwrap_or(i),
-            place: s.reference_m.into(),
+            position: s.reference_m.into(),
             target: s.target.into(),
         };
         Ok(Problem {
             level: match self.level {
-                Word::Acceleration => Level::Acceleration,
-                Word::Velocity => Level::Velocity,
+                LevelName::Acceleration => Level::Acceleration,
+                LevelName::Velocity => Level::Velocity,
             },
             w: self.w.clone(),
             b: self.b.clone(),
@@ -52,7 +57,7 @@ impl Frozen {
     ///
     /// # Errors
     /// A state that is none.
-    pub fn rules(&self) -> Result<Rules, FrozenError> {
+    pub fn rules(&self) -> Result<Rules, SelectionRecordError> {
         let t = &self.tolerances;
         let mut rules = Rules {
             tolerances: Tolerances {
@@ -77,7 +82,7 @@ impl Frozen {
     ///
     /// # Errors
     /// A state that is none.
-    pub fn forced(&self) -> Result<[Option<SoleState>; MAX_SOLES], FrozenError> {
+    pub fn forced(&self) -> Result<[Option<SoleState>; MAX_SOLES], SelectionRecordError> {
         let mut forced = [None; MAX_SOLES];
         for (sole, forced) in self.soles.iter().zip(&mut forced) {
             *forced = sole.forced.as_ref().map(|word| sole.state(word)).transpose()?;
@@ -89,12 +94,12 @@ impl Frozen {
     ///
     /// # Errors
     /// Lists of wrong length.
-    pub fn last(&self) -> Result<Solution, FrozenError> {
+    pub fn last(&self) -> Result<Solution, SelectionRecordError> {
         let mut last = Solution::new(&self.problem()?);
         for (s, sole) in self.soles.iter().enumerate() {
             if sole.last_wrench.len() != 6 {
                 let found = sole.last_wrench.len();
-                return Err(FrozenError::Length { what: "last_wrench", found, wanted: 6 });
+                return Err(SelectionRecordError::Length { what: "last_wrench", found, wanted: 6 });
             }
             last.wrench[6 * s..6 * s + 6].copy_from_slice(&sole.last_wrench);
             for (i, v) in sole.vertices.iter().enumerate() {
@@ -110,10 +115,10 @@ impl Frozen {
     ///
     /// # Errors
     /// Whatever of the above is wrong, or a method that does not exist.
-    pub fn replay(&self) -> Result<Answer, FrozenError> {
+    pub fn replay(&self) -> Result<Answer, SelectionRecordError> {
         let (mut p, rules, forced, mut out) = (self.problem()?, self.rules()?, self.forced()?, self.last()?);
-        let mut method =
-            method::make(&self.method, &self.parameters, &p).ok_or_else(|| FrozenError::Method(self.method.clone()))?;
+        let mut method = method::make(&self.method, &self.parameters, &p)
+            .ok_or_else(|| SelectionRecordError::Method(self.method.clone()))?;
         let level = p.level;
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f| allows(level, f, state));
         let question = Question { rules: &rules, event: self.event, allowed: &allowed };
@@ -138,10 +143,10 @@ fn choose(method: &mut dyn Method, p: &mut Problem, question: &Question, out: &m
     }
 }
 
-impl FrozenSole {
-    fn state(&self, word: &str) -> Result<SoleState, FrozenError> {
+impl SoleRecord {
+    fn state(&self, word: &str) -> Result<SoleState, SelectionRecordError> {
         let vertices = self.vertices.len();
-        state_named(word, vertices).ok_or_else(|| FrozenError::State {
+        state_named(word, vertices).ok_or_else(|| SelectionRecordError::State {
             sole: self.name.clone(),
             vertices,
             word: word.to_owned(),
@@ -149,8 +154,8 @@ impl FrozenSole {
     }
 }
 
-impl FrozenVertex {
-    fn thaw(&self) -> Vertex {
+impl VertexRecord {
+    fn to_vertex(&self) -> Vertex {
         Vertex {
             r: Vector3::from(self.r_m),
             bias: Vector3::from(self.bias),

@@ -2,15 +2,15 @@
 //!
 //! How two or more sticking soles of one rigid body share their load is statically indeterminate, but whether they hold
 //! is not: they can only slip together. With their clamped vertices taken as one set of points, the capacity of a face
-//! ([`crate::contact::model::capacity::face`]) is that of the group: a tangential force F and yaw moment tau can be carried by some split
+//! ([`crate::contact::model::friction_capacity::face`]) is that of the group: a tangential force F and yaw moment tau can be carried by some split
 //! iff for every planar slip twist (v, w) of the body `F . v + tau w <= sum mu_s N_i |v + w z x r_i|`.
 //!
 //! The normal forces are those of the least-norm solution (see [`crate::linalg::linear`]).
 
-use crate::contact::model::capacity;
+use crate::contact::model::friction_capacity;
 use crate::contact::model::problem::Problem;
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
-use crate::contact::search::candidate::Solution;
 use nalgebra::Vector2;
 
 /// Most vertices of one group: sixteen soles of eight.
@@ -18,7 +18,7 @@ const MAX_POINTS: usize = 128;
 
 /// What the static soles of a body can still carry together.
 #[derive(Clone, Copy, Debug)]
-pub struct Joint {
+pub struct GroupMargin {
     /// Margin, N.
     pub margin: f64,
     /// Velocity of the floor's origin in the twist of least margin, against the friction carried, and yaw rate.
@@ -26,12 +26,12 @@ pub struct Joint {
     turn: f64,
 }
 
-impl Joint {
+impl GroupMargin {
     /// The twist as slip of sole `s`: velocity of its reference point, and yaw rate times its radius.
-    pub fn slip(&self, p: &Problem, s: usize) -> capacity::Slip {
-        let (r, radius) = (&p.soles[s].place, p.soles[s].radius);
+    pub fn slip(&self, p: &Problem, s: usize) -> friction_capacity::Slip {
+        let (r, radius) = (&p.soles[s].position, p.soles[s].radius);
         let v = self.linear + Vector2::new(-r.y, r.x) * self.turn;
-        capacity::Slip::new(v.x, v.y, self.turn * radius)
+        friction_capacity::Slip::new(v.x, v.y, self.turn * radius)
     }
 }
 
@@ -46,7 +46,7 @@ pub fn is_shared(p: &Problem, states: &States, s: usize) -> bool {
 }
 
 /// The joint margin of the group of sole `s`; None for more points than [`MAX_POINTS`]. Needs per-vertex normal forces.
-pub fn joint(p: &Problem, states: &States, s: usize, solution: &Solution) -> Option<Joint> {
+pub fn group_margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Option<GroupMargin> {
     let mut points = [(0.0, Vector2::zeros()); MAX_POINTS];
     let mut count = 0;
     let (mut force, mut yaw) = (Vector2::zeros(), 0.0);
@@ -57,11 +57,11 @@ pub fn joint(p: &Problem, states: &States, s: usize, solution: &Solution) -> Opt
         let w = &solution.wrench[6 * t..6 * t + 6];
         let f = Vector2::new(w[0], w[1]);
         force += f;
-        yaw += w[5] + sole.place.xy().perp(&f);
+        yaw += w[5] + sole.position.xy().perp(&f);
         for (i, v) in sole.vertices.iter().enumerate().filter(|(i, _)| states[t].clamps(*i, k)) {
-            let place = sole.place.xy() + v.r.xy();
-            *points.get_mut(count)? = (v.mu_s * solution.normal[t][i].max(0.0), place);
-            middle += place;
+            let position = sole.position.xy() + v.r.xy();
+            *points.get_mut(count)? = (v.mu_s * solution.normal[t][i].max(0.0), position);
+            middle += position;
             count += 1;
         }
     }
@@ -69,10 +69,10 @@ pub fn joint(p: &Problem, states: &States, s: usize, solution: &Solution) -> Opt
     middle /= count as f64;
     yaw -= middle.perp(&force);
     let points = &mut points[..count];
-    points.iter_mut().for_each(|(_, place)| *place -= middle);
+    points.iter_mut().for_each(|(_, position)| *position -= middle);
     let radius = points.iter().map(|(_, r)| r.norm()).fold(0.0, f64::max);
-    let (margin, slip) = capacity::face(points, &force, yaw, radius);
+    let (margin, slip) = friction_capacity::face(points, &force, yaw, radius);
     let turn = -slip.z / radius;
     let linear = -slip.xy() - Vector2::new(-middle.y, middle.x) * turn;
-    Some(Joint { margin, linear, turn })
+    Some(GroupMargin { margin, linear, turn })
 }

@@ -2,14 +2,16 @@
 //!
 //! The friction law is given a little viscosity, `u_i = t_i / sqrt(|t_i|^2 + e^2)`, with t_i the tangential motion of vertex i
 //! and `-mu_k N_i u_i` its friction, and the solution is followed as e goes to zero: the vertices that slip keep a motion,
-//! those that stick follow e. At every e the equations `s = G(s)` of [`crate::contact::search::implicit`] are smooth; Newton steps with the
+//! those that stick follow e. At every e the equations `s = G(s)` of [`crate::contact::search::sliding_directions`] are smooth; Newton steps with the
 //! candidate solve's own Jacobian keep to the path, with strides that shorten where it bends.
 
 use crate::contact::model::problem::Problem;
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
-use crate::contact::search::candidate::{Kernel, Solution};
-use crate::contact::search::implicit::{
-    Finder, MEANS, Places, Search, Slips, is_implicit, norm, open_vertices, place, point, read, subtract, tangential,
+use crate::contact::search::candidate::Kernel;
+use crate::contact::search::sliding_directions::{
+    DirectionFinder, DirectionSearch, MEANS, SlipPoints, Slips, is_implicit, norm, open_vertices, read_slips,
+    set_directions, slip_point, subtract, tangential,
 };
 use nalgebra::Vector3;
 
@@ -26,15 +28,15 @@ const ENOUGH: f64 = 1e-8;
 /// Rounding of a candidate solve, relative to the frictionless motion.
 const ROUNDING: f64 = 3e-14;
 
-impl Finder {
+impl DirectionFinder {
     /// Follows the slips of the clamped patterns of `states` as viscosity goes to zero. None when the path is lost.
-    pub fn settle(
+    pub fn regularized_modes(
         &mut self,
         kernel: &mut Kernel,
         p: &mut Problem,
         states: &States,
         out: &mut Solution,
-    ) -> Option<Settled> {
+    ) -> Option<RegularizedSlips> {
         let mut all = *states;
         let mut which = [0usize; MAX_SOLES];
         let mut count = 0;
@@ -48,33 +50,33 @@ impl Finder {
         let which = &which[..count];
         let zero = [Vector3::zeros(); MAX_SOLES];
         if count == 0 {
-            return Some(Settled { all, slips: zero, placed: zero, places: MEANS, viscosity: 0.0 });
+            return Some(RegularizedSlips { all, slips: zero, at_points: zero, points: MEANS, viscosity: 0.0 });
         }
-        point(p, &all, which, &MEANS, &zero, 0.0);
+        set_directions(p, &all, which, &MEANS, &zero, 0.0);
         kernel.solve(p, &all, out);
-        let mut slips = read(p, &all, which, &MEANS, &out.motion, true);
+        let mut slips = read_slips(p, &all, which, &MEANS, &out.motion, true);
         let drive = norm(which, &slips);
         let mut search =
-            Search { finder: self, kernel, p, states: &all, which, places: MEANS, drive, viscosity: drive };
-        let mut reached: Option<Settled> = None;
+            DirectionSearch { finder: self, kernel, p, states: &all, which, points: MEANS, drive, viscosity: drive };
+        let mut reached: Option<RegularizedSlips> = None;
         let mut factor: f64 = PACE;
         while search.viscosity > LEAST * drive {
-            let start = (slips, search.places);
+            let start = (slips, search.points);
             search.replace(&mut slips);
             if let Some(found) = search.approach(slips, out) {
                 slips = found;
-                let means = read(search.p, &all, which, &MEANS, &out.motion, true);
-                reached = Some(Settled {
+                let means = read_slips(search.p, &all, which, &MEANS, &out.motion, true);
+                reached = Some(RegularizedSlips {
                     all,
                     slips: means,
-                    placed: slips,
-                    places: search.places,
+                    at_points: slips,
+                    points: search.points,
                     viscosity: search.viscosity,
                 });
                 factor = (factor * factor).max(PACE);
             } else {
                 // Once more from the last point with a shorter stride; rounding ends the path where vertices stick fast.
-                (slips, search.places) = start;
+                (slips, search.points) = start;
                 let last = reached.as_ref()?.viscosity;
                 if last <= ENOUGH * drive || factor > SHORTEST {
                     break;
@@ -89,26 +91,26 @@ impl Finder {
 }
 
 /// Slips at hardly any viscosity.
-pub struct Settled {
+pub struct RegularizedSlips {
     /// The patterns, all as sliding.
     all: States,
     /// How the soles slip, at the means of their vertices.
     pub slips: Slips,
-    /// The same at `places`.
-    placed: Slips,
-    places: Places,
+    /// The same at `points`.
+    at_points: Slips,
+    points: SlipPoints,
     viscosity: f64,
 }
 
-impl Settled {
+impl RegularizedSlips {
     /// The modes, when vertices that move up to so many times the viscosity are said to stick.
     pub fn modes(&self, p: &Problem, threshold: f64) -> States {
         let mut modes = self.all;
         for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| self.all[*s].pattern != Pattern::Free) {
             let k = sole.vertices.len();
-            let centre = place(p, &self.all, s, self.places[s]).0;
+            let centre = slip_point(p, &self.all, s, self.points[s]).0;
             let rests = |i: &usize| {
-                let speed = tangential(&self.placed[s], &sole.vertices[*i].r, &centre, sole.radius).norm();
+                let speed = tangential(&self.at_points[s], &sole.vertices[*i].r, &centre, sole.radius).norm();
                 !sole.vertices[*i].moving && speed <= threshold * self.viscosity
             };
             let clamped = || (0..k).filter(|&i| self.all[s].clamps(i, k));
@@ -124,20 +126,20 @@ impl Settled {
     }
 }
 
-impl Search<'_> {
+impl DirectionSearch<'_> {
     /// Takes the slip of each sole at its slowest open vertex, if that is slow.
     fn replace(&mut self, slips: &mut Slips) {
         for &s in self.which {
-            let centre = place(self.p, self.states, s, self.places[s]).0;
+            let centre = slip_point(self.p, self.states, s, self.points[s]).0;
             let sole = &self.p.soles[s];
             let motion = |i: usize| tangential(&slips[s], &sole.vertices[i].r, &centre, sole.radius);
             let slowest =
                 open_vertices(self.p, self.states, s).min_by(|&i, &j| motion(i).norm().total_cmp(&motion(j).norm()));
             let Some(i) = slowest else { continue };
             let t = motion(i);
-            if self.places[s] != Some(i as u8) && t.norm() < 0.1 * slips[s].norm() {
+            if self.points[s] != Some(i as u8) && t.norm() < 0.1 * slips[s].norm() {
                 slips[s] = Vector3::new(t.x, t.y, slips[s].z);
-                self.places[s] = Some(i as u8);
+                self.points[s] = Some(i as u8);
             }
         }
     }
