@@ -4,8 +4,8 @@
 use super::ledger::Balance;
 use crate::contact::model::residual::Residual;
 use crate::contact::model::state::SoleState;
-pub use crate::metrics::Metrics;
 use crate::contact::selection_record::SelectionRecord;
+pub use crate::metrics::Metrics;
 use crate::task::PointOfInterest;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
