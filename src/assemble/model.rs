@@ -1,7 +1,7 @@
 //! The robot of a run.
 
 use crate::robot;
-use crate::robot::adjust::{self, DriveSettings};
+use crate::robot::adjustments::{self, DriveSettings};
 use crate::robot::{DriveMode, Model, Robot};
 use crate::scenario::{Diagnostic, JointMode, Run, SoleSpec, segment};
 
@@ -40,21 +40,21 @@ pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -
             Some(DriveMode::Passive) if gains => own.or(DriveSettings { mode: Some(DriveMode::Position), ..default }),
             _ => own.or(default),
         };
-        if let Err(e) = adjust::set_drive(&mut model, name, &settings) {
+        if let Err(e) = adjustments::set_drive(&mut model, name, &settings) {
             errors.push(run.error_at_key(&format!("robot.joint.{}", segment(name)), e.to_string(), None));
         }
     }
-    if let Err(e) = adjust::set_default_drive(&mut model, &default) {
+    if let Err(e) = adjustments::set_default_drive(&mut model, &default) {
         errors.push(run.error_at("robot.joint_default", e.to_string(), None));
     }
     if let Some(soles) = &spec.soles {
-        let convert = |s: &SoleSpec| adjust::SoleSpec {
+        let convert = |s: &SoleSpec| adjustments::SoleSpec {
             name: s.name.clone(),
             link: s.link.clone(),
             polygon: s.polygon.iter().map(|&p| p.into()).collect(),
         };
         let soles: Vec<_> = soles.iter().map(convert).collect();
-        if let Err(e) = adjust::set_soles(&mut model, &soles) {
+        if let Err(e) = adjustments::set_soles(&mut model, &soles) {
             errors.push(run.error_at("robot.soles", e.to_string(), None));
         }
     }
@@ -62,7 +62,7 @@ pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -
         let position = load.position.into();
         let added = match load.size {
             Some(size) => robot::add_box(&mut model, &load.link, load.mass, position, size),
-            None => adjust::add_payload(&mut model, &load.link, load.mass, position, load.inertia),
+            None => adjustments::add_payload(&mut model, &load.link, load.mass, position, load.inertia),
         };
         if let Err(e) = added {
             errors.push(run.error_at(&format!("robot.payload.{i}"), e.to_string(), None));

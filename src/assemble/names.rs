@@ -14,7 +14,7 @@ pub(super) fn first(mut errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
         let more = format!("there are {} more errors", errors.len() - MOST_ERRORS);
         errors.truncate(MOST_ERRORS);
         let file = errors[0].file.clone();
-        errors.push(Diagnostic::unreadable(file, more));
+        errors.push(Diagnostic::whole_file(file, more));
     }
     errors
 }

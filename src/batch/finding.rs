@@ -2,19 +2,8 @@
 
 use std::collections::HashSet;
 
-use crate::robot::{self, Notice, RobotError};
-use crate::scenario::{self, Diagnostic, Diagnostics};
-
-/// How bad it is.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Severity {
-    /// Something ignored, assumed or found.
-    Note,
-    /// Probably not as meant.
-    Warning,
-    /// Cannot run.
-    Error,
-}
+use crate::robot::RobotError;
+use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 
 /// One thing to say.
 #[derive(Clone, Debug)]
@@ -29,7 +18,7 @@ pub enum Finding {
         named_at: String,
     },
     /// About a robot that can be used.
-    Notice(Notice),
+    Notice(Diagnostic),
     /// An error about the batch as a whole.
     Plan(String),
 }
@@ -38,14 +27,8 @@ impl Finding {
     /// How bad it is.
     pub fn severity(&self) -> Severity {
         match self {
-            Finding::Scenario(d) => match d.severity {
-                scenario::Severity::Error => Severity::Error,
-                scenario::Severity::Warning => Severity::Warning,
-            },
-            Finding::Notice(n) => match n.severity {
-                robot::Severity::Info => Severity::Note,
-                robot::Severity::Warning => Severity::Warning,
-            },
+            Finding::Scenario(diagnostic) => diagnostic.severity,
+            Finding::Notice(notice) => notice.severity,
             Finding::Robot { .. } | Finding::Plan(_) => Severity::Error,
         }
     }
@@ -62,7 +45,7 @@ impl Finding {
             Finding::Robot { error, named_at } => {
                 format!("{}\n  = note: the robot is named at {named_at}", error.render(colour))
             }
-            Finding::Notice(notice) => notice.to_string(),
+            Finding::Notice(notice) => notice.brief(),
             Finding::Plan(message) => Diagnostic::bare(message, colour),
         }
     }

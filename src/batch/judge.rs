@@ -41,7 +41,7 @@ fn verdict(expect: &Expect, row: &SummaryRow) -> Verdict {
         max: expect.max,
         error: measured.map(|x| expect.error(x)),
         held: judged.is_ok(),
-        message: judged.err().unwrap_or_default(),
+        message: judged.err().map_or_else(String::new, |violation| violation.to_string()),
     }
 }
 

@@ -51,10 +51,11 @@ use crate::results::{
 };
 use crate::sim::{Outcome, Problems};
 
+pub use crate::text::Severity;
 pub use audience::Audience;
 pub use cancel::{Cancellation, Reason};
 pub use filter::{Filter, Selection};
-pub use finding::{Finding, Findings, Severity};
+pub use finding::{Finding, Findings};
 pub use junit::{Junit, is_slow};
 pub use listen::{Listener, Nobody};
 pub use message::{

@@ -162,7 +162,7 @@ impl Planner {
 
     /// What is wrong with a scenario beside others, its text being sound.
     fn refuse_file(&mut self, file: &ScenarioFile, message: String, help: &str) {
-        let wrong = Diagnostic::unreadable(file.path.display().to_string(), message);
+        let wrong = Diagnostic::whole_file(file.path.display().to_string(), message);
         self.findings.push(Finding::Scenario(Box::new(wrong.with_help(help))));
     }
 

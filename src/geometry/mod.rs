@@ -1,9 +1,21 @@
-//! Plane geometry shared by the rooms: what is seen from above the floor.
+//! Geometry without state: planes, polygons, convex hulls, the point of optimal stability.
+//!
+//! - `planar_hull`: the hull of points seen along a plane's normal, without allocation, for each tick of a run.
+//! - `outline`: the outline of a point set in space with a tolerance, for soles, and its simplification.
+//! - `spatial_hull`: hulls of bodies; `convex_polygon`, `simple_polygon`: checks of polygons that users give.
+//! - `stable_point`: the centre of the largest disc in a polygon.
+//!
+//! Imports nothing of this crate. Robots, scenarios, tasks, collision and the simulation call it.
 
-pub mod hull;
+pub mod convex_polygon;
+pub mod outline;
+pub mod planar_hull;
 pub mod plane;
+pub mod simple_polygon;
+pub mod spatial_hull;
 pub mod stable_point;
 
-pub use hull::convex_hull;
+pub use planar_hull::convex_hull;
 pub use plane::Plane;
+pub use spatial_hull::convex_hull_3d;
 pub use stable_point::{StablePoint, stable_point};

@@ -9,8 +9,8 @@
 //! A joint moves through the postures that name it; others leave it alone.
 
 use super::{Fault, Knot, Motion, Track};
-use crate::scenario::Angle;
-use crate::text::toml_syntax::{self, Mistake};
+use crate::text::angle::Angle;
+use crate::text::toml_syntax::TomlError;
 use serde::Deserialize;
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -39,7 +39,7 @@ struct Posture {
 /// one before; no posture, or one without joints.
 pub fn read(text: &str) -> Result<Motion, Fault> {
     let file: File = toml::from_str(text).map_err(|error| {
-        let Mistake { piece, message, help } = toml_syntax::mistake(&error, text, true);
+        let TomlError { span: piece, message, help } = TomlError::new(&error, text, true);
         let form = || "a motion is a list of `[[posture]]` with `at` (s) and `joints`".into();
         Fault::new(piece, message).help(help.unwrap_or_else(form))
     })?;
@@ -61,10 +61,7 @@ pub fn read(text: &str) -> Result<Motion, Fault> {
             return Err(Fault::new(place, "this posture names no joint"));
         }
         for (name, angle) in posture.joints {
-            let value = angle.get_ref().0;
-            if !value.is_finite() {
-                return Err(Fault::new(angle.span(), format!("`{}` must be finite, not {value}", name.get_ref())));
-            }
+            let value = angle.get_ref().value;
             let (knot, place) = (Knot { time: at, value, place: angle.span() }, name.span());
             match known.entry(name.into_inner()) {
                 Entry::Occupied(track) => motion.tracks[*track.get()].knots.push(knot),
@@ -110,7 +107,11 @@ mod tests {
                 "after the posture before it, at 1 s, not 1",
             ),
             ("[[posture]]\nat = 1\njoints = {}", "1", "names no joint"),
-            ("[[posture]]\nat = 1\njoints = { a = inf }", "inf", "`a` must be finite, not inf"),
+            (
+                "[[posture]]\nat = 1\njoints = { a = inf }",
+                "inf",
+                "invalid value: floating point `inf`, expected a finite number of radians or a string such as \"30 deg\"",
+            ),
             ("[[posture]]\nat = 1\njoints = { a = \"x\" }", "\"x\"", "radians"),
             ("[[posture]]\nat = 1\njoint = { a = 1 }", "joint", "unknown field `joint`"),
             ("[[posture]]\nat = \n", "", ""),

@@ -1,15 +1,16 @@
-//! Everything that can be wrong with a robot, and how it is shown.
+//! Errors of robot files and URDFs, and of changes to a loaded robot.
 
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use thiserror::Error;
 
-use super::source::Source;
-use crate::text::excerpt::{cut, excerpt};
-use crate::text::visible::{visible_lines, visible_path};
+use crate::files::input;
+use crate::text::diagnostic::{Diagnostic, Severity};
+use crate::text::excerpt::cut;
+use crate::text::source::{Position, Source};
+use crate::text::suggest::nearest;
 
 /// Why a robot could not be loaded or changed.
 #[derive(Clone, Debug, Error)]
@@ -24,13 +25,13 @@ pub enum RobotError {
     },
     /// A file is not well-formed TOML or XML.
     #[error("{0}")]
-    Syntax(Box<Fault>),
+    Syntax(Box<FileError>),
     /// A file is well-formed but says something that makes no robot.
     #[error("{0}")]
-    Invalid(Box<Fault>),
+    Invalid(Box<FileError>),
     /// A file asks for something this program does not do.
     #[error("{0}")]
-    NotAvailable(Box<Fault>),
+    NotAvailable(Box<FileError>),
     /// A name given to one of the functions of [`super::adjust`] is not in the model.
     #[error("the robot has no {kind} `{name}`{}", suggestion.as_ref().map(|s| format!("; did you mean `{s}`?")).unwrap_or_default())]
     UnknownName {
@@ -42,51 +43,47 @@ pub enum RobotError {
         suggestion: Option<String>,
     },
     /// A value given to one of the functions of [`super::adjust`] makes no sense.
-    #[error("{subject}: {seen}, wanted {wanted}")]
+    #[error("{subject}: {found}, expected {expected}")]
     BadValue {
         /// What the value is about.
         subject: String,
         /// The value given.
-        seen: String,
+        found: String,
         /// What would have been accepted.
-        wanted: String,
+        expected: String,
     },
 }
 
 impl RobotError {
-    /// The place in a file, for the variants that have one.
-    pub fn fault(&self) -> Option<&Fault> {
+    /// The error in a file, for the variants that have one.
+    pub fn file_error(&self) -> Option<&FileError> {
         match self {
-            RobotError::Syntax(f) | RobotError::Invalid(f) | RobotError::NotAvailable(f) => Some(f),
+            RobotError::Syntax(error) | RobotError::Invalid(error) | RobotError::NotAvailable(error) => Some(error),
             _ => None,
         }
     }
 
-    /// A diagnostic for people: message, offending line with a caret, what was wanted. `styled` adds terminal colours.
+    /// The error with its excerpt, if it has a position in a file.
+    pub fn diagnostic(&self) -> Diagnostic {
+        self.file_error().map_or_else(|| Diagnostic::whole_file("", self.to_string()), FileError::diagnostic)
+    }
+
+    /// Renders the diagnostic; `styled` adds terminal colours.
     pub fn render(&self, styled: bool) -> String {
-        let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
-        let Some(fault) = self.fault() else {
-            return renderer.render(&[Group::with_title(Level::ERROR.primary_title(self.to_string()))]);
-        };
-        let path = visible_path(fault.file());
-        let title = Level::ERROR.primary_title(visible_lines(&fault.message));
-        let mut group = match excerpt(fault.source.text(), fault.span.clone()) {
-            Some(shown) => {
-                let annotation = AnnotationKind::Primary.span(shown.piece).label(fault.label());
-                title.element(Snippet::source(shown.text).line_start(shown.line).path(path).annotation(annotation))
-            }
-            None => title.element(Origin::path(path).line(fault.line()).char_column(fault.column())),
-        };
-        if let Some(help) = &fault.help {
-            group = group.element(Level::HELP.message(help.as_str()));
-        }
-        renderer.render(&[group])
+        self.diagnostic().render(styled)
     }
 }
 
-/// One thing wrong at one place of a file.
+/// Reads a robot file or URDF; [`RobotError::Read`] when it cannot be opened or is not UTF-8.
+pub(super) fn read_source(path: &Path) -> Result<Source, RobotError> {
+    let text = input::read_text(path, input::MOST_TEXT)
+        .map_err(|source| RobotError::Read { path: path.to_owned(), reason: source.to_string() })?;
+    Ok(Source::new(path, text))
+}
+
+/// An error at one position of a robot file or URDF.
 #[derive(Clone)]
-pub struct Fault {
+pub struct FileError {
     /// The file's text.
     pub source: Source,
     /// Byte range in that text.
@@ -96,21 +93,21 @@ pub struct Fault {
     /// The element it is about, such as `joint l_knee`; empty when the file as a whole.
     pub element: String,
     /// The value found.
-    pub seen: String,
+    pub found: String,
     /// What would have been accepted.
-    pub wanted: String,
+    pub expected: String,
     /// How to get on.
     pub help: Option<String>,
 }
 
-impl Fault {
-    pub(super) fn new(source: Source, span: Range<usize>, message: String) -> Self {
-        let boundary = |at: usize| (0..=at.min(source.text().len())).rev().find(|&i| source.text().is_char_boundary(i));
-        let start = boundary(span.start).unwrap_or(0);
-        let span = start..boundary(span.end).unwrap_or(0).max(start);
+impl FileError {
+    /// An error at `span`; the builder methods below add what was found and expected.
+    pub(super) fn new(source: &Source, span: Range<usize>, message: impl Into<String>) -> Self {
+        let start = source.char_boundary(span.start);
+        let span = start..source.char_boundary(span.end).max(start);
         let none = String::new;
-        let message = cut(&message).into_owned();
-        Self { source, span, message, element: none(), seen: none(), wanted: none(), help: None }
+        let message = cut(&message.into()).into_owned();
+        Self { source: source.clone(), span, message, element: none(), found: none(), expected: none(), help: None }
     }
 
     pub(super) fn element(mut self, element: impl Into<String>) -> Self {
@@ -118,13 +115,13 @@ impl Fault {
         self
     }
 
-    pub(super) fn seen(mut self, seen: impl fmt::Display) -> Self {
-        self.seen = cut(&seen.to_string()).into_owned();
+    pub(super) fn found(mut self, found: impl fmt::Display) -> Self {
+        self.found = cut(&found.to_string()).into_owned();
         self
     }
 
-    pub(super) fn wanted(mut self, wanted: impl Into<String>) -> Self {
-        self.wanted = cut(&wanted.into()).into_owned();
+    pub(super) fn expected(mut self, expected: impl Into<String>) -> Self {
+        self.expected = cut(&expected.into()).into_owned();
         self
     }
 
@@ -153,47 +150,36 @@ impl Fault {
         RobotError::NotAvailable(Box::new(self))
     }
 
-    /// The file it is in.
-    pub fn file(&self) -> &Path {
-        self.source.path()
+    /// The error as a diagnostic with an excerpt.
+    pub fn diagnostic(&self) -> Diagnostic {
+        let message = self.message.as_str();
+        let diagnostic =
+            Diagnostic::in_source(Severity::Error, &self.source, self.span.clone(), message, self.help.clone());
+        diagnostic.with_label(self.label())
     }
 
-    /// Line, counted from 1.
-    pub fn line(&self) -> usize {
-        self.source.position(self.span.start).0
-    }
-
-    /// Column in characters, counted from 1.
-    pub fn column(&self) -> usize {
-        self.source.position(self.span.start).1
-    }
-
-    /// The line of the file it points at.
-    pub fn source_line(&self) -> &str {
-        self.source.text().lines().nth(self.line() - 1).unwrap_or("")
-    }
-
-    /// Words under the caret; what was seen is not repeated where the line shows it.
+    /// Text at the caret. The value found is not repeated where the line shows it.
     fn label(&self) -> String {
         let shown = &self.source.text()[self.span.clone()];
-        let seen = if shown.contains(self.seen.trim_matches('`')) { "" } else { self.seen.as_str() };
-        match (seen, self.wanted.as_str()) {
+        let found = if shown.contains(self.found.trim_matches('`')) { "" } else { self.found.as_str() };
+        match (found, self.expected.as_str()) {
             ("", "") => "here".into(),
-            (seen, "") => seen.into(),
-            ("", wanted) => format!("wanted {wanted}"),
-            (seen, wanted) => format!("{seen}; wanted {wanted}"),
+            (found, "") => found.into(),
+            ("", expected) => format!("expected {expected}"),
+            (found, expected) => format!("{found}; expected {expected}"),
         }
     }
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}: {}", self.file().display(), self.line(), self.column(), self.message)?;
-        if !self.seen.is_empty() {
-            write!(f, ": {}", self.seen)?;
+        let Position { line, column } = self.source.position(self.span.start);
+        write!(f, "{}:{line}:{column}: {}", self.source.name(), self.message)?;
+        if !self.found.is_empty() {
+            write!(f, ": {}", self.found)?;
         }
-        if !self.wanted.is_empty() {
-            write!(f, " (wanted {})", self.wanted)?;
+        if !self.expected.is_empty() {
+            write!(f, " (expected {})", self.expected)?;
         }
         if let Some(help) = &self.help {
             write!(f, "; {help}")?;
@@ -202,19 +188,8 @@ impl fmt::Display for Fault {
     }
 }
 
-impl fmt::Debug for Fault {
+impl fmt::Debug for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")
     }
-}
-
-/// The name of `known` closest to `name`, if close enough to be a slip of the finger; another case counts least.
-pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let lower = name.to_lowercase();
-    known
-        .into_iter()
-        .map(|k| (strsim::damerau_levenshtein(&lower, &k.to_lowercase()), k))
-        .filter(|(distance, k)| *distance <= (k.len().max(name.len()) / 3).max(1))
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, k)| k)
 }

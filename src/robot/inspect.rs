@@ -5,9 +5,9 @@ use std::fmt::Write;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 use super::Robot;
+use super::link_poses::{centre_of_mass, link_poses};
 use super::model::{Base, DriveMode, Joint, JointKind, Link, Model};
-use super::notice::Severity;
-use super::posture::{centre_of_mass, link_poses};
+use crate::text::Severity;
 
 /// A description of the robot for people: everything in the URDF's frames, SI units.
 pub fn inspect(robot: &Robot) -> String {
@@ -156,7 +156,7 @@ fn notices(out: &mut String, robot: &Robot) -> std::fmt::Result {
     let warnings = robot.notices.iter().filter(|n| n.severity == Severity::Warning).count();
     writeln!(out, "\nnotices ({}, of which {warnings} warnings)", robot.notices.len())?;
     for notice in &robot.notices {
-        writeln!(out, "  {notice}")?;
+        writeln!(out, "  {}", notice.brief())?;
     }
     for joint in robot.model.joints.iter().filter(|j| !j.drive_configured) {
         writeln!(out, "  note: joint `{}` has no drive: a scenario's joint_default decides", joint.name)?;

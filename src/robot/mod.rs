@@ -1,187 +1,33 @@
-//! Robot files and URDF in, [`Model`] out.
+//! Robot files and URDFs in, an immutable [`Model`] out.
 //!
-//! [`load`] reads a robot file (TOML) or a bare URDF, checks everything it can without simulating, and keeps the bytes
-//! of all files it used. What it ignored, assumed or found is told as [`Notice`]s; what makes no robot is a
-//! [`RobotError`] with its place. [`adjust`] changes a loaded model the way scenarios do.
+//! [`load`] reads a robot file (TOML) or a URDF, checks all that can be checked without simulating, and keeps the bytes of
+//! the files it used. It reports what it ignored, assumed or found as notes and warnings, and what cannot be simulated as a
+//! [`RobotError`] with its position. [`adjustments`] changes a loaded model as scenarios require.
+//!
+//! Imports `text`, `files` and `geometry`. `assemble` and `batch` load robots; all rooms of the simulation read [`Model`].
 
-pub mod adjust;
-mod angle;
-mod apply;
+pub mod adjustments;
+mod apply_robot_file;
 mod error;
-mod file;
-mod find;
 mod friction;
-mod hull;
 mod inspect;
+mod link_poses;
+mod load;
+mod mesh_simplification;
 pub mod model;
-mod notice;
-mod outline;
+mod notices;
 mod payload;
-mod polygon;
-mod posture;
+mod robot_file;
 mod self_collision;
-mod source;
+mod sole_detection;
 mod urdf;
 
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-
-use crate::files::input;
-
-pub use error::{Fault, RobotError};
-pub use file::schema;
+pub use error::{FileError, RobotError};
 pub use friction::Friction;
-pub(crate) use hull::convex_hull;
 pub use inspect::inspect;
+pub use load::{Robot, load, load_with, parse};
 pub use model::*;
-pub use notice::{Notice, Severity};
 pub use payload::add_box;
+pub use robot_file::schema;
 pub use self_collision::SelfCollision;
-pub use source::Source;
 pub use urdf::{InertiaPolicy, RigidInertia};
-
-use file::{BaseWord, RobotFile};
-use notice::Notices;
-use urdf::Mimic;
-
-/// A loaded robot.
-#[derive(Clone, Debug)]
-pub struct Robot {
-    /// What is simulated.
-    pub model: Model,
-    /// Every file used with its bytes: the robot file if there is one, the URDF, meshes. For hashing and for logs.
-    pub files: Vec<(PathBuf, Vec<u8>)>,
-    /// The URDF's text.
-    pub urdf_text: String,
-    /// What was ignored, assumed or found.
-    pub notices: Vec<Notice>,
-    /// Which links must not touch each other.
-    pub self_collision: SelfCollision,
-}
-
-/// Loads a robot file (`.toml`) or a bare URDF (`.urdf`). Errors: see [`RobotError`]; the first one found is returned.
-pub fn load(path: &Path) -> Result<Robot, RobotError> {
-    load_with(path, None)
-}
-
-/// As [`load`]; `policy`, if given, overrides what the robot file says of inertias that no body can have.
-pub fn load_with(path: &Path, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
-    read(Source::read(path)?, policy)
-}
-
-/// As [`load_with`], for a text that is already at hand; `path` is what errors call it, what its ending says, and what the
-/// names of other files in it start from.
-pub fn parse(path: &Path, text: impl Into<String>, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
-    read(Source::of(path, text.into()), policy)
-}
-
-fn read(source: Source, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
-    let path = source.path().to_owned();
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    match extension.as_str() {
-        "toml" => {
-            let file = file::parse(&source)?;
-            let urdf_path = path.parent().unwrap_or(Path::new("")).join(file.urdf.get_ref());
-            let urdf = Source::read(&urdf_path).map_err(|error| {
-                let fault = source.fault(file.urdf.span(), error.to_string()).element("urdf");
-                fault.wanted("the path of a URDF, relative to this file").invalid()
-            })?;
-            assemble(urdf, Some((source, file)), policy)
-        }
-        "urdf" | "xml" => assemble(source, None, policy),
-        _ => Err(RobotError::Read { path, reason: "it is neither a .toml nor a .urdf file".into() }),
-    }
-}
-
-fn assemble(
-    urdf: Source,
-    file: Option<(Source, RobotFile)>,
-    policy: Option<InertiaPolicy>,
-) -> Result<Robot, RobotError> {
-    let mut notices = Notices::default();
-    let base = file.as_ref().and_then(|(_, f)| f.base.as_ref()).map(|word| match word.get_ref() {
-        BaseWord::Fixed => Base::Fixed,
-        BaseWord::Floating => Base::Floating,
-    });
-    let own_policy = file.as_ref().and_then(|(_, f)| f.inertia).map(InertiaPolicy::from);
-    let policy = policy.or(own_policy).unwrap_or_default();
-    let urdf::Loaded { mut model, meshes, mimics } = urdf::load(&urdf, base, policy, &mut notices)?;
-    if model.name.trim().is_empty() {
-        model.name = urdf.path().file_stem().map_or("robot".into(), |stem| stem.to_string_lossy().into_owned());
-        notices.info(
-            &urdf,
-            urdf.text().find("<robot").unwrap_or(0),
-            format!("the robot has no name: `{}` is taken", model.name),
-        );
-    }
-    let named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
-    home_within_limits(&mut model, &urdf, named, &mut notices);
-    let mut files = Vec::new();
-    let mut soles_given = false;
-    let mut self_collision = SelfCollision::default();
-    if let Some((source, file)) = &file {
-        apply::apply(file, source, &mut model, &mut notices)?;
-        self_collision = self_collision::read(file, source, &model)?;
-        soles_given = file.sole.is_some();
-        files.push((source.path().to_owned(), source.text().as_bytes().to_vec()));
-    }
-    let is_named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
-    homes_that_follow(&mut model, mimics.iter().filter(|m| !is_named(&m.joint)));
-    if !soles_given {
-        find::find_soles(&mut model, &urdf, &mut notices);
-    }
-    if let Some((source, file)) = &file {
-        apply::unread_force_sensors(file, source, &model, &mut notices);
-    }
-    // Soles are found on the meshes as they stand.
-    hull::simplify_meshes(&mut model, &urdf, &mut notices);
-    files.push((urdf.path().to_owned(), urdf.text().as_bytes().to_vec()));
-    files.extend(meshes);
-    strayed(&files, &urdf, &mut notices);
-    Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.into_all(), self_collision })
-}
-
-/// Tells of symbolic links that lead out of the robot's folder; what they lead to is read.
-fn strayed(files: &[(PathBuf, Vec<u8>)], urdf: &Source, notices: &mut Notices) {
-    let Some(home) = files.first().and_then(|(path, _)| path.parent()) else { return };
-    let strays = files.iter().filter_map(|(path, _)| Some((path, input::led_out(home, path)?)));
-    let strays: Vec<_> = strays.collect();
-    if let Some((path, real)) = strays.first() {
-        let (path, real, more) = (path.display(), real.display(), strays.len() - 1);
-        let others = if more == 0 { String::new() } else { format!(", and so for {more} more of its files") };
-        let words = format!("a symbolic link leads out of the robot's folder: {path} is {real}{others}");
-        notices.warning(urdf, urdf.text().find("<robot").unwrap_or(0), words);
-    }
-}
-
-/// A mimic joint is at home where it would be if it followed, as far as its limits let it.
-fn homes_that_follow<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mimic>) {
-    let joints: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
-    let pair = |mimic: &'a Mimic| Some((mimic, *joints.get(mimic.joint.as_str())?, *joints.get(mimic.of.as_str())?));
-    let pairs: Vec<_> = mimics.filter_map(pair).collect();
-    // A joint may follow one that follows: as many rounds as there are links in the longest such chain, at most.
-    for _ in &pairs {
-        let before = model.home.clone();
-        for &(mimic, joint, of) in &pairs {
-            let home = mimic.multiplier * model.home[of] + mimic.offset;
-            if home.is_finite() {
-                model.home[joint] = home.clamp(model.joints[joint].lower, model.joints[joint].upper);
-            }
-        }
-        if model.home == before {
-            break;
-        }
-    }
-}
-
-/// Zero is the home of a joint nobody names, unless its limits exclude it. `named` are those of the robot file's home.
-fn home_within_limits(model: &mut Model, urdf: &Source, named: impl Fn(&str) -> bool, notices: &mut Notices) {
-    for (joint, home) in model.joints.iter().zip(&mut model.home) {
-        *home = 0.0f64.clamp(joint.lower, joint.upper);
-        if *home != 0.0 && !named(&joint.name) {
-            let at = urdf.text().find(&format!("\"{}\"", joint.name)).unwrap_or(0);
-            let words = format!("0 is outside the limits of joint `{}`: its home is {home}", joint.name);
-            notices.info(urdf, at, words);
-        }
-    }
-}

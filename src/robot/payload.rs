@@ -5,12 +5,12 @@
 use nalgebra::{Translation3, Vector3};
 use toml::Spanned;
 
-use super::adjust::add_payload;
-use super::apply::known_link;
-use super::error::RobotError;
-use super::file::PayloadEntry;
+use super::adjustments::add_payload;
+use super::apply_robot_file::known_link;
+use super::error::{FileError, RobotError};
 use super::model::{Geometry, Model, Shape};
-use super::source::Source;
+use super::robot_file::PayloadEntry;
+use crate::text::source::Source;
 
 /// Red, green, blue, opacity of a load given by its size.
 const COLOUR: [f32; 4] = [0.36, 0.37, 0.40, 1.0];
@@ -21,15 +21,15 @@ pub(super) fn weld(loads: &[Spanned<PayloadEntry>], source: &Source, model: &mut
         let load = entry.get_ref();
         let element = format!("payload `{}`", load.name);
         if loads[..i].iter().any(|other| other.get_ref().name == load.name) {
-            let fault = source.fault(entry.span(), format!("there are two payloads named `{}`", load.name));
-            return Err(fault.element(element).wanted("a name of its own").invalid());
+            let fault = FileError::new(source, entry.span(), format!("there are two payloads named `{}`", load.name));
+            return Err(fault.element(element).expected("a name of its own").invalid());
         }
         known_link(&load.link, &element, source, model)?;
         let mass = *load.mass.get_ref();
         let position = load.position.as_ref().map_or(Vector3::zeros(), |p| Vector3::from(*p.get_ref()));
         if let (Some(_), Some(size)) = (&load.inertia, &load.size) {
-            let fault = source.fault(size.span(), format!("{element} has both `inertia` and `size`"));
-            return Err(fault.element(element).wanted("one of them, or none for a point mass").invalid());
+            let fault = FileError::new(source, size.span(), format!("{element} has both `inertia` and `size`"));
+            return Err(fault.element(element).expected("one of them, or none for a point mass").invalid());
         }
         let added = match &load.size {
             Some(size) => add_box(model, load.link.get_ref(), mass, position, *size.get_ref()),
@@ -39,15 +39,15 @@ pub(super) fn weld(loads: &[Spanned<PayloadEntry>], source: &Source, model: &mut
             }
         };
         added.map_err(|error| match error {
-            RobotError::BadValue { subject, seen, wanted } => {
+            RobotError::BadValue { subject, found, expected } => {
                 let place = match subject.split(' ').next() {
                     Some("mass") => Some(load.mass.span()),
                     Some("position") => load.position.as_ref().map(Spanned::span),
                     Some("size") => load.size.as_ref().map(Spanned::span),
                     _ => load.inertia.as_ref().map(Spanned::span),
                 };
-                let fault = source.fault(place.unwrap_or(entry.span()), subject);
-                fault.element(&element).seen(seen).wanted(wanted).invalid()
+                let fault = FileError::new(source, place.unwrap_or(entry.span()), subject);
+                fault.element(&element).found(found).expected(expected).invalid()
             }
             other => other,
         })?;
@@ -67,8 +67,8 @@ pub fn add_box(
     let [a, b, c] = size;
     if !size.iter().all(|x| x.is_finite() && *x > 0.0) {
         let subject = format!("size of the payload on link `{link}` is no box");
-        let wanted = "three finite lengths above 0".to_owned();
-        return Err(RobotError::BadValue { subject, seen: format!("{size:?}"), wanted });
+        let expected = "three finite lengths above 0".to_owned();
+        return Err(RobotError::BadValue { subject, found: format!("{size:?}"), expected });
     }
     let twelfth = mass / 12.0;
     let inertia = [twelfth * (b * b + c * c), twelfth * (a * a + c * c), twelfth * (a * a + b * b), 0.0, 0.0, 0.0];

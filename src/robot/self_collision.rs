@@ -4,11 +4,11 @@ use std::ops::RangeInclusive;
 
 use toml::Spanned;
 
-use super::apply::known_link;
-use super::error::RobotError;
-use super::file::RobotFile;
+use super::apply_robot_file::known_link;
+use super::error::{FileError, RobotError};
 use super::model::{LinkId, Model};
-use super::source::Source;
+use super::robot_file::RobotFile;
+use crate::text::source::Source;
 
 /// Fewer corners make prisms of cylinders; more only cost time.
 const RESOLUTION: RangeInclusive<u32> = 8..=128;
@@ -42,8 +42,8 @@ pub(super) fn read(file: &RobotFile, source: &Source, model: &Model) -> Result<S
         let id = link(name)?;
         if model.links[id.0].collisions.is_empty() {
             let words = format!("link `{}` has no collision shapes", name.get_ref());
-            let fault = source.fault(name.span(), words).element("self_collision.bodies");
-            return Err(fault.wanted("a link with a <collision>").invalid());
+            let fault = FileError::new(source, name.span(), words).element("self_collision.bodies");
+            return Err(fault.expected("a link with a <collision>").invalid());
         }
         Ok(id)
     };
@@ -51,8 +51,8 @@ pub(super) fn read(file: &RobotFile, source: &Source, model: &Model) -> Result<S
         let pair = [link(&names[0])?, link(&names[1])?];
         if pair[0] == pair[1] {
             let words = format!("`{}` and `{}` are one body", names[0].get_ref(), names[1].get_ref());
-            let fault = source.fault(names[1].span(), words).element("self_collision");
-            return Err(fault.wanted("two links that move against each other").invalid());
+            let fault = FileError::new(source, names[1].span(), words).element("self_collision");
+            return Err(fault.expected("two links that move against each other").invalid());
         }
         Ok(pair)
     };
@@ -63,9 +63,9 @@ pub(super) fn read(file: &RobotFile, source: &Source, model: &Model) -> Result<S
     settings.watch = entry.watch.iter().map(pair).collect::<Result<_, _>>()?;
     if let Some(resolution) = &entry.resolution {
         if !RESOLUTION.contains(resolution.get_ref()) {
-            let fault = source.fault(resolution.span(), "self_collision.resolution cannot be used");
+            let fault = FileError::new(source, resolution.span(), "self_collision.resolution cannot be used");
             let wanted = format!("{} to {}", RESOLUTION.start(), RESOLUTION.end());
-            return Err(fault.element("self_collision").seen(resolution.get_ref()).wanted(wanted).invalid());
+            return Err(fault.element("self_collision").found(resolution.get_ref()).expected(wanted).invalid());
         }
         settings.resolution = *resolution.get_ref() as usize;
     }

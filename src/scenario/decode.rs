@@ -13,10 +13,10 @@ use serde::{
     forward_to_deserialize_any,
 };
 
-use super::diagnostic::Findings;
-use super::source::Span;
-use super::tree::{Entry, Node, Value};
+use crate::scenario::findings::Findings;
+use crate::text::source::Span;
 use crate::text::suggest;
+use crate::text::toml_tree::{Entry, Node, Value};
 
 /// Why a value could not be read.
 #[derive(Debug)]

@@ -3,14 +3,12 @@
 //! The values of `[[event]]` are put into the scenario one event after the other and the whole is read again, so that
 //! whatever is wrong with them is found before anything runs, and shown where the event says it.
 
-use super::{
-    diagnostic::Findings,
-    expand::Run,
-    path::Path,
-    scenario::{self, Scenario},
-    source::{Sources, Span},
-    tree::{Entry, Node},
-};
+use super::run::Run;
+use super::scenario::{self, Scenario};
+use crate::scenario::findings::Findings;
+use crate::scenario::key_path::KeyPath;
+use crate::text::source::{Sources, Span};
+use crate::text::toml_tree::{Entry, Node};
 
 /// What may change while a run goes on, for people.
 const CHANGEABLE: &str = "an event may set \"floor.friction\", \"floor.patches\", \"gravity\", \"contact.restitution\", \
@@ -50,7 +48,7 @@ pub(super) fn of(run: &Run, sources: &Sources, findings: &mut Findings) -> Optio
         let spec = &run.scenario.event[index];
         let given = root.get("event").and_then(|all| all.items().get(index)).and_then(|event| event.get("set"));
         let entries = given.map_or(&[][..], Node::entries).to_vec();
-        let mut paths: Vec<Path> = Vec::new();
+        let mut paths: Vec<KeyPath> = Vec::new();
         for entry in &entries {
             match put(entry, &paths, &mut root, sources) {
                 Ok(path) => {
@@ -84,7 +82,7 @@ pub(super) fn of(run: &Run, sources: &Sources, findings: &mut Findings) -> Optio
     Some(events)
 }
 
-fn dotted(path: &Path) -> String {
+fn dotted(path: &KeyPath) -> String {
     path.segments.iter().map(|s| s.0.as_str()).collect::<Vec<_>>().join(".")
 }
 
@@ -92,8 +90,8 @@ fn dotted(path: &Path) -> String {
 type Complaint = (Span, String, Option<String>);
 
 /// Puts one value of an event into the scenario.
-fn put(entry: &Entry, earlier: &[Path], root: &mut Node, sources: &Sources) -> Result<Path, Complaint> {
-    let path = Path::parse(&entry.key, &entry.key_span, sources).map_err(|e| (e.span, e.message, None))?;
+fn put(entry: &Entry, earlier: &[KeyPath], root: &mut Node, sources: &Sources) -> Result<KeyPath, Complaint> {
+    let path = KeyPath::parse(&entry.key, &entry.key_span, sources).map_err(|e| (e.span, e.message, None))?;
     let segments: Vec<&str> = path.segments.iter().map(|s| s.0.as_str()).collect();
     let refuse = |message: String, help: &str| Err((entry.key_span.clone(), message, Some(help.to_owned())));
     if !may_change(&segments) {
@@ -117,7 +115,7 @@ fn put(entry: &Entry, earlier: &[Path], root: &mut Node, sources: &Sources) -> R
 }
 
 /// The value that a path leads into, of which the file may have another form or none.
-fn whole(path: &Path) -> Option<Path> {
+fn whole(path: &KeyPath) -> Option<KeyPath> {
     let names: Vec<&str> = path.segments.iter().map(|s| s.0.as_str()).collect();
     let length = match names[..] {
         ["gravity", _, ..] => 1,

@@ -5,18 +5,19 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use super::diagnostic::{Diagnostic, Diagnostics, Findings, Severity};
-use super::expand::{Origin, Run};
 use super::file::ScenarioFile;
-use super::grid::{Cell, Grid};
 use super::inputs::{Files, Input};
-use super::path::Path;
 use super::reference::Reference;
+use super::run::{Origin, Run};
 use super::scenario::{self, Scenario};
-use super::source::{Sources, Span};
-use super::tree::Node;
+use super::sweep::{Cell, Grid};
 use super::{events, overrides};
+use crate::scenario::findings::Findings;
 use crate::scenario::format::contact::{ContactMethod, LcpSpec, NcpSpec, PenaltySpec};
+use crate::scenario::key_path::KeyPath;
+use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::text::source::{Sources, Span};
+use crate::text::toml_tree::Node;
 
 /// Errors after which an expansion gives up.
 const MAX_ERRORS: usize = 50;
@@ -151,7 +152,7 @@ impl Expansion {
 struct Made<'a> {
     expansion: &'a Expansion,
     root: &'a Node,
-    swept: &'a [(Path, Node)],
+    swept: &'a [(KeyPath, Node)],
 }
 
 impl Made<'_> {
@@ -160,7 +161,7 @@ impl Made<'_> {
         index: usize,
         scenario: Scenario,
         inputs: &[Input],
-        values: &[(Path, Node)],
+        values: &[(KeyPath, Node)],
         findings: &mut Findings,
     ) -> Option<(Run, toml::Table)> {
         let Expansion { file, sources, base, .. } = self.expansion;
@@ -188,8 +189,8 @@ impl Made<'_> {
                 run.events = events::of(&run, sources, findings).unwrap_or_default();
                 Some((run, table))
             }
-            Err(message) => {
-                findings.error(Path::internal("seed").locate(self.root).1, message, None);
+            Err(error) => {
+                findings.error(KeyPath::internal("seed").locate(self.root).1, error.to_string(), None);
                 None
             }
         }
@@ -235,7 +236,7 @@ impl Idle {
 }
 
 /// What stands in the file where a swept value that is wrong was put: the other half of the mistake.
-fn other_place(span: &Span, swept: &[(Path, Node)], base: &Node, sources: &Sources) -> Option<String> {
+fn other_place(span: &Span, swept: &[(KeyPath, Node)], base: &Node, sources: &Sources) -> Option<String> {
     let within = |outer: &Span| outer.start <= span.start && span.end <= outer.end;
     let (path, _) =
         swept.iter().find(|(path, value)| within(&value.span) || path.segments.iter().any(|s| within(&s.1)))?;
@@ -251,11 +252,19 @@ fn other_place(span: &Span, swept: &[(Path, Node)], base: &Node, sources: &Sourc
     (!one_place).then(|| format!("`{}` is at {place}", name(count)))
 }
 
+/// Why a scenario cannot be written as TOML.
+#[derive(Debug, thiserror::Error)]
+enum ResolveError {
+    #[error("`seed` with its repetitions reaches {0}, which TOML cannot hold")]
+    Seed(u64),
+    #[error("the scenario cannot be written as TOML: {0}")]
+    Toml(#[from] toml::ser::Error),
+}
+
 /// The scenario with every value written out, as a text and as a table.
-fn resolved(scenario: &Scenario) -> Result<(String, toml::Table), String> {
+fn resolved(scenario: &Scenario) -> Result<(String, toml::Table), ResolveError> {
     if i64::try_from(scenario.seed).is_err() {
-        return Err(format!("`seed` with its repetitions reaches {}, which TOML cannot hold", scenario.seed));
+        return Err(ResolveError::Seed(scenario.seed));
     }
-    let wrong = |error: toml::ser::Error| format!("the scenario cannot be written out: {error}");
-    Ok((toml::to_string(scenario).map_err(wrong)?, toml::Table::try_from(scenario).map_err(wrong)?))
+    Ok((toml::to_string(scenario)?, toml::Table::try_from(scenario)?))
 }

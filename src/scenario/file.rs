@@ -5,13 +5,12 @@ use std::{
     sync::Arc,
 };
 
-use super::{
-    diagnostic::{Diagnostic, Diagnostics, Findings},
-    scenario,
-    source::Sources,
-    tree::Node,
-};
+use super::scenario;
 use crate::files::input;
+use crate::scenario::findings::Findings;
+use crate::text::diagnostic::{Diagnostic, Diagnostics};
+use crate::text::source::Sources;
+use crate::text::toml_tree::Node;
 
 /// A scenario file whose TOML is sound. Its values are judged by [`ScenarioFile::expand`], since overrides and sweeps
 /// may change any of them.
@@ -34,7 +33,7 @@ pub fn load(path: &Path) -> Result<ScenarioFile, Diagnostics> {
     let name = path.display().to_string();
     check_name(path)?;
     let bytes = input::read(path, input::MOST_TEXT)
-        .map_err(|error| Diagnostic::unreadable(&name, format!("cannot read it: {error}")))?;
+        .map_err(|error| Diagnostic::whole_file(&name, format!("cannot read it: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let mut sources = Sources::default();
@@ -54,7 +53,8 @@ pub fn parse(path: &Path, text: impl Into<String>) -> Result<ScenarioFile, Diagn
     let mut sources = Sources::default();
     let start = sources.add(path.display().to_string(), &text);
     let mut findings = Findings::default();
-    let root = Node::parse(&text, start, &mut findings);
+    let (root, errors) = Node::parse(&text, start);
+    findings.syntax(errors);
     if !findings.has_errors() {
         scenario::check_format(&root, &mut findings);
     }
@@ -70,7 +70,7 @@ fn check_name(path: &Path) -> Result<(), Diagnostics> {
         Some(stem) if stem == "." || stem == ".." => {
             let message =
                 "its name without `.toml` is that of its folder of results, and this one would lead elsewhere";
-            Err(Diagnostic::unreadable(path.display().to_string(), message).into())
+            Err(Diagnostic::whole_file(path.display().to_string(), message).into())
         }
         _ => Ok(()),
     }

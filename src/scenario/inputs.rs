@@ -3,12 +3,16 @@
 
 use std::{
     collections::HashMap,
-    path::{Path as FsPath, PathBuf},
+    path::{Path, PathBuf},
     sync::Arc,
 };
 
-use super::{diagnostic::Findings, file::resolve, path::Path, scenario::Scenario, tree::Node};
+use super::file::resolve;
+use super::scenario::Scenario;
 use crate::files::input::{self, MOST_DATA};
+use crate::scenario::findings::Findings;
+use crate::scenario::key_path::KeyPath;
+use crate::text::toml_tree::Node;
 
 /// One such file.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -36,17 +40,17 @@ pub(super) struct Files {
 
 impl Files {
     /// The files of one run of the scenario file `file`; what cannot be read is told where `root` names it.
-    pub fn of(&mut self, scenario: &Scenario, file: &FsPath, root: &Node, findings: &mut Findings) -> Vec<Input> {
+    pub fn of(&mut self, scenario: &Scenario, file: &Path, root: &Node, findings: &mut Findings) -> Vec<Input> {
         let mut inputs = Vec::new();
         for (key, written) in named(scenario) {
-            let path = resolve(file, FsPath::new(written));
+            let path = resolve(file, Path::new(written));
             let read = self.read.entry(path.clone()).or_insert_with_key(|path| match input::read(path, MOST_DATA) {
                 Ok(bytes) => Ok(bytes.into()),
                 Err(error) => Err(format!("cannot read {}: {error}", path.display())),
             });
             match read {
                 Ok(bytes) => inputs.push(Input { key, path, bytes: bytes.clone() }),
-                Err(message) => findings.error(Path::internal(&key).locate(root).1, message.clone(), None),
+                Err(message) => findings.error(KeyPath::internal(&key).locate(root).1, message.clone(), None),
             }
         }
         inputs

@@ -1,44 +1,36 @@
-//! Scenario files: from TOML to runs in which everything is decided.
+//! Scenario files: from TOML to runs in which every value is decided.
 //!
 //! ```text
-//! file -> tree (every value knows its place) -> overrides -> sweep -> Scenario (typed, checked) -> Run
+//! file -> TOML tree with positions -> overrides -> sweep -> Scenario (typed, checked) -> Run
 //! ```
 //!
-//! [`load`] reads a file, [`ScenarioFile::expand`] gives its [`Run`]s. Whatever is wrong comes back as [`Diagnostics`]:
-//! with file, line and column, the line itself, and a guess at what was meant. Files that a scenario names beside
-//! its robot are read, but nothing here opens a robot file, loads a mesh or steps.
+//! [`load`] reads a file and [`ScenarioFile::expand`] gives its [`Run`]s. Errors come back as
+//! [`Diagnostics`](crate::text::Diagnostics) with file, line, column, an excerpt and a suggestion.
+//!
+//! Imports `text`, `files`, `geometry`, `random` and `metrics`. Reads the files that a scenario names, but opens no robot file and
+//! simulates nothing. `assemble` and `batch` call it.
 
-mod axis;
 mod checks;
 mod decode;
-mod diagnostic;
-mod dimensions;
 mod events;
-mod expand;
 mod expansion;
 mod file;
+mod findings;
 pub(crate) mod format;
-mod grid;
 mod inputs;
-mod key;
-mod locate;
+mod key_path;
 mod overrides;
-mod path;
-mod polygon;
-mod quantity;
-mod random;
 mod reference;
+mod run;
+mod run_key;
 #[expect(clippy::module_inception)]
 mod scenario;
-mod schema;
-mod source;
-mod tree;
+mod sweep;
 
 pub use crate::metrics::METRICS;
+pub use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use checks::host_and_port;
-pub use diagnostic::{Diagnostic, Diagnostics, Place, Severity};
 pub use events::Event;
-pub use expand::{DEFAULT_MAX_RUNS, Origin, Run};
 pub use expansion::Expansion;
 pub use file::{ScenarioFile, load, parse};
 pub use format::{
@@ -72,15 +64,14 @@ pub use format::{
         SineJointChange, SineTask, SquatTask, TaskSpec, WalkTask,
     },
 };
-pub use grid::MOST_RUNS_EVER;
 pub use inputs::Input;
-pub use key::key;
-pub use overrides::parse_override;
-pub use quantity::Angle;
-pub use scenario::{FORMAT, Scenario};
-pub use schema::schema;
+pub use overrides::{OverrideError, parse_override};
+pub use run::{DEFAULT_MAX_RUNS, Origin, Run};
+pub use run_key::key;
+pub use scenario::{FORMAT, Scenario, schema};
+pub use sweep::MOST_RUNS_EVER;
 
-/// A name as a segment of a dotted path: in quotes where it is no bare key.
+/// A name as a segment of a dotted path; in quotes unless it is a bare key.
 pub(crate) fn segment(name: &str) -> String {
-    path::Path::segment(name)
+    key_path::KeyPath::segment(name)
 }

@@ -1,23 +1,41 @@
 //! Values given beside a scenario file, as `--set KEY=VALUE` does.
 
-use super::{
-    diagnostic::Findings,
-    path::{Path, PathError},
-    source::Sources,
-    tree,
-    tree::Node,
-};
+use super::key_path::{KeyPath, PathError};
+use crate::scenario::findings::Findings;
+use crate::text::source::Sources;
+use crate::text::toml_tree;
+use crate::text::toml_tree::Node;
 
-/// Read `KEY=VALUE`, the key a dotted path and the value as in TOML; a word that is no TOML value is taken as a string,
-/// so that `contact.method=one-step` needs no quotes.
+/// Why a `KEY=VALUE` cannot be read.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum OverrideError {
+    /// There is no `=`.
+    #[error("`{0}` is not of the form KEY=VALUE")]
+    Form(String),
+    /// Nothing precedes the `=`.
+    #[error("`{0}` has no key before the `=`")]
+    NoKey(String),
+    /// The value begins like a TOML string, array or table and is none.
+    #[error("`{0}` is not a TOML value")]
+    Value(String),
+}
+
+impl From<OverrideError> for String {
+    fn from(error: OverrideError) -> String {
+        error.to_string()
+    }
+}
+
+/// Reads `KEY=VALUE`, the key a dotted path and the value as in TOML. A value that is not TOML is taken as a string, so
+/// that `contact.method=one-step` needs no quotes.
 ///
 /// # Errors
-/// In words: there is no `=`, or something that opens like a TOML string, array or table is none.
-pub fn parse_override(text: &str) -> Result<(String, toml::Value), String> {
-    let (key, value) = text.split_once('=').ok_or_else(|| format!("`{text}` is not of the form KEY=VALUE"))?;
+/// See [`OverrideError`].
+pub fn parse_override(text: &str) -> Result<(String, toml::Value), OverrideError> {
+    let (key, value) = text.split_once('=').ok_or_else(|| OverrideError::Form(text.to_owned()))?;
     let (key, value) = (key.trim(), value.trim());
     if key.is_empty() {
-        return Err(format!("`{text}` has no key before the `=`"));
+        return Err(OverrideError::NoKey(text.to_owned()));
     }
     let parsed = format!("value = {value}").parse::<toml::Table>().ok().and_then(|mut t| {
         let value = t.remove("value");
@@ -25,7 +43,7 @@ pub fn parse_override(text: &str) -> Result<(String, toml::Value), String> {
     });
     match parsed {
         Some(value) => Ok((key.to_owned(), value)),
-        None if value.starts_with(['[', '{', '"', '\'']) => Err(format!("`{value}` is not a TOML value")),
+        None if value.starts_with(['[', '{', '"', '\'']) => Err(OverrideError::Value(value.to_owned())),
         None => Ok((key.to_owned(), toml::Value::String(value.to_owned()))),
     }
 }
@@ -37,19 +55,20 @@ pub(super) fn apply(
     overrides: &[(String, toml::Value)],
     sources: &mut Sources,
     findings: &mut Findings,
-) -> Vec<Path> {
+) -> Vec<KeyPath> {
     let mut paths = Vec::new();
     for (key, value) in overrides {
         let text = format!("{key} = {value}");
         let start = sources.add("--set", &text);
-        let set = Path::parse(key, &(start..start + key.len()), sources).and_then(|path| {
-            let mut before = paths.iter().filter(|before: &&Path| before.segments.len() > path.segments.len());
+        let set = KeyPath::parse(key, &(start..start + key.len()), sources).and_then(|path| {
+            let mut before = paths.iter().filter(|before: &&KeyPath| before.segments.len() > path.segments.len());
             if let Some(part) = before.find(|before| before.overlaps(&path)) {
-                let part = part.segments.iter().map(|s| Path::segment(&s.0)).collect::<Vec<_>>().join(".");
+                let part = part.segments.iter().map(|s| KeyPath::segment(&s.0)).collect::<Vec<_>>().join(".");
                 let message = format!("`{key}` would replace `{part}`, which is set as well: set one or the other");
                 return Err(PathError { span: start..start + key.len(), message });
             }
-            let node = tree::assigned(&text, start, path.segments.len(), findings);
+            let (node, errors) = toml_tree::assigned(&text, start, path.segments.len());
+            findings.syntax(errors);
             path.set(root, node).map(|()| path)
         });
         match set {

@@ -1,11 +1,11 @@
 //! The reference run of a cell: its scenario with the values of `compare.reference` put over it.
 
-use super::diagnostic::Findings;
-use super::path::Path;
 use super::scenario::{self, Scenario};
-use super::source::Sources;
-use super::tree::{Node, Value};
+use crate::scenario::findings::Findings;
 use crate::scenario::format::run::LogSpec;
+use crate::scenario::key_path::KeyPath;
+use crate::text::source::Sources;
+use crate::text::toml_tree::{Node, Value};
 
 /// Parts of a scenario that say what is done with a run and not what it is.
 const NOT_OF_A_REFERENCE: [&str; 6] = ["schema", "description", "sweep", "log", "expect", "compare"];
@@ -15,7 +15,7 @@ pub(super) struct Reference {
     /// Every value, defaults included.
     pub scenario: Scenario,
     /// What was put over the cell, and where it was written.
-    pub values: Vec<(Path, Node)>,
+    pub values: Vec<(KeyPath, Node)>,
     /// What is found in it alone and makes it no less a reference.
     pub warnings: Findings,
 }
@@ -27,10 +27,10 @@ impl Reference {
         // What is no table is told of where `[compare]` is read.
         let table = cell.get("compare")?.get("reference").filter(|node| matches!(node.value, Value::Table(_)))?;
         let mut tree = cell.clone();
-        let mut values: Vec<(Path, Node)> = Vec::new();
+        let mut values: Vec<(KeyPath, Node)> = Vec::new();
         let mut sound = true;
         for entry in table.entries() {
-            let set = Path::parse(&entry.key, &entry.key_span, sources)
+            let set = KeyPath::parse(&entry.key, &entry.key_span, sources)
                 .map_err(|e| (e.span, e.message, None))
                 .and_then(|path| {
                     refuse(&entry.key, &path, &entry.node, &values)
@@ -67,7 +67,12 @@ impl Reference {
 }
 
 /// What cannot stand in `compare.reference`: message and help.
-fn refuse(key: &str, path: &Path, value: &Node, earlier: &[(Path, Node)]) -> Result<(), (String, Option<String>)> {
+fn refuse(
+    key: &str,
+    path: &KeyPath,
+    value: &Node,
+    earlier: &[(KeyPath, Node)],
+) -> Result<(), (String, Option<String>)> {
     let first = path.segments[0].0.as_str();
     if NOT_OF_A_REFERENCE.contains(&first) {
         return Err((format!("`{first}` is no part of a reference run"), None));

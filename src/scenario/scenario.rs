@@ -7,9 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::checks;
 use super::decode::{DecodeError, NodeDeserializer};
-use super::diagnostic::Findings;
-use super::quantity::{json, positive};
-use super::tree::{Node, Value};
+use crate::scenario::findings::Findings;
 use crate::scenario::format::compare::CompareSpec;
 use crate::scenario::format::contact::{ContactSpec, IntegratorSpec};
 use crate::scenario::format::control::ControlSpec;
@@ -17,6 +15,7 @@ use crate::scenario::format::event::EventSpec;
 use crate::scenario::format::expect::Expect;
 use crate::scenario::format::floor::FloorSpec;
 use crate::scenario::format::force::ForceSpec;
+use crate::scenario::format::quantity::{json, positive};
 use crate::scenario::format::robot::RobotSpec;
 use crate::scenario::format::run::{LogSpec, StopSpec};
 use crate::scenario::format::self_collision::SelfCollisionSpec;
@@ -25,6 +24,7 @@ use crate::scenario::format::sweep::SweepSpec;
 use crate::scenario::format::tagged::{self, Tagged};
 use crate::scenario::format::task::TaskSpec;
 use crate::text::suggest;
+use crate::text::toml_tree::{Node, Value};
 
 /// The version of the file format this program reads.
 pub const FORMAT: u32 = 1;
@@ -168,6 +168,16 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
     }
     let sound = !findings.has_errors();
     (sound.then_some(scenario), findings)
+}
+
+/// JSON Schema (draft 2020-12) of a scenario file, made from the types that read it. Units stand in the descriptions.
+pub fn schema() -> serde_json::Value {
+    let mut schema = schemars::schema_for!(Scenario).to_value();
+    // The only key without a default. The type has one so that reading can continue after an error.
+    if let Some(robot) = schema.pointer_mut("/properties/robot").and_then(|r| r.as_object_mut()) {
+        robot.remove("default");
+    }
+    schema
 }
 
 /// Reads the top-level keys of a scenario and remembers which there are.

@@ -1,131 +1,92 @@
-//! What is wrong with a text that is no TOML, or not the TOML that is wanted, beyond what the parser says of it.
+//! Describes TOML errors beyond the parser's message: the path of a duplicate key, the position of a key that is too deep.
 
 use std::ops::Range;
 
-use toml::de::{DeTable, DeValue, Error};
+use toml::de::{DeTable, Error};
 use toml::value::Datetime;
 
-/// Parts that a dotted key may have, as the parser has it.
+use super::toml_tree::Node;
+
+/// Most parts of a dotted key that the parser accepts.
 const MOST_PARTS: usize = 80;
 
-/// One mistake.
-pub struct Mistake {
-    /// Where, bytes of the text.
-    pub piece: Range<usize>,
-    /// What.
+/// One error in a TOML text.
+pub struct TomlError {
+    /// Bytes of the text.
+    pub span: Range<usize>,
+    /// What is wrong.
     pub message: String,
-    /// What to do about it, where that is known.
+    /// How to correct it, if known.
     pub help: Option<String>,
 }
 
-/// Words for what the parser found in a text. `look` is whether it may be gone through once more to tell more of a key that is
-/// there twice.
-pub fn mistake(error: &Error, text: &str, look: bool) -> Mistake {
-    let message = error.message().lines().collect::<Vec<_>>().join(" ");
-    let Some(piece) = error.span().filter(|piece| text.get(piece.clone()).is_some()) else {
-        // Only keys of too many parts are told without their place.
-        let piece = deep_key(text).unwrap_or_else(|| last_line(text));
-        let message = match message.as_str() {
-            "recursion limit" => format!("a dotted key has more than {MOST_PARTS} parts"),
+impl TomlError {
+    /// Describes an error of the parser. With `find_duplicates` a duplicate key is reported with its path and the line of
+    /// the first one, which takes another pass over the text.
+    pub fn new(error: &Error, text: &str, find_duplicates: bool) -> TomlError {
+        let message = error.message().lines().collect::<Vec<_>>().join(" ");
+        let Some(span) = error.span().filter(|span| text.get(span.clone()).is_some()) else {
+            // The parser reports a position for all errors but keys of too many parts.
+            let span = deep_key(text).unwrap_or_else(|| last_line(text));
+            let message = match message.as_str() {
+                "recursion limit" => format!("a dotted key has more than {MOST_PARTS} parts"),
+                _ => message,
+            };
+            return TomlError { span, message, help: None };
+        };
+        if message.starts_with(DUPLICATE) {
+            let found = if find_duplicates { duplicate_path(text, &span) } else { None };
+            let (path, first) = found.unwrap_or_else(|| (vec![name(&text[span.clone()])], None));
+            let line = |at: usize| text[..at].matches('\n').count() + 1;
+            let help = match first {
+                Some(first) => format!("the first is on line {}; keep one of them", line(first.start)),
+                None => "a key may be given once in a table, and a table once in a file; keep one of them".into(),
+            };
+            return TomlError { span, message: format!("{DUPLICATE} `{}`", dotted(&path)), help: Some(help) };
+        }
+        // To serde a date is a table with one special key.
+        let written = text[span.clone()].trim();
+        let message = match message.strip_prefix("invalid type: map, ") {
+            Some(expected) if written.parse::<Datetime>().is_ok() => {
+                format!("invalid type: the date or time {written}, {expected}")
+            }
             _ => message,
         };
-        return Mistake { piece, message, help: None };
-    };
-    if is_duplicate(&message) {
-        let twice = if look { twice(text, &piece) } else { None };
-        let (path, first) = twice.unwrap_or_else(|| (vec![name(&text[piece.clone()])], None));
-        let line = |at: usize| text[..at].matches('\n').count() + 1;
-        let help = match first {
-            Some(first) => format!("the first is on line {}; keep one of them", line(first.start)),
-            None => "a key may be given once in a table, and a table once in a file; keep one of them".into(),
-        };
-        return Mistake { piece, message: format!("{DUPLICATE} `{}`", dotted(&path)), help: Some(help) };
+        TomlError { span, message, help: None }
     }
-    // To serde a date is a table with one strange key.
-    let written = text[piece.clone()].trim();
-    let message = match message.strip_prefix("invalid type: map, ") {
-        Some(wanted) if written.parse::<Datetime>().is_ok() => {
-            format!("invalid type: the date or time {written}, {wanted}")
-        }
-        _ => message,
-    };
-    Mistake { piece, message, help: None }
 }
 
 const DUPLICATE: &str = "duplicate key";
 
-fn is_duplicate(message: &str) -> bool {
-    message.starts_with(DUPLICATE)
-}
-
-/// The dotted path of the key that is there twice, if [`mistake`] said this of one.
-pub fn duplicate(message: &str) -> Option<&str> {
+/// The dotted path of the duplicate key, if a message of [`TomlError::new`] reports one.
+pub fn duplicate_key(message: &str) -> Option<&str> {
     message.strip_prefix(DUPLICATE)?.strip_prefix(" `")?.strip_suffix('`')
 }
 
-/// The path of a key that is there for the second time at `piece`, and where it is for the first time.
-fn twice(text: &str, piece: &Range<usize>) -> Option<(Vec<String>, Option<Range<usize>>)> {
-    // Under another name, which nobody takes, it has its place in the tree; the parser drops it otherwise.
-    let other = [&text[..piece.start], "\"\\u0001\\u0002\"", &text[piece.end..]].concat();
-    let (document, _) = DeTable::parse_recoverable(&other);
-    let (mut path, mut table) = (Vec::new(), None);
-    if !find(document.get_ref(), piece.start, &mut path, &mut table) {
-        return None;
-    }
-    let name = name(&text[piece.clone()]);
-    let first = table?.iter().find(|(key, _)| key.get_ref().as_ref() == name).map(|(key, _)| key.span());
+/// The path of the duplicate key at `span`, and the position of the first one.
+fn duplicate_path(text: &str, span: &Range<usize>) -> Option<(Vec<String>, Option<Range<usize>>)> {
+    // The parser drops a duplicate key. Under a name that no file uses it is part of the tree.
+    let renamed = [&text[..span.start], "\"\\u0001\\u0002\"", &text[span.end..]].concat();
+    let root = Node::of(DeTable::parse_recoverable(&renamed).0.get_ref(), 0, &mut Vec::new());
+    let mut path = root.path_at(span.start)?;
+    path.pop();
+    let table = path.iter().try_fold(&root, |node, key| match key.parse::<usize>() {
+        Ok(index) if !node.items().is_empty() => node.items().get(index),
+        _ => node.get(key),
+    })?;
+    let name = name(&text[span.clone()]);
+    let first = table.entry(&name).map(|entry| entry.key_span.clone());
     path.push(name);
-    Some((path, first.filter(|first| first.start < piece.start)))
+    Some((path, first.filter(|first| first.start < span.start)))
 }
 
-/// Looks for the table with a key that begins at a byte; `path` is what leads there.
-fn find<'t, 'i>(
-    table: &'t DeTable<'i>,
-    at: usize,
-    path: &mut Vec<String>,
-    found: &mut Option<&'t DeTable<'i>>,
-) -> bool {
-    if table.iter().any(|(key, _)| key.span().start == at) {
-        *found = Some(table);
-        return true;
-    }
-    table.iter().any(|(key, value)| {
-        path.push(key.get_ref().to_string());
-        let is_here = find_in(value.get_ref(), at, path, found);
-        if !is_here {
-            path.pop();
-        }
-        is_here
-    })
-}
-
-fn find_in<'t, 'i>(
-    value: &'t DeValue<'i>,
-    at: usize,
-    path: &mut Vec<String>,
-    found: &mut Option<&'t DeTable<'i>>,
-) -> bool {
-    match value {
-        DeValue::Table(table) => find(table, at, path, found),
-        DeValue::Array(items) => items.iter().enumerate().any(|(index, item)| {
-            path.push(index.to_string());
-            let is_here = find_in(item.get_ref(), at, path, found);
-            if !is_here {
-                path.pop();
-            }
-            is_here
-        }),
-        _ => false,
-    }
-}
-
-/// A key as it is written, without its quotes.
+/// A key without its quotes.
 fn name(written: &str) -> String {
     let table = format!("{written} = 0").parse::<toml::Table>().ok();
     table.and_then(|table| table.keys().next().cloned()).unwrap_or_else(|| written.to_owned())
 }
 
-/// A path as a dotted key, names in quotes where they are no bare keys.
+/// A path as a dotted key; names that are no bare keys are in quotes.
 pub fn dotted(path: &[String]) -> String {
     path.iter().map(|name| segment(name)).collect::<Vec<_>>().join(".")
 }
@@ -136,11 +97,11 @@ pub fn segment(name: &str) -> String {
     if !name.is_empty() && name.chars().all(bare) { name.to_owned() } else { format!("{name:?}") }
 }
 
-/// The first key of more parts than the parser takes.
+/// The first key with more parts than the parser accepts.
 fn deep_key(text: &str) -> Option<Range<usize>> {
     let bytes = text.as_bytes();
     let mut at = 0;
-    // Where the key began, how many parts it has so far, and was a dot the last thing of it?
+    // Start of the key, number of its parts so far, and whether its last character was a dot.
     let (mut start, mut parts, mut is_open) = (0, 0, false);
     while at < bytes.len() {
         let from = at;
@@ -183,7 +144,7 @@ fn deep_key(text: &str) -> Option<Range<usize>> {
     None
 }
 
-/// The last line that has something on it.
+/// The last line that is not empty.
 fn last_line(text: &str) -> Range<usize> {
     let end = text.trim_end().len();
     text[..end].rfind('\n').map_or(0, |at| at + 1)..end
@@ -194,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_key_that_is_there_twice_has_a_path_and_a_first_place() {
+    fn a_duplicate_key_has_a_path_and_a_first_position() {
         for (text, path, first) in [
             ("a = 1\nb = 2\na = 3\n", "a", Some(0)),
             ("[t]\nx = 1\n[t.u]\n\"y.z\" = 1\n'y.z' = 2\n", "t.u.\"y.z\"", Some(16)),
@@ -204,9 +165,9 @@ mod tests {
             ("a.b = 1\na.b = 2\n", "a.b", Some(2)),
         ] {
             let (_, errors) = DeTable::parse_recoverable(text);
-            let piece = errors[0].span().unwrap();
-            assert!(is_duplicate(errors[0].message()), "{text}");
-            let (found, at) = twice(text, &piece).unwrap_or_else(|| panic!("{text}"));
+            let span = errors[0].span().unwrap();
+            assert!(errors[0].message().starts_with(DUPLICATE), "{text}");
+            let (found, at) = duplicate_path(text, &span).unwrap_or_else(|| panic!("{text}"));
             assert_eq!((dotted(&found).as_str(), at.map(|at| at.start)), (path, first), "{text}");
         }
     }
@@ -222,9 +183,9 @@ mod tests {
         ] {
             let text = format!("{before}{deep}{after}");
             let (_, errors) = DeTable::parse_recoverable(&text);
-            let mistake = mistake(&errors[0], &text, true);
-            assert_eq!(mistake.message, "a dotted key has more than 80 parts", "{text}");
-            assert_eq!(mistake.piece, before.len()..before.len() + deep.len(), "{text}");
+            let error = TomlError::new(&errors[0], &text, true);
+            assert_eq!(error.message, "a dotted key has more than 80 parts", "{text}");
+            assert_eq!(error.span, before.len()..before.len() + deep.len(), "{text}");
         }
         let most = vec!["a"; MOST_PARTS].join(".");
         assert_eq!(deep_key(&format!("{most} = 1\n# {deep}\nx = \"{deep}\"\n")), None);

@@ -189,7 +189,7 @@ proptest! {
     #[test]
     fn no_text_breaks_it(text in "\\PC{0,40}|[ ()!~=<>^&|\\[\\],.\"'\\\\a-z0-9-]{0,60}") {
         if let Err(wrong) = Filter::parse(&text) {
-            let place = wrong.place.unwrap();
+            let place = wrong.position.unwrap();
             prop_assert!(place.column <= text.chars().count() + 1, "{place:?} in {text:?}");
         }
     }

@@ -45,7 +45,7 @@ fn lists_that_are_too_long_are_refused_where_they_begin() {
     ];
     for (text, words) in cases {
         let wrong = refused(&format!("{BLOCK}{text}"));
-        assert!(wrong.iter().any(|d| d.message.contains(words) && d.place.is_some()), "{words}: {}", wrong.0[0]);
+        assert!(wrong.iter().any(|d| d.message.contains(words) && d.position.is_some()), "{words}: {}", wrong.0[0]);
     }
 }
 

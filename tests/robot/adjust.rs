@@ -1,7 +1,7 @@
 //! What scenarios change.
 
 use nalgebra::{Matrix3, Point3, Vector3};
-use stiction::robot::adjust::{DriveSettings, SoleSpec, add_payload, set_default_drive, set_drive, set_soles};
+use stiction::robot::adjustments::{DriveSettings, SoleSpec, add_payload, set_default_drive, set_drive, set_soles};
 use stiction::robot::{DriveMode, Model};
 
 use super::{BODY, load_urdf, shipped};

@@ -108,7 +108,7 @@ fn mimics_that_cannot_be_followed_are_named() {
         let robot =
             load_urdf(&format!("<robot name=\"r\"><link name=\"a\">{BODY}</link>{}</robot>", all.concat())).unwrap();
         let told = robot.notices.iter().find(|n| n.message.contains(words));
-        assert!(told.is_some_and(|n| n.line == 2), "{words}: {:?}", robot.notices);
+        assert!(told.is_some_and(|n| n.line() == 2), "{words}: {:?}", robot.notices);
         assert_eq!(robot.model.home[0], 0.0, "{words}");
     }
 }

@@ -61,11 +61,13 @@ pub fn assert_fault(case: &str, result: Result<Robot, RobotError>, file: &str, l
         Err(error) => error,
     };
     let shown = error.render(false);
-    let fault = error.fault().unwrap_or_else(|| panic!("{case}: no place in {shown}"));
-    assert_eq!(fault.line(), line, "{case}: wrong line in\n{shown}");
-    assert_eq!(fault.file().file_name(), PathBuf::from(file).file_name(), "{case}: {shown}");
+    let diagnostic = error.diagnostic();
+    let (source, _) = diagnostic.marked().unwrap_or_else(|| panic!("{case}: no position in {shown}"));
+    let marked = source.text().lines().nth(diagnostic.line() - 1).unwrap_or_default();
+    assert_eq!(diagnostic.line(), line, "{case}: wrong line in\n{shown}");
+    assert_eq!(source.path().file_name(), PathBuf::from(file).file_name(), "{case}: {shown}");
     assert!(error.to_string().contains(needle), "{case}: `{needle}` is not in `{error}`");
     assert!(shown.contains(&format!("{file}:{line}:")), "{case}: no place in\n{shown}");
-    assert!(shown.contains(fault.source_line().trim()), "{case}: the line is not shown in\n{shown}");
+    assert!(shown.contains(marked.trim()), "{case}: the line is not shown in\n{shown}");
     assert!(shown.contains('^'), "{case}: no caret in\n{shown}");
 }

@@ -1,7 +1,8 @@
 //! What is ignored or assumed is told, with its line.
 
 use super::{BODY, folder, load_urdf};
-use stiction::robot::{Geometry, JointKind, Severity, inspect, load};
+use stiction::robot::{Geometry, JointKind, inspect, load};
+use stiction::text::Severity;
 
 #[test]
 fn ignored_and_assumed_things_are_told_with_their_line() {
@@ -29,20 +30,20 @@ fn ignored_and_assumed_things_are_told_with_their_line() {
     let told = |line: usize, needle: &str, severity: Severity| {
         let found = robot.notices.iter().find(|n| n.message.contains(needle));
         let notice = found.unwrap_or_else(|| panic!("`{needle}` is silent: {:#?}", robot.notices));
-        assert_eq!((notice.line, notice.severity), (line, severity), "{notice}");
+        assert_eq!((notice.line(), notice.severity), (line, severity), "{notice}");
         assert!(inspect(&robot).contains(&notice.to_string()));
     };
-    use Severity::{Info, Warning};
-    told(2, "attribute `type` of <link> is ignored", Info);
-    told(2, "<contact> of link `a` is ignored", Info);
-    told(3, "<gazebo> is ignored", Info);
-    told(4, "<transmission> is ignored", Info);
-    told(5, "joint `j` has no <axis>: 1 0 0 is taken", Info);
-    told(7, "joint `j` has no effort limit", Info);
-    told(8, "<safety_controller> of joint `j` is ignored", Info);
-    told(8, "attribute `spring` of <dynamics> is ignored", Info);
-    told(11, "axis of joint `k` has length 2", Info);
-    told(12, "limit of the continuous joint `k` are ignored", Info);
+    use Severity::{Note, Warning};
+    told(2, "attribute `type` of <link> is ignored", Note);
+    told(2, "<contact> of link `a` is ignored", Note);
+    told(3, "<gazebo> is ignored", Note);
+    told(4, "<transmission> is ignored", Note);
+    told(5, "joint `j` has no <axis>: 1 0 0 is taken", Note);
+    told(7, "joint `j` has no effort limit", Note);
+    told(8, "<safety_controller> of joint `j` is ignored", Note);
+    told(8, "attribute `spring` of <dynamics> is ignored", Note);
+    told(11, "axis of joint `k` has length 2", Note);
+    told(12, "limit of the continuous joint `k` are ignored", Note);
     told(12, "joint `k`: effort limit 0", Warning);
     told(
         14,
@@ -51,7 +52,7 @@ fn ignored_and_assumed_things_are_told_with_their_line() {
     );
     told(15, "visual mesh `foot.dae` of link `c` is left out", Warning);
     assert_eq!(robot.model.home, [1.0, 0.0], "0 is outside the limits of j");
-    told(5, "0 is outside the limits of joint `j`", Info);
+    told(5, "0 is outside the limits of joint `j`", Note);
     told(1, "no soles", Warning);
     let [j, k] = &robot.model.joints[..] else { panic!() };
     assert_eq!((j.kind, j.lower, j.upper), (JointKind::Revolute, 1.0, 2.0));

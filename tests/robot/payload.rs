@@ -3,7 +3,7 @@
 use crate::analytic::support::simulation;
 use nalgebra::{Point3, Vector3};
 use stiction::robot::Geometry;
-use stiction::robot::adjust::add_payload;
+use stiction::robot::adjustments::add_payload;
 
 use super::{BODY, assert_fault, load_toml};
 

@@ -79,7 +79,7 @@ fn inertia_without_mass_counts_welded_or_moving() {
     // Rounding of the quarter turn.
     assert!((link.inertia - wanted).amax() < 1e-15, "{}", link.inertia);
     let told = robot.notices.iter().find(|n| n.message.contains("link `rotor` has inertia but no mass"));
-    assert!(told.is_some_and(|n| n.line == 2 && n.message.ends_with("which count")), "{told:?}");
+    assert!(told.is_some_and(|n| n.line() == 2 && n.message.ends_with("which count")), "{told:?}");
     // On a joint of its own, alone and with a mass welded to it.
     let rotor = Matrix3::from_diagonal(&Vector3::new(0.3, 0.2, 0.1));
     let alone = load_urdf(&text("continuous", "")).unwrap().model;
@@ -140,8 +140,8 @@ fn a_flawed_part_of_a_sound_body_is_a_warning() {
     let welded = load_urdf(&text("fixed")).unwrap();
     let told =
         |needle: &str| welded.notices.iter().find(|n| n.message.contains(needle)).unwrap_or_else(|| panic!("{needle}"));
-    assert_eq!(told("link `tip` breaks the triangle inequality: principal moments").line, 3);
-    assert_eq!(told("no name").line, 1);
+    assert_eq!(told("link `tip` breaks the triangle inequality: principal moments").line(), 3);
+    assert_eq!(told("no name").line(), 1);
     assert_eq!(welded.model.name, "robot");
     assert_fault(
         "moving",

@@ -682,7 +682,7 @@ fn each_mistake_is_shown_where_it_is() {
         let found = wrong(&format!("{SMALLEST}{text}\n"), &[]);
         let shown = found.to_string();
         let first = found.iter().next().unwrap();
-        let place = first.place.expect("a place");
+        let place = first.position.expect("a place");
         assert_eq!((place.line, place.column), (*line, *column), "{shown}");
         assert!(first.message.contains(message), "{message:?} in\n{shown}");
         assert!(first.help.as_deref().unwrap_or_default().contains(help), "{help:?} in\n{shown}");
@@ -732,14 +732,14 @@ fn a_scenario_needs_a_robot() {
 #[test]
 fn mistakes_in_several_places_are_told_at_once() {
     let text = "duraton = 1\n[robot]\nmodel = \"b\"\n[floor]\nheigt = 1\n[[task]]\ntype = \"balence\"\n[[task]]\ntype = \"posture\"\njoints = 1\n[log]\nrate = -1\n";
-    let lines: Vec<_> = wrong(text, &[]).iter().map(|d| d.place.unwrap().line).collect();
+    let lines: Vec<_> = wrong(text, &[]).iter().map(|d| d.position.unwrap().line).collect();
     assert_eq!(lines, [1, 5, 7, 10, 12]);
 }
 
 #[test]
 fn syntax_errors_are_told_at_once() {
     let found = file("a = = 1\n[robot]\nmodel = \n[floor\n").unwrap_err();
-    let lines: Vec<_> = found.iter().map(|d| d.place.unwrap().line).collect();
+    let lines: Vec<_> = found.iter().map(|d| d.position.unwrap().line).collect();
     assert!(lines.contains(&1) && lines.contains(&3) && lines.contains(&4), "{found}");
 }
 
@@ -769,7 +769,7 @@ fn files_that_cannot_be_read() {
     let missing = folder.path().join("missing.toml");
     let found = load(&missing).unwrap_err();
     assert!(found.to_string().contains("missing.toml"), "{found}");
-    assert_eq!(found.0[0].place, None);
+    assert_eq!(found.0[0].position, None);
 
     let latin = folder.path().join("latin.toml");
     std::fs::write(&latin, b"[robot]\nmodel = \"caf\xe9\"\n").unwrap();

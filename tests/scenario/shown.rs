@@ -77,7 +77,7 @@ fn a_key_that_is_there_twice_is_named_with_the_first() {
         ),
     ] {
         let found = file(text).unwrap_err().0.swap_remove(0);
-        let place = found.place.unwrap();
+        let place = found.position.unwrap();
         assert_eq!((place.line, place.column), at, "{found}");
         assert_eq!(found.message, format!("duplicate key `{key}`"), "{found}");
         assert_eq!(found.help.as_deref(), Some(help));

@@ -69,7 +69,7 @@ fn mistyped(keys: &[Range<usize>], range: &Range<usize>, typo: &str) -> Result<(
     match file(&text).and_then(|f| f.expand(&[])) {
         Ok(_) => Err(format!("`{typo}` for `{}` on line {line} is accepted", &FULL[range.clone()])),
         Err(found) => {
-            let named = found.iter().any(|d| d.place.is_some_and(|p| p.line == line) && d.message.contains(typo));
+            let named = found.iter().any(|d| d.position.is_some_and(|p| p.line == line) && d.message.contains(typo));
             if named { Ok(()) } else { Err(format!("line {line}, `{typo}`:\n{found}")) }
         }
     }

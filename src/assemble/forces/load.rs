@@ -2,7 +2,7 @@
 
 use crate::assemble::forces::Held;
 use crate::robot::Model;
-use crate::robot::adjust;
+use crate::robot::adjustments;
 use crate::scenario::{CarriedObject, Diagnostic, ForceSpec, Run};
 use crate::sim::Load;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
@@ -24,7 +24,7 @@ fn load(run: &Run, i: usize, held: Held, spec: &CarriedObject, errors: &mut Vec<
     let [roll, pitch, yaw] = spec.rpy;
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
     let pose = Isometry3::from_parts(Translation3::from(spec.position), rotation);
-    match adjust::load_in(&held.pose, &held.name, spec.mass, pose, spec.inertia) {
+    match adjustments::load_in(&held.pose, &held.name, spec.mass, pose, spec.inertia) {
         Ok(body) => Some(Load {
             name: held.name,
             link: held.link,

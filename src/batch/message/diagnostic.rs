@@ -1,33 +1,28 @@
 //! Findings as messages.
 
 use super::DiagnosticMessage;
-use crate::batch::{Finding, Severity};
-use crate::robot::{Notice, RobotError};
-use crate::scenario::Diagnostic;
+use crate::batch::Finding;
+use crate::robot::RobotError;
+use crate::text::Diagnostic;
 
 impl From<&Finding> for DiagnosticMessage {
     fn from(finding: &Finding) -> Self {
         let about = match finding {
-            Finding::Scenario(diagnostic) => of_scenario(diagnostic),
+            Finding::Scenario(diagnostic) => of_diagnostic(diagnostic),
             Finding::Robot { error, .. } => of_robot(error),
             Finding::Notice(notice) => of_notice(notice),
             Finding::Plan(message) => DiagnosticMessage { message: message.clone(), ..Self::default() },
         };
-        let severity = match finding.severity() {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-            Severity::Note => "note",
-        };
-        DiagnosticMessage { severity, rendered: finding.render(false), ..about }
+        DiagnosticMessage { severity: finding.severity().name(), rendered: finding.render(false), ..about }
     }
 }
 
-fn of_scenario(diagnostic: &Diagnostic) -> DiagnosticMessage {
+fn of_diagnostic(diagnostic: &Diagnostic) -> DiagnosticMessage {
     DiagnosticMessage {
         message: diagnostic.message.clone(),
         file: Some(diagnostic.file.clone()).filter(|file| !file.is_empty()),
-        line: diagnostic.place.map(|place| place.line),
-        column: diagnostic.place.map(|place| place.column),
+        line: diagnostic.position.map(|position| position.line),
+        column: diagnostic.position.map(|position| position.column),
         // The text of a filter has no keys, though it may read like TOML.
         key: if diagnostic.file == "--filter" { None } else { diagnostic.key() },
         help: diagnostic.help.clone(),
@@ -36,30 +31,14 @@ fn of_scenario(diagnostic: &Diagnostic) -> DiagnosticMessage {
 }
 
 fn of_robot(error: &RobotError) -> DiagnosticMessage {
-    let Some(fault) = error.fault() else {
-        return DiagnosticMessage { message: error.to_string(), ..DiagnosticMessage::default() };
-    };
-    // What the parser of a robot file has found has a place, and there a key.
-    let key = match fault.element.as_str() {
-        "robot file" => Diagnostic::in_text("", fault.source.text(), fault.span.clone(), "", None).key(),
-        element => Some(element.to_owned()),
-    };
-    DiagnosticMessage {
-        message: fault.message.clone(),
-        file: Some(fault.file().display().to_string()),
-        line: Some(fault.line()),
-        column: Some(fault.column()),
-        key: key.filter(|element| !element.is_empty()),
-        help: fault.help.clone(),
-        ..DiagnosticMessage::default()
+    let message = of_diagnostic(&error.diagnostic());
+    // What the TOML parser of a robot file found has the key at its position.
+    match error.file_error().map(|error| error.element.as_str()) {
+        None | Some("robot file") => message,
+        Some(element) => DiagnosticMessage { key: Some(element.to_owned()).filter(|key| !key.is_empty()), ..message },
     }
 }
 
-fn of_notice(notice: &Notice) -> DiagnosticMessage {
-    DiagnosticMessage {
-        message: notice.message.clone(),
-        file: Some(notice.file.display().to_string()),
-        line: Some(notice.line),
-        ..DiagnosticMessage::default()
-    }
+fn of_notice(notice: &Diagnostic) -> DiagnosticMessage {
+    DiagnosticMessage { column: None, key: None, ..of_diagnostic(notice) }
 }

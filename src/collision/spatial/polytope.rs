@@ -12,7 +12,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::oriented_box::OrientedBox;
-use crate::robot::convex_hull;
+use crate::geometry::convex_hull_3d;
 
 /// Neighbouring faces whose normals differ by less than this angle, rad, are one face. A climb that stops at the border of
 /// such a face is at most this angle times the size of the body below the summit: 1e-10 m for a body of 1 m.
@@ -36,7 +36,7 @@ impl Polytope {
     /// The convex hull of points, m; `None` when they are flat, or when it has more than 65 535 vertices.
     pub fn hull(points: &[Vector3<f64>]) -> Option<Self> {
         let points: Vec<Point3<f64>> = points.iter().map(|p| Point3::from(*p)).collect();
-        let (vertices, triangles) = convex_hull(&points)?;
+        let (vertices, triangles) = convex_hull_3d(&points)?;
         Self::new(vertices.iter().map(|p| p.coords).collect(), triangles)
     }
 

@@ -1,23 +1,17 @@
 //! URDF in, the moving tree out.
 //!
 //! `urdf-rs` reads the values. It is forgiving where a simulator must not be (vectors with commas, unknown parents,
-//! absent inertias and limits), and it forgets where things stood, so [`check`] goes over the XML first and refuses what
+//! absent inertias and limits), and it forgets where things stood, so [`grammar`] goes over the XML first and refuses what
 //! would otherwise change meaning silently; after it every value `urdf-rs` returns is one that stands in the file.
 
-mod build;
-mod check;
-mod collada;
-mod compound;
+mod compound_joints;
+mod grammar;
 mod inertia;
-mod limits;
-mod mesh;
-mod movable;
-mod package;
-mod plausible;
-mod repair;
+mod joint_limits;
+mod moving_tree;
 mod root;
+mod sanitized_text;
 mod shapes;
-mod tidy;
 mod tree;
 mod xml;
 
@@ -25,12 +19,12 @@ use std::path::PathBuf;
 
 pub use inertia::RigidInertia;
 pub(super) use inertia::{Flaw, examine, moments_text};
-pub(super) use limits::Mimic;
+pub(super) use joint_limits::Mimic;
 
-use super::error::RobotError;
+use super::error::{FileError, RobotError};
 use super::model::{Base, Model};
-use super::notice::Notices;
-use super::source::Source;
+use super::notices::Notices;
+use crate::text::source::Source;
 
 /// What the URDF alone says.
 pub(super) struct Loaded {
@@ -61,24 +55,24 @@ pub(super) fn load(
 ) -> Result<Loaded, RobotError> {
     if let Some(at) = xml::crowded(source.text()) {
         let words = format!("an element has more than {} attributes", xml::MOST_ATTRIBUTES);
-        return Err(source.fault(at..at + 1, words).syntax());
+        return Err(FileError::new(source, at..at + 1, words).syntax());
     }
     let document = roxmltree::Document::parse(source.text()).map_err(|e| xml::syntax_error(source, &e))?;
     let xml = xml::Xml::new(source, &document)?;
-    check::check(&xml, notices)?;
+    grammar::check(&xml, notices)?;
     let mut mimics = Vec::new();
     for joint in xml.robot.children().filter(|n| n.has_tag_name("joint")) {
-        limits::check_type(&xml, joint)?;
-        mimics.extend(limits::mimic(&xml, joint, notices));
+        joint_limits::check_type(&xml, joint)?;
+        mimics.extend(joint_limits::mimic(&xml, joint, notices));
     }
-    let robot = urdf_rs::read_from_string(&tidy::tidy(&xml)).map_err(|e| {
-        source.fault(document.root_element().range(), format!("the URDF cannot be read: {e}")).invalid()
+    let robot = urdf_rs::read_from_string(&sanitized_text::sanitized(&xml)).map_err(|e| {
+        FileError::new(source, document.root_element().range(), format!("the URDF cannot be read: {e}")).invalid()
     })?;
     agree(&robot, &xml)?;
-    limits::sound_mimics(&mut mimics, &xml, notices);
+    joint_limits::sound_mimics(&mut mimics, &xml, notices);
     let tree = tree::Tree::new(&robot, &xml)?;
     let root = root::choose(&tree, &xml, base, notices)?;
-    Ok(Loaded { mimics, ..build::build(&tree, &xml, root, policy, notices)? })
+    Ok(Loaded { mimics, ..moving_tree::build(&tree, &xml, root, policy, notices)? })
 }
 
 /// Both readers must have seen the same links and joints, since one gives the values and the other the places.

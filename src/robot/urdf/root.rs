@@ -8,7 +8,7 @@ use super::tree::Tree;
 use super::xml::{Xml, child};
 use crate::robot::error::RobotError;
 use crate::robot::model::Base;
-use crate::robot::notice::Notices;
+use crate::robot::notices::Notices;
 
 /// The simulated root.
 pub(super) struct Root {
@@ -51,7 +51,7 @@ pub(super) fn choose(tree: &Tree, xml: &Xml, wanted: Option<Base>, notices: &mut
         }
         (_, Some(Base::Floating)) => {
             let fault = xml.fault(node, "base = \"floating\" does not fit a root link `world` with moving joints");
-            Err(fault.wanted("one child on a fixed or floating joint").invalid())
+            Err(fault.expected("one child on a fixed or floating joint").invalid())
         }
         _ => Ok(Root { link: root, base: Base::Fixed }),
     }

@@ -22,7 +22,7 @@ impl<'a> Tree<'a> {
         unique_names(xml, "link")?;
         unique_names(xml, "joint")?;
         if robot.links.is_empty() {
-            return Err(xml.fault(xml.robot, "the robot has no links").wanted("at least one <link>").invalid());
+            return Err(xml.fault(xml.robot, "the robot has no links").expected("at least one <link>").invalid());
         }
         let index: HashMap<&str, usize> = robot.links.iter().enumerate().map(|(i, l)| (l.name.as_str(), i)).collect();
         let mut joints_of = vec![Vec::new(); robot.links.len()];
@@ -35,7 +35,7 @@ impl<'a> Tree<'a> {
                     let message = format!("joint `{}` names an unknown {end} link", joint.name);
                     let fault = xml.attribute_fault(child(node, end).unwrap_or(node), "link", message);
                     fault
-                        .wanted("the name of a <link>")
+                        .expected("the name of a <link>")
                         .suggest(name, robot.links.iter().map(|l| l.name.as_str()))
                         .invalid()
                 })
@@ -46,7 +46,7 @@ impl<'a> Tree<'a> {
                 let (link, other) = (&joint.child.link, &robot.joints[other].name);
                 let message = format!("link `{link}` is the child of both joint `{other}` and joint `{}`", joint.name);
                 let fault = xml.fault(xml.named("joint", &joint.name), message);
-                return Err(fault.wanted("a tree: closed loops are not supported").invalid());
+                return Err(fault.expected("a tree: closed loops are not supported").invalid());
             }
             above[child] = Some(j);
             joints_of[parent].push(j);
@@ -78,7 +78,7 @@ impl<'a> Tree<'a> {
         }
         names.reverse();
         let message = format!("the joints form a loop through the links {}", list(&names));
-        Err(xml.fault(xml.named("link", names[0]), message).wanted("a tree with one root").invalid())
+        Err(xml.fault(xml.named("link", names[0]), message).expected("a tree with one root").invalid())
     }
 
     fn parent_of(&self, joint: usize) -> usize {
@@ -93,7 +93,7 @@ fn unique_names(xml: &Xml, tag: &str) -> Result<(), RobotError> {
         let line = xml.source.line(node.range().start);
         if let Some(first) = lines.insert(name, line) {
             let fault = xml.attribute_fault(node, "name", format!("there are two {tag}s named `{name}`"));
-            return Err(fault.wanted("a name of its own").help(format!("the other is on line {first}")).invalid());
+            return Err(fault.expected("a name of its own").help(format!("the other is on line {first}")).invalid());
         }
     }
     Ok(())
@@ -106,13 +106,13 @@ fn single_root(robot: &urdf_rs::Robot, xml: &Xml, above: &[Option<usize>]) -> Re
         [] => {
             let names: Vec<&str> = robot.links.iter().map(|l| l.name.as_str()).collect();
             let message = format!("every link is moved by a joint: the joints form a loop through {}", list(&names));
-            Err(xml.fault(xml.named("link", names[0]), message).wanted("a tree with one root").invalid())
+            Err(xml.fault(xml.named("link", names[0]), message).expected("a tree with one root").invalid())
         }
         [_, second, ..] => {
             let names: Vec<&str> = roots.iter().map(|&r| robot.links[r].name.as_str()).collect();
             let message = format!("there are {} root links: {}", names.len(), list(&names));
             let node = xml.named("link", &robot.links[second].name);
-            Err(xml.fault(node, message).wanted("one root, every other link the child of a joint").invalid())
+            Err(xml.fault(node, message).expected("one root, every other link the child of a joint").invalid())
         }
     }
 }

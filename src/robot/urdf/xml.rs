@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use roxmltree::{Document, Node};
 
-use crate::robot::error::{Fault, RobotError};
-use crate::robot::source::Source;
+use crate::robot::error::{FileError, RobotError};
+use crate::text::source::Source;
 
 /// The parser holds each attribute of an element against all others of it.
 pub(super) const MOST_ATTRIBUTES: usize = 1000;
@@ -41,8 +41,9 @@ impl<'a> Xml<'a> {
     pub fn new(source: &'a Source, document: &'a Document<'a>) -> Result<Self, RobotError> {
         let robot = document.root_element();
         if !robot.has_tag_name("robot") {
-            let fault = source.fault(open_tag(source, robot), "this is not a URDF").wanted("<robot name=\"...\">");
-            return Err(fault.seen(format!("<{}>", robot.tag_name().name())).invalid());
+            let fault =
+                FileError::new(source, open_tag(source, robot), "this is not a URDF").expected("<robot name=\"...\">");
+            return Err(fault.found(format!("<{}>", robot.tag_name().name())).invalid());
         }
         let mut named = HashMap::new();
         for node in robot.children() {
@@ -59,16 +60,16 @@ impl<'a> Xml<'a> {
     }
 
     /// A fault at an element's opening tag.
-    pub fn fault(&self, node: Node, message: impl Into<String>) -> Fault {
-        self.source.fault(open_tag(self.source, node), message).element(describe(node))
+    pub fn fault(&self, node: Node, message: impl Into<String>) -> FileError {
+        FileError::new(self.source, open_tag(self.source, node), message).element(describe(node))
     }
 
     /// A fault at an attribute's value, or at the element when the attribute is absent.
-    pub fn attribute_fault(&self, node: Node, attribute: &str, message: impl Into<String>) -> Fault {
+    pub fn attribute_fault(&self, node: Node, attribute: &str, message: impl Into<String>) -> FileError {
         match node.attribute_node(attribute) {
-            Some(a) => {
-                self.source.fault(a.range_value(), message).element(describe(node)).seen(format!("`{}`", a.value()))
-            }
+            Some(a) => FileError::new(self.source, a.range_value(), message)
+                .element(describe(node))
+                .found(format!("`{}`", a.value())),
             None => self.fault(node, message),
         }
     }
@@ -107,5 +108,5 @@ pub(super) fn syntax_error(source: &Source, error: &roxmltree::Error) -> RobotEr
     let text = error.to_string();
     // The parser repeats the position at the end of its sentence.
     let sentence = text.rsplit_once(" at ").map_or(text.as_str(), |(words, _)| words);
-    source.fault(start..start + 1, format!("the XML is not well-formed: {sentence}")).syntax()
+    FileError::new(source, start..start + 1, format!("the XML is not well-formed: {sentence}")).syntax()
 }

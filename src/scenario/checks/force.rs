@@ -1,6 +1,6 @@
 //! Rules for `[[force]]`.
 
-use super::{Check, Path};
+use super::{Check, KeyPath};
 use crate::scenario::format::force::{AnchorSpec, ForceSpec, Grip, Profile, RandomPushes};
 
 impl Check<'_> {
@@ -47,7 +47,7 @@ impl Check<'_> {
                     self.error(path, "needs `all`, or `joints` with at least one joint");
                 }
                 let all = friction.all.iter().map(|f| ("all".to_owned(), f));
-                let joints = friction.joints.iter().map(|(name, f)| (format!("joints.{}", Path::segment(name)), f));
+                let joints = friction.joints.iter().map(|(name, f)| (format!("joints.{}", KeyPath::segment(name)), f));
                 for (key, f) in all.chain(joints) {
                     if let Some(value) = f.static_.filter(|s| *s < f.coulomb) {
                         let must = format!("must not be smaller than `coulomb` = {}, not {value}", f.coulomb);

@@ -4,17 +4,17 @@ mod event;
 mod force;
 mod task;
 
-use super::diagnostic::Findings;
-use super::path::Path;
-use super::polygon;
 use super::scenario::Scenario;
-use super::source::Span;
-use super::tree::Node;
+use crate::geometry::simple_polygon;
 use crate::metrics::{METRICS, is_distance};
+use crate::scenario::findings::Findings;
 use crate::scenario::format::compare::CompareSpec;
 use crate::scenario::format::expect::Expect;
 use crate::scenario::format::floor::Friction;
 use crate::scenario::format::robot::{PayloadSpec, SoleSpec};
+use crate::scenario::key_path::KeyPath;
+use crate::text::source::Span;
+use crate::text::toml_tree::Node;
 
 /// Most readings of a sensor that are kept until they are seen.
 const MOST_READINGS: f64 = 1e5;
@@ -49,7 +49,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     check.friction("floor.friction", scenario.floor.friction);
     for (i, patch) in scenario.floor.patches.iter().enumerate() {
         check.friction(&format!("floor.patches.{i}.friction"), patch.friction);
-        if let Some((corner, must)) = polygon::fault(&patch.polygon) {
+        if let Some((corner, must)) = simple_polygon::defect(&patch.polygon) {
             let corner = corner.map_or(String::new(), |c| format!(".{c}"));
             check.error(&format!("floor.patches.{i}.polygon{corner}"), must);
         }
@@ -139,11 +139,11 @@ impl Check<'_> {
     }
 
     fn place(&self, path: &str) -> (Span, Span) {
-        Path::internal(path).locate(self.root)
+        KeyPath::internal(path).locate(self.root)
     }
 
     fn has(&self, path: &str, key: &str) -> bool {
-        Path::internal(path).get(self.root).is_some_and(|node| node.get(key).is_some())
+        KeyPath::internal(path).get(self.root).is_some_and(|node| node.get(key).is_some())
     }
 
     fn error(&mut self, path: &str, must: impl AsRef<str>) {

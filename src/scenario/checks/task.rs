@@ -1,6 +1,6 @@
 //! Rules for `[[task]]`.
 
-use super::{Check, Path};
+use super::{Check, KeyPath};
 use crate::scenario::format::change::ChangeSpec;
 use crate::scenario::format::task::{
     BalanceControl, BalanceTask, ForceBalance, MocapTask, PositionBalance, SineTask, TaskSpec, WalkTask,
@@ -44,7 +44,7 @@ impl Check<'_> {
                 self.stands(path, balance.soles.as_deref());
                 for (joint, mobility) in balance.position.mobility.iter().filter(|(_, w)| **w < 0.0) {
                     let message = format!("must be 0 or greater, not {mobility}");
-                    self.error(&format!("{path}.position.mobility.{}", Path::segment(joint)), message);
+                    self.error(&format!("{path}.position.mobility.{}", KeyPath::segment(joint)), message);
                 }
                 self.balance_changes(path, balance, end);
                 // Written out in full a scenario has both, the other with its defaults.

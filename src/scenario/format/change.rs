@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{json, non_negative};
+use crate::scenario::format::quantity::{json, non_negative};
 
 /// New values of some parameters; the others stay.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use crate::scenario::quantity::{count, fraction, json, non_negative, positive};
+use crate::scenario::format::quantity::{count, fraction, json, non_negative, positive};
 
 /// How contact is decided.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

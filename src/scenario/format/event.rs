@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{json, non_negative};
+use crate::scenario::format::quantity::{json, non_negative};
 
 /// `[[event]]`: change parameters while running, end tasks, save the robot's state, or put it back into one that was saved. At
 /// least one of `set`, `end_tasks`, `save` and `restore` is given; if several are, the state is saved first and parameters are set

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use crate::metrics::METRICS;
-use crate::scenario::quantity::{json, some_non_negative};
+use crate::scenario::format::quantity::{json, some_non_negative};
 use crate::text::suggest;
 
 /// One expectation: a metric with `value` and `tolerance` or `relative_tolerance`, or with `min`, `max` or both; or an outcome.
@@ -97,43 +97,73 @@ impl Expect {
         }
     }
 
-    /// Does the metric's value hold? `Err` says in words why not. A value that is not a number never holds.
-    pub fn check(&self, value: f64) -> Result<(), String> {
-        let name = self.metric.as_deref().unwrap_or("value");
+    /// Checks a metric's value. NaN never holds.
+    ///
+    /// # Errors
+    /// How the value violates the expectation.
+    pub fn check(&self, value: f64) -> Result<(), Violation> {
+        let name = || self.metric.clone().unwrap_or_else(|| "value".into());
         if value.is_nan() {
-            return Err(format!("{name} is not a number"));
+            return Err(Violation::NotANumber { metric: name() });
         }
-        if let Some(wanted) = self.value {
+        if let Some(expected) = self.value {
             let tolerance = self.allowed().unwrap_or(0.0);
-            let distance = (value - wanted).abs();
+            let distance = (value - expected).abs();
             if distance > tolerance {
-                return Err(format!("{name} is {value}, {distance:e} from {wanted} (tolerance {tolerance:e})"));
+                return Err(Violation::OffValue { metric: name(), value, distance, expected, tolerance });
             }
         }
         if let Some(min) = self.min
             && value < min
         {
-            return Err(format!("{name} is {value}, below {min}"));
+            return Err(Violation::Below { metric: name(), value, min });
         }
         if let Some(max) = self.max
             && value > max
         {
-            return Err(format!("{name} is {value}, above {max}"));
+            return Err(Violation::Above { metric: name(), value, max });
         }
         Ok(())
     }
 
-    /// Judge a run by the word for how it ended and a look-up of its metrics; `Err` says in words what did not hold.
-    /// A metric that the run did not measure, such as the time of a slip that never came, does not hold.
-    pub fn judge(&self, outcome: &str, metric: impl Fn(&str) -> Option<f64>) -> Result<(), String> {
-        if let Some(wanted) = self.outcome
-            && wanted.name() != outcome
+    /// Judges a run by the name of its outcome and a look-up of its metrics. A metric that the run did not measure, such as
+    /// the time of a slip that never came, does not hold.
+    ///
+    /// # Errors
+    /// What did not hold.
+    pub fn judge(&self, outcome: &str, metric: impl Fn(&str) -> Option<f64>) -> Result<(), Violation> {
+        if let Some(expected) = self.outcome
+            && expected.name() != outcome
         {
-            return Err(format!("outcome is {outcome}, not {}", wanted.name()));
+            return Err(Violation::Outcome { outcome: outcome.to_owned(), expected: expected.name() });
         }
         match &self.metric {
-            Some(name) => self.check(metric(name).ok_or_else(|| format!("{name} has no value"))?),
+            Some(name) => self.check(metric(name).ok_or_else(|| Violation::Unmeasured { metric: name.clone() })?),
             None => Ok(()),
         }
     }
+}
+
+/// How a run violates an expectation.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "each field is in the message")]
+pub enum Violation {
+    /// The run ended in another way.
+    #[error("outcome is {outcome}, not {expected}")]
+    Outcome { outcome: String, expected: &'static str },
+    /// The run did not measure the metric.
+    #[error("{metric} has no value")]
+    Unmeasured { metric: String },
+    /// The value is NaN.
+    #[error("{metric} is not a number")]
+    NotANumber { metric: String },
+    /// The value is further from the expected one than the tolerance.
+    #[error("{metric} is {value}, {distance:e} from {expected} (tolerance {tolerance:e})")]
+    OffValue { metric: String, value: f64, distance: f64, expected: f64, tolerance: f64 },
+    /// The value is below the lower limit.
+    #[error("{metric} is {value}, below {min}")]
+    Below { metric: String, value: f64, min: f64 },
+    /// The value is above the upper limit.
+    #[error("{metric} is {value}, above {max}")]
+    Above { metric: String, value: f64, max: f64 },
 }

@@ -9,7 +9,7 @@ use serde::{
     ser::SerializeMap,
 };
 
-use crate::scenario::quantity;
+use crate::scenario::format::quantity;
 use crate::text::suggest;
 
 /// Random samples of one or more keys: one dimension of the sweep.

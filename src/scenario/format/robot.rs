@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{
+use crate::scenario::format::quantity::{
     angles, angular_rates, joint_positions, joint_velocities, json, non_negative, positive, some_non_negative,
     some_positive,
 };

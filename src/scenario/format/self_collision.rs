@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use crate::scenario::quantity::{json, non_negative, positive};
+use crate::scenario::format::quantity::{json, non_negative, positive};
 
 /// Distances between the robot's bodies are watched; methods 1 to 4 keep what the joints are asked free of collisions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use crate::scenario::quantity::{angles, json, non_negative};
+use crate::scenario::format::quantity::{angles, json, non_negative};
 
 /// Longest delay, s: readings so old are kept in memory.
 const LONGEST: f64 = 10.0;

@@ -1,9 +1,9 @@
 //! Entries that say by `type` what they are: one registry line per type.
 
 use crate::scenario::decode::{DecodeError, NodeDeserializer};
-use crate::scenario::diagnostic::Findings;
-use crate::scenario::tree::Node;
+use crate::scenario::findings::Findings;
 use crate::text::suggest;
+use crate::text::toml_tree::Node;
 
 /// An enum whose variants are picked by the key `type`.
 pub trait Tagged: Sized {

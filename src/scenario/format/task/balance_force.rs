@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{
+use crate::scenario::format::quantity::{
     fraction, json, non_negative, positive, some_fraction, some_non_negative, some_positive,
 };
 

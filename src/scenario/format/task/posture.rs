@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{joint_positions, json, non_negative, positive};
+use crate::scenario::format::quantity::{joint_positions, json, non_negative, positive};
 
 /// Move joints from where they are to a posture along minimum-jerk curves, and hold it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

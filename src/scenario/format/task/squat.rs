@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{count, json, non_negative, positive};
+use crate::scenario::format::quantity::{count, json, non_negative, positive};
 
 /// Lower the centre of mass and raise it again over the middle of the soles, which stay where they are; the root link
 /// stays upright.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::quantity::{count, json, non_negative, positive, some_positive};
+use crate::scenario::format::quantity::{count, json, non_negative, positive, some_positive};
 
 /// Walk with two feet along a straight line, or step in place; the centre of mass follows from the zero-moment point by
 /// preview control.

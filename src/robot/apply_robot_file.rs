@@ -1,0 +1,292 @@
+//! What the robot file says, put into the model the URDF gave.
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use toml::Spanned;
+
+use super::adjustments::{DriveSettings, SoleSpec, link_names, make_sole, set_drive};
+use super::error::{FileError, RobotError};
+use super::link_poses::link_poses;
+use super::model::{DriveMode, EndEffector, JointKind, LinkId, Model, Mount, SensorFrame};
+use super::notices::Notices;
+use super::payload;
+use super::robot_file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
+use crate::text::pattern::matches;
+use crate::text::source::Source;
+
+/// Applies everything but `urdf` and `base`. Faults carry the place in the robot file.
+pub(super) fn apply(
+    file: &RobotFile,
+    source: &Source,
+    model: &mut Model,
+    notices: &mut Notices,
+) -> Result<(), RobotError> {
+    home(file, source, model)?;
+    let kinematic = kinematic(file, source, model)?;
+    drives(file, source, model, &kinematic)?;
+    payload::weld(&file.payload, source, model)?;
+    if let Some(soles) = &file.sole {
+        given_soles(soles, source, model, notices)?;
+    }
+    end_effectors(file, source, model)?;
+    sensors(file, source, model)
+}
+
+fn end_effectors(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
+    for entry in &file.end_effector {
+        let frame = entry.get_ref();
+        let element = format!("end effector `{}`", frame.name);
+        if model.end_effector(&frame.name).is_some() {
+            let fault =
+                FileError::new(source, entry.span(), format!("there are two end effectors named `{}`", frame.name));
+            return Err(fault.element(element).expected("a name of its own").invalid());
+        }
+        let (link, pose) = frame_pose(frame, &element, source, model)?;
+        model.end_effectors.push(EndEffector { name: frame.name.clone(), link, pose });
+    }
+    Ok(())
+}
+
+fn sensors(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
+    let Some(sensors) = file.sensors.as_ref().map(Spanned::get_ref) else { return Ok(()) };
+    model.sensors.imu = sensor_frames(&sensors.imu, "IMU", source, model)?;
+    model.sensors.force = sensor_frames(&sensors.force, "force sensor", source, model)?;
+    Ok(())
+}
+
+fn sensor_frames(
+    frames: &[Spanned<Frame>],
+    kind: &str,
+    source: &Source,
+    model: &Model,
+) -> Result<Vec<SensorFrame>, RobotError> {
+    let mut made: Vec<SensorFrame> = Vec::new();
+    for entry in frames {
+        let frame = entry.get_ref();
+        let element = format!("{kind} `{}`", frame.name);
+        if made.iter().any(|other| other.name == frame.name) {
+            let fault = FileError::new(source, entry.span(), format!("there are two {kind}s named `{}`", frame.name));
+            return Err(fault.element(element).expected("a name of its own").invalid());
+        }
+        let (link, pose) = frame_pose(frame, &element, source, model)?;
+        made.push(SensorFrame { name: frame.name.clone(), mount: Mount { link, pose } });
+    }
+    Ok(made)
+}
+
+/// The carrying link and the frame's pose in its internal frame.
+fn frame_pose(
+    frame: &Frame,
+    element: &str,
+    source: &Source,
+    model: &Model,
+) -> Result<(LinkId, Isometry3<f64>), RobotError> {
+    let (link, urdf_frame) = known_link(&frame.link, element, source, model)?;
+    let position = frame.position.as_ref().map_or([0.0; 3], |p| *p.get_ref());
+    if let Some(span) = frame.position.as_ref().filter(|_| !position.iter().all(|x| x.is_finite())).map(Spanned::span) {
+        let fault = FileError::new(source, span, format!("position of {element} is not finite"));
+        return Err(fault.element(element).expected("three finite numbers").invalid());
+    }
+    let [roll, pitch, yaw] = frame.rpy.map_or([0.0; 3], |rpy| rpy.map(|angle| angle.value));
+    let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    Ok((link, urdf_frame * Isometry3::from_parts(Vector3::from(position).into(), turn)))
+}
+
+fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
+    for (name, angle) in &file.home {
+        let index = joint_index(name, source, model)?;
+        let joint = &model.joints[index];
+        let element = format!("home of joint `{}`", joint.name);
+        if joint.kind == JointKind::Prismatic && angle.get_ref().has_unit {
+            let fault =
+                FileError::new(source, angle.span(), format!("joint `{}` slides: an angle makes no sense", joint.name));
+            return Err(fault.element(element).expected("a number in m").invalid());
+        }
+        let value = angle.get_ref().value;
+        if value < joint.lower || value > joint.upper {
+            let fault =
+                FileError::new(source, angle.span(), format!("{element} is outside the joint's limits")).found(value);
+            let wanted = format!("{:.6} to {:.6}", joint.lower, joint.upper);
+            return Err(fault.element(element).expected(wanted).invalid());
+        }
+        model.home[index] = value;
+    }
+    Ok(())
+}
+
+/// For every joint, is it matched by a pattern of `kinematic`.
+fn kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<Vec<bool>, RobotError> {
+    let mut matched = vec![false; model.joints.len()];
+    for pattern in file.kinematic.iter().flatten() {
+        let mut any = false;
+        for (matched, joint) in
+            matched.iter_mut().zip(&model.joints).filter(|(_, j)| matches(pattern.get_ref(), &j.name))
+        {
+            (any, *matched) = (true, true);
+            let own = file.joint.get(joint.name.as_str()).and_then(|entry| entry.get_ref().mode.as_ref());
+            if let Some(mode) = own.filter(|mode| *mode.get_ref() != ModeWord::Kinematic) {
+                let words = format!("joint `{}` is matched by `{}` of `kinematic`", joint.name, pattern.get_ref());
+                let fault = FileError::new(source, mode.span(), words).element(format!("joint `{}`", joint.name));
+                return Err(fault.expected("no other mode").invalid());
+            }
+        }
+        if !any {
+            let words = format!("no moving joint of the URDF matches `{}`", pattern.get_ref());
+            let known = model.joints.iter().map(|j| j.name.as_str());
+            return Err(FileError::new(source, pattern.span(), words)
+                .element("kinematic")
+                .suggest(pattern.get_ref(), known)
+                .invalid());
+        }
+    }
+    Ok(matched)
+}
+
+fn drives(file: &RobotFile, source: &Source, model: &mut Model, kinematic: &[bool]) -> Result<(), RobotError> {
+    for name in file.joint.keys() {
+        joint_index(name, source, model)?;
+    }
+    let default = match &file.joint_default {
+        Some(entry) => settings(entry.get_ref(), "joint_default", source)?,
+        None => DriveSettings::default(),
+    };
+    let names: Vec<String> = model.joints.iter().map(|j| j.name.clone()).collect();
+    for (name, kinematic) in names.into_iter().zip(kinematic) {
+        let own = file.joint.get(name.as_str());
+        let place = own.or(file.joint_default.as_ref()).map_or(0..0, Spanned::span);
+        let mut own = match own {
+            Some(entry) => settings(entry.get_ref(), &format!("joint `{name}`"), source)?,
+            None => DriveSettings::default(),
+        };
+        if *kinematic {
+            own.mode = Some(DriveMode::Kinematic);
+        }
+        let element = format!("joint `{name}`");
+        set_drive(model, &name, &own.or(default)).map_err(|error| at(place, &element, error, source))?;
+    }
+    Ok(())
+}
+
+/// A wrong value with the place where it stands.
+fn at(place: std::ops::Range<usize>, element: &str, error: RobotError, source: &Source) -> RobotError {
+    match error {
+        RobotError::BadValue { subject, found, expected } => {
+            FileError::new(source, place, subject).element(element).found(found).expected(expected).invalid()
+        }
+        other => other,
+    }
+}
+
+/// The table's numbers, each checked where it stands.
+fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveSettings, RobotError> {
+    let checked = |key: &str, value: &Option<Spanned<f64>>, holds: &dyn Fn(f64) -> bool, wanted: &str| match value {
+        Some(v) if !(v.get_ref().is_finite() && holds(*v.get_ref())) => {
+            let fault =
+                FileError::new(source, v.span(), format!("{key} of {element} cannot be used")).found(v.get_ref());
+            Err(fault.element(element).expected(wanted).invalid())
+        }
+        Some(v) => Ok(Some(*v.get_ref())),
+        None => Ok(None),
+    };
+    let number = |key: &str, value: &_| checked(key, value, &|v| v >= 0.0, "a finite number, not negative");
+    let above = |key: &str, value: &_| checked(key, value, &|v| v > 0.0, "a finite number above 0");
+    let mode = entry.mode.as_ref().map(|word| match word.get_ref() {
+        ModeWord::Position => DriveMode::Position,
+        ModeWord::Force => DriveMode::Force,
+        ModeWord::Passive => DriveMode::Passive,
+        ModeWord::Velocity => DriveMode::Velocity,
+        ModeWord::Kinematic => DriveMode::Kinematic,
+    });
+    let friction = entry.friction.clone().unwrap_or_default();
+    Ok(DriveSettings {
+        mode,
+        kp: number("kp", &entry.kp)?,
+        kd: number("kd", &entry.kd)?,
+        effort: number("effort", &entry.effort)?,
+        velocity: number("velocity", &entry.velocity)?,
+        coulomb: number("friction.coulomb", &friction.coulomb)?,
+        viscous: number("friction.viscous", &friction.viscous)?,
+        static_friction: number("friction.static", &friction.static_)?,
+        stribeck_velocity: above("friction.stribeck_velocity", &friction.stribeck_velocity)?,
+        slip_velocity: above("friction.slip_velocity", &friction.slip_velocity)?,
+        stop: match &entry.stop {
+            None => None,
+            Some(stop) => {
+                let stiffness = above("stop.stiffness", &Some(stop.stiffness.clone()))?.unwrap_or_default();
+                Some((stiffness, number("stop.damping", &stop.damping)?.unwrap_or_default()))
+            }
+        },
+        armature: number("armature", &entry.armature)?,
+        lag: number("lag", &entry.lag)?,
+    })
+}
+
+fn given_soles(
+    soles: &[Spanned<SoleEntry>],
+    source: &Source,
+    model: &mut Model,
+    notices: &mut Notices,
+) -> Result<(), RobotError> {
+    let poses = link_poses(model, &model.home);
+    for entry in soles {
+        let sole = entry.get_ref();
+        let element = format!("sole `{}`", sole.name);
+        if model.soles.iter().any(|s| s.name == sole.name) {
+            let fault = FileError::new(source, entry.span(), format!("there are two soles named `{}`", sole.name));
+            return Err(fault.element(element).expected("a name of its own").invalid());
+        }
+        known_link(&sole.link, &element, source, model)?;
+        let spec = SoleSpec {
+            name: sole.name.clone(),
+            link: sole.link.get_ref().clone(),
+            polygon: sole.polygon.get_ref().iter().map(|p| Vector3::from(*p)).collect(),
+        };
+        let (made, turned) =
+            make_sole(model, &poses, &spec).map_err(|error| at(sole.polygon.span(), &element, error, source))?;
+        if turned {
+            let words = format!("{element} runs clockwise seen from above: its vertices are taken the other way round");
+            notices.info(source, sole.polygon.span().start, words);
+        }
+        model.soles.push(made);
+    }
+    Ok(())
+}
+
+/// Tells of force sensors that are not read: those on a link without a sole, and all but the first on one with. To be asked
+/// when the soles are known.
+pub(super) fn unread_force_sensors(file: &RobotFile, source: &Source, model: &Model, notices: &mut Notices) {
+    let entries = file.sensors.iter().flat_map(|s| &s.get_ref().force);
+    for (i, (entry, sensor)) in entries.zip(&model.sensors.force).enumerate() {
+        let link = sensor.mount.link;
+        let first = model.sensors.force[..i].iter().find(|other| other.mount.link == link);
+        let why = match first {
+            Some(first) => format!("`{}` is on the same link", first.name),
+            None if model.soles.iter().any(|sole| sole.link == link) => continue,
+            None => format!("link `{}` has no sole", model.links[link.0].name),
+        };
+        notices.info(source, entry.span().start, format!("force sensor `{}` is not read: {why}", sensor.name));
+    }
+}
+
+fn joint_index(name: &Spanned<String>, source: &Source, model: &Model) -> Result<usize, RobotError> {
+    model.joint(name.get_ref()).map(|id| id.0).ok_or_else(|| {
+        let fault = FileError::new(source, name.span(), format!("the URDF has no moving joint `{}`", name.get_ref()));
+        let known = model.joints.iter().map(|j| j.name.as_str());
+        fault.element(format!("joint `{}`", name.get_ref())).suggest(name.get_ref(), known).invalid()
+    })
+}
+
+/// The link of that name with the pose of its URDF frame in its internal frame.
+pub(super) fn known_link(
+    name: &Spanned<String>,
+    element: &str,
+    source: &Source,
+    model: &Model,
+) -> Result<(LinkId, Isometry3<f64>), RobotError> {
+    if let Some(found) = model.link(name.get_ref()) {
+        return Ok(found);
+    }
+    let fault = FileError::new(source, name.span(), format!("{element} names an unknown link"))
+        .found(format!("`{}`", name.get_ref()));
+    let fault = fault.element(element).expected("the name of a <link> of the URDF");
+    Err(fault.suggest(name.get_ref(), link_names(model)).invalid())
+}

@@ -1,0 +1,159 @@
+//! Loads a robot: robot file and URDF to a [`Model`], its files and notices.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use super::apply_robot_file::{apply, unread_force_sensors};
+use super::error::{FileError, RobotError, read_source};
+use super::mesh_simplification::simplify_meshes;
+use super::model::{Base, Model};
+use super::notices::Notices;
+use super::robot_file::{self, BaseWord, RobotFile};
+use super::self_collision::{self, SelfCollision};
+use super::sole_detection::find_soles;
+use super::urdf::{self, InertiaPolicy, Mimic};
+use crate::files::input;
+use crate::text::diagnostic::Diagnostic;
+use crate::text::source::Source;
+
+/// A loaded robot.
+#[derive(Clone, Debug)]
+pub struct Robot {
+    /// What is simulated.
+    pub model: Model,
+    /// Every file used with its bytes: the robot file if there is one, the URDF, meshes. For hashing and for logs.
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+    /// The URDF's text.
+    pub urdf_text: String,
+    /// What was ignored, assumed or found.
+    pub notices: Vec<Diagnostic>,
+    /// Which links must not touch each other.
+    pub self_collision: SelfCollision,
+}
+
+/// Loads a robot file (`.toml`) or a bare URDF (`.urdf`). Errors: see [`RobotError`]; the first one found is returned.
+pub fn load(path: &Path) -> Result<Robot, RobotError> {
+    load_with(path, None)
+}
+
+/// As [`load`]; `policy`, if given, overrides what the robot file says of inertias that no body can have.
+pub fn load_with(path: &Path, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
+    read(read_source(path)?, policy)
+}
+
+/// As [`load_with`], for a text that is already at hand; `path` is what errors call it, what its ending says, and what the
+/// names of other files in it start from.
+pub fn parse(path: &Path, text: impl Into<String>, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
+    read(Source::new(path, text), policy)
+}
+
+fn read(source: Source, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
+    let path = source.path().to_owned();
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    match extension.as_str() {
+        "toml" => {
+            let file = robot_file::parse(&source)?;
+            let urdf_path = path.parent().unwrap_or(Path::new("")).join(file.urdf.get_ref());
+            let urdf = read_source(&urdf_path).map_err(|error| {
+                let fault = FileError::new(&source, file.urdf.span(), error.to_string()).element("urdf");
+                fault.expected("the path of a URDF, relative to this file").invalid()
+            })?;
+            assemble(urdf, Some((source, file)), policy)
+        }
+        "urdf" | "xml" => assemble(source, None, policy),
+        _ => Err(RobotError::Read { path, reason: "it is neither a .toml nor a .urdf file".into() }),
+    }
+}
+
+fn assemble(
+    urdf: Source,
+    file: Option<(Source, RobotFile)>,
+    policy: Option<InertiaPolicy>,
+) -> Result<Robot, RobotError> {
+    let mut notices = Notices::default();
+    let base = file.as_ref().and_then(|(_, f)| f.base.as_ref()).map(|word| match word.get_ref() {
+        BaseWord::Fixed => Base::Fixed,
+        BaseWord::Floating => Base::Floating,
+    });
+    let own_policy = file.as_ref().and_then(|(_, f)| f.inertia).map(InertiaPolicy::from);
+    let policy = policy.or(own_policy).unwrap_or_default();
+    let urdf::Loaded { mut model, meshes, mimics } = urdf::load(&urdf, base, policy, &mut notices)?;
+    if model.name.trim().is_empty() {
+        model.name = urdf.path().file_stem().map_or("robot".into(), |stem| stem.to_string_lossy().into_owned());
+        notices.info(
+            &urdf,
+            urdf.text().find("<robot").unwrap_or(0),
+            format!("the robot has no name: `{}` is taken", model.name),
+        );
+    }
+    let named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
+    home_within_limits(&mut model, &urdf, named, &mut notices);
+    let mut files = Vec::new();
+    let mut soles_given = false;
+    let mut self_collision = SelfCollision::default();
+    if let Some((source, file)) = &file {
+        apply(file, source, &mut model, &mut notices)?;
+        self_collision = self_collision::read(file, source, &model)?;
+        soles_given = file.sole.is_some();
+        files.push((source.path().to_owned(), source.text().as_bytes().to_vec()));
+    }
+    let is_named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
+    homes_that_follow(&mut model, mimics.iter().filter(|m| !is_named(&m.joint)));
+    if !soles_given {
+        find_soles(&mut model, &urdf, &mut notices);
+    }
+    if let Some((source, file)) = &file {
+        unread_force_sensors(file, source, &model, &mut notices);
+    }
+    // Soles are found on the meshes as they stand.
+    simplify_meshes(&mut model, &urdf, &mut notices);
+    files.push((urdf.path().to_owned(), urdf.text().as_bytes().to_vec()));
+    files.extend(meshes);
+    strayed(&files, &urdf, &mut notices);
+    Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.into_all(), self_collision })
+}
+
+/// Tells of symbolic links that lead out of the robot's folder; what they lead to is read.
+fn strayed(files: &[(PathBuf, Vec<u8>)], urdf: &Source, notices: &mut Notices) {
+    let Some(home) = files.first().and_then(|(path, _)| path.parent()) else { return };
+    let strays = files.iter().filter_map(|(path, _)| Some((path, input::led_out(home, path)?)));
+    let strays: Vec<_> = strays.collect();
+    if let Some((path, real)) = strays.first() {
+        let (path, real, more) = (path.display(), real.display(), strays.len() - 1);
+        let others = if more == 0 { String::new() } else { format!(", and so for {more} more of its files") };
+        let words = format!("a symbolic link leads out of the robot's folder: {path} is {real}{others}");
+        notices.warning(urdf, urdf.text().find("<robot").unwrap_or(0), words);
+    }
+}
+
+/// A mimic joint is at home where it would be if it followed, as far as its limits let it.
+fn homes_that_follow<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mimic>) {
+    let joints: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
+    let pair = |mimic: &'a Mimic| Some((mimic, *joints.get(mimic.joint.as_str())?, *joints.get(mimic.of.as_str())?));
+    let pairs: Vec<_> = mimics.filter_map(pair).collect();
+    // A joint may follow one that follows: as many rounds as there are links in the longest such chain, at most.
+    for _ in &pairs {
+        let before = model.home.clone();
+        for &(mimic, joint, of) in &pairs {
+            let home = mimic.multiplier * model.home[of] + mimic.offset;
+            if home.is_finite() {
+                model.home[joint] = home.clamp(model.joints[joint].lower, model.joints[joint].upper);
+            }
+        }
+        if model.home == before {
+            break;
+        }
+    }
+}
+
+/// Zero is the home of a joint nobody names, unless its limits exclude it. `named` are those of the robot file's home.
+fn home_within_limits(model: &mut Model, urdf: &Source, named: impl Fn(&str) -> bool, notices: &mut Notices) {
+    for (joint, home) in model.joints.iter().zip(&mut model.home) {
+        *home = 0.0f64.clamp(joint.lower, joint.upper);
+        if *home != 0.0 && !named(&joint.name) {
+            let at = urdf.text().find(&format!("\"{}\"", joint.name)).unwrap_or(0);
+            let words = format!("0 is outside the limits of joint `{}`: its home is {home}", joint.name);
+            notices.info(urdf, at, words);
+        }
+    }
+}

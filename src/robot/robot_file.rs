@@ -1,0 +1,285 @@
+//! The robot file (`robots/<name>/<name>.toml`) as types.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::error::{FileError, RobotError};
+use super::urdf::InertiaPolicy;
+use crate::text::angle::Angle;
+use crate::text::source::Source;
+use crate::text::suggest::nearest;
+use crate::text::toml_syntax::TomlError;
+
+/// A robot file.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct RobotFile {
+    /// The URDF, relative to this file.
+    #[schemars(with = "String")]
+    pub urdf: Spanned<String>,
+    /// How the root link is held; by default fixed when the URDF's root link is called `world`, else floating.
+    #[schemars(with = "Option<BaseWord>")]
+    pub base: Option<Spanned<BaseWord>>,
+    /// What happens to inertias that no body can have; a scenario may override it.
+    pub inertia: Option<InertiaWord>,
+    /// Joint positions of the home posture; joints not named are at 0, or at the limit nearest to 0.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, Angle>")]
+    pub home: BTreeMap<Spanned<String>, Spanned<Angle>>,
+    /// Convex polygons that may touch the floor; found from the collision shapes when there are none here.
+    #[schemars(with = "Option<Vec<SoleEntry>>")]
+    pub sole: Option<Vec<Spanned<SoleEntry>>>,
+    /// Drives by joint name.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, JointEntry>")]
+    pub joint: BTreeMap<Spanned<String>, Spanned<JointEntry>>,
+    /// For every joint, what its own table leaves out.
+    #[schemars(with = "Option<JointEntry>")]
+    pub joint_default: Option<Spanned<JointEntry>>,
+    /// Loads welded to links.
+    #[serde(default)]
+    #[schemars(with = "Vec<PayloadEntry>")]
+    pub payload: Vec<Spanned<PayloadEntry>>,
+    /// Joints that follow their command exactly, without dynamics (mode `kinematic`): names in which `*` stands for any
+    /// characters and `?` for one.
+    #[schemars(with = "Option<Vec<String>>")]
+    pub kinematic: Option<Vec<Spanned<String>>>,
+    /// Frames of interest.
+    #[serde(default)]
+    #[schemars(with = "Vec<Frame>")]
+    pub end_effector: Vec<Spanned<Frame>>,
+    /// Sensors.
+    #[schemars(with = "Option<Sensors>")]
+    pub sensors: Option<Spanned<Sensors>>,
+    /// Bodies that must not touch each other.
+    #[schemars(with = "Option<SelfCollision>")]
+    pub self_collision: Option<Spanned<SelfCollision>>,
+}
+
+/// How the root link is held.
+#[derive(Deserialize, JsonSchema, Clone, Copy, Debug)]
+#[serde(rename_all = "kebab-case")]
+pub enum BaseWord {
+    /// Fixed to the world.
+    Fixed,
+    /// Free in space.
+    Floating,
+}
+
+/// What happens to inertias that no body can have.
+#[derive(Deserialize, JsonSchema, Clone, Copy, Debug)]
+#[serde(rename_all = "kebab-case")]
+pub enum InertiaWord {
+    /// The robot is refused, by the link's name.
+    Refuse,
+    /// The nearest physical tensor takes its place, and a notice says so.
+    Repair,
+}
+
+impl From<InertiaWord> for InertiaPolicy {
+    fn from(word: InertiaWord) -> Self {
+        match word {
+            InertiaWord::Refuse => InertiaPolicy::Refuse,
+            InertiaWord::Repair => InertiaPolicy::Repair,
+        }
+    }
+}
+
+/// One sole.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct SoleEntry {
+    /// Name, unique in the robot.
+    pub name: String,
+    /// Link whose URDF frame the polygon is given in.
+    #[schemars(with = "String")]
+    pub link: Spanned<String>,
+    /// Vertices in order around a convex planar polygon, m; one is a point foot, two a line foot.
+    #[schemars(with = "Vec<[f64; 3]>")]
+    pub polygon: Spanned<Vec<[f64; 3]>>,
+}
+
+/// A load welded to a link.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct PayloadEntry {
+    /// Name, for messages.
+    pub name: String,
+    /// Carrying link.
+    #[schemars(with = "String")]
+    pub link: Spanned<String>,
+    /// Mass, kg, above 0.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
+    pub mass: Spanned<f64>,
+    /// Centre of mass in the link's URDF frame, m.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub position: Option<Spanned<[f64; 3]>>,
+    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about that centre in the link's axes, kg m^2. Without `inertia` and `size` it is a
+    /// point mass.
+    #[schemars(with = "Option<[f64; 6]>")]
+    pub inertia: Option<Spanned<[f64; 6]>>,
+    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; it is drawn, too.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub size: Option<Spanned<[f64; 3]>>,
+}
+
+/// What follows a joint's command.
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq, Debug)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModeWord {
+    /// Proportional-derivative position control.
+    Position,
+    /// Commanded effort.
+    Force,
+    /// A velocity, by `kd`.
+    Velocity,
+    /// Exactly on its command, without dynamics.
+    Kinematic,
+    /// No actuator.
+    Passive,
+}
+
+/// Drive and friction of one joint; what is left out comes from `joint_default`, then from the URDF.
+#[derive(Deserialize, JsonSchema, Clone, Default, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct JointEntry {
+    /// What follows the command; `position` when gains are given.
+    #[schemars(with = "Option<ModeWord>")]
+    pub mode: Option<Spanned<ModeWord>>,
+    /// Position gain, N m/rad or N/m.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub kp: Option<Spanned<f64>>,
+    /// Velocity gain, N m s/rad or N s/m.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub kd: Option<Spanned<f64>>,
+    /// Greatest effort, N m or N.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub effort: Option<Spanned<f64>>,
+    /// Greatest speed, rad/s or m/s.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub velocity: Option<Spanned<f64>>,
+    /// Joint friction.
+    pub friction: Option<Friction>,
+    /// Reflected rotor inertia, kg m^2 or kg.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub armature: Option<Spanned<f64>>,
+    /// Time constant of the actuator, s: its effort follows what is asked as a first-order lag.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub lag: Option<Spanned<f64>>,
+    /// End stops; left out: as stiff as lets the joint's own inertia swing at 300 rad/s, critically damped.
+    pub stop: Option<StopEntry>,
+}
+
+/// Joint friction.
+#[derive(Deserialize, JsonSchema, Clone, Default, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    /// Independent of speed, N m or N.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub coulomb: Option<Spanned<f64>>,
+    /// Proportional to speed, N m s/rad or N s/m.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub viscous: Option<Spanned<f64>>,
+    /// At rest, N m or N, not smaller than `coulomb`; left out: as `coulomb`.
+    #[serde(rename = "static")]
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub static_: Option<Spanned<f64>>,
+    /// Speed over which friction falls from `static` to `coulomb`, rad/s or m/s; 0.2.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub stribeck_velocity: Option<Spanned<f64>>,
+    /// Speed below which friction has not its full size, rad/s or m/s; 0.05.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub slip_velocity: Option<Spanned<f64>>,
+}
+
+/// A joint's end stops: springs and dampers beyond its limits.
+#[derive(Deserialize, JsonSchema, Clone, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct StopEntry {
+    /// N m/rad or N/m.
+    #[schemars(with = "f64", range(min = 0.0))]
+    pub stiffness: Spanned<f64>,
+    /// N m s/rad or N s/m; 0.
+    #[schemars(with = "Option<f64>", range(min = 0.0))]
+    pub damping: Option<Spanned<f64>>,
+}
+
+/// A frame fixed to a link.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct Frame {
+    /// Name.
+    pub name: String,
+    /// Carrying link.
+    #[schemars(with = "String")]
+    pub link: Spanned<String>,
+    /// Origin in the link's URDF frame, m.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub position: Option<Spanned<[f64; 3]>>,
+    /// Roll, pitch, yaw in the link's URDF frame.
+    pub rpy: Option<[Angle; 3]>,
+}
+
+/// Sensors of the robot.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct Sensors {
+    /// Inertial measurement units; a scenario reads the first one unless it names another.
+    #[serde(default)]
+    #[schemars(with = "Vec<Frame>")]
+    pub imu: Vec<Spanned<Frame>>,
+    /// Force and torque sensors; those on a link with a sole are read.
+    #[serde(default)]
+    #[schemars(with = "Vec<Frame>")]
+    pub force: Vec<Spanned<Frame>>,
+}
+
+/// Which bodies are watched for touching each other.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct SelfCollision {
+    /// Links that are watched; all when absent, but those always inside another one.
+    #[schemars(with = "Option<Vec<String>>")]
+    pub bodies: Option<Vec<Spanned<String>>>,
+    /// Pairs that are not.
+    #[serde(default)]
+    #[schemars(with = "Vec<[String; 2]>")]
+    pub ignore: Vec<[Spanned<String>; 2]>,
+    /// Pairs that are, even where they are adjacent, overlap at home or were never found to meet.
+    #[serde(default)]
+    #[schemars(with = "Vec<[String; 2]>")]
+    pub watch: Vec<[Spanned<String>; 2]>,
+    /// Corners of the polygon around a circle of a cylinder, capsule or sphere, 8 to 128; 16.
+    #[schemars(with = "Option<u32>", range(min = 8, max = 128))]
+    pub resolution: Option<Spanned<u32>>,
+}
+
+/// The JSON Schema of a robot file.
+pub fn schema() -> serde_json::Value {
+    schemars::schema_for!(RobotFile).into()
+}
+
+/// Reads the types out of the text; faults carry the parser's place and a suggestion for unknown keys.
+pub(super) fn parse(source: &Source) -> Result<RobotFile, RobotError> {
+    toml::from_str(source.text()).map_err(|error| {
+        let TomlError { span, message, help } = TomlError::new(&error, source.text(), true);
+        let is_syntax = toml::from_str::<toml::Table>(source.text()).is_err();
+        // serde's sentence: unknown field `x`, expected one of `a`, `b`, ...
+        let mut quoted = message.split('`').skip(1).step_by(2);
+        let suggestion = match message.starts_with("unknown ") {
+            true => quoted.next().and_then(|name| nearest(name, quoted)).map(str::to_owned),
+            false => None,
+        };
+        let mut fault = FileError::new(source, span, message).element("robot file");
+        if let Some(help) = help {
+            fault = fault.help(help);
+        }
+        if let Some(near) = suggestion {
+            fault = fault.help(format!("did you mean `{near}`?"));
+        }
+        if is_syntax { fault.syntax() } else { fault.invalid() }
+    })
+}

@@ -1,0 +1,311 @@
+//! The pass over the XML that `urdf-rs` does not make: every element and attribute it drops is reported, every value it
+//! would read leniently is refused with its place.
+
+use roxmltree::Node;
+
+use super::xml::{Xml, describe};
+use crate::robot::error::RobotError;
+use crate::robot::notices::Notices;
+
+/// What an attribute must hold.
+#[derive(Clone, Copy, PartialEq)]
+enum Value {
+    /// A name: not empty, no spaces around it.
+    Name,
+    /// Any text, such as the empty material names that some exporters write.
+    Text,
+    Number,
+    NotNegative,
+    Positive,
+    Vector(usize),
+    PositiveVector(usize),
+    /// Not negative, kg.
+    Mass,
+    /// Three coordinates, m.
+    Place,
+}
+use Value::*;
+
+/// More than this is no body's mass, kg, and squares of it leave the range of numbers.
+const HEAVIEST: f64 = 1e12;
+/// Further apart, m, inertia about a joint swallows that about the centre of mass by rounding.
+const FURTHEST: f64 = 1e4;
+
+/// One element: attributes (name, value, required) and child elements (name, how many).
+struct Rule {
+    tag: &'static str,
+    attributes: &'static [(&'static str, Value, bool)],
+    children: &'static [(&'static str, Count)],
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Count {
+    Many,
+    AtMostOnce,
+    Once,
+    /// Read by nothing here, though URDF defines it.
+    Ignored,
+}
+use Count::*;
+
+const RULES: &[Rule] = &[
+    Rule {
+        tag: "robot",
+        attributes: &[("name", Text, false), ("version", Text, false)],
+        children: &[("link", Many), ("joint", Many), ("material", Many)],
+    },
+    Rule {
+        tag: "link",
+        attributes: &[("name", Name, true)],
+        children: &[("inertial", AtMostOnce), ("visual", Many), ("collision", Many)],
+    },
+    Rule { tag: "inertial", attributes: &[], children: &[("origin", AtMostOnce), ("mass", Once), ("inertia", Once)] },
+    Rule {
+        tag: "origin",
+        attributes: &[("xyz", Place, false), ("rpy", Vector(3), false), ("quat_xyzw", Vector(4), false)],
+        children: &[],
+    },
+    Rule { tag: "mass", attributes: &[("value", Mass, true)], children: &[] },
+    Rule {
+        tag: "inertia",
+        attributes: &[
+            ("ixx", Number, true),
+            ("ixy", Number, true),
+            ("ixz", Number, true),
+            ("iyy", Number, true),
+            ("iyz", Number, true),
+            ("izz", Number, true),
+        ],
+        children: &[],
+    },
+    Rule {
+        tag: "visual",
+        attributes: &[("name", Text, false)],
+        children: &[("origin", AtMostOnce), ("geometry", Once), ("material", AtMostOnce)],
+    },
+    Rule {
+        tag: "collision",
+        attributes: &[("name", Text, false)],
+        children: &[("origin", AtMostOnce), ("geometry", Once)],
+    },
+    Rule {
+        tag: "geometry",
+        attributes: &[],
+        children: &[
+            ("box", AtMostOnce),
+            ("cylinder", AtMostOnce),
+            ("capsule", AtMostOnce),
+            ("sphere", AtMostOnce),
+            ("mesh", AtMostOnce),
+        ],
+    },
+    Rule { tag: "box", attributes: &[("size", PositiveVector(3), true)], children: &[] },
+    Rule { tag: "cylinder", attributes: &[("radius", Positive, true), ("length", Positive, true)], children: &[] },
+    Rule { tag: "capsule", attributes: &[("radius", Positive, true), ("length", Positive, true)], children: &[] },
+    Rule { tag: "sphere", attributes: &[("radius", Positive, true)], children: &[] },
+    Rule { tag: "mesh", attributes: &[("filename", Name, true), ("scale", Vector(3), false)], children: &[] },
+    Rule {
+        tag: "material",
+        attributes: &[("name", Text, true)],
+        children: &[("color", AtMostOnce), ("texture", Ignored)],
+    },
+    Rule { tag: "color", attributes: &[("rgba", Vector(4), true)], children: &[] },
+    Rule {
+        tag: "joint",
+        attributes: &[("name", Name, true), ("type", Name, true)],
+        children: &[
+            ("origin", AtMostOnce),
+            ("parent", Once),
+            ("child", Once),
+            ("axis", AtMostOnce),
+            ("limit", AtMostOnce),
+            ("dynamics", AtMostOnce),
+            ("mimic", AtMostOnce),
+            ("calibration", Ignored),
+            ("safety_controller", Ignored),
+        ],
+    },
+    Rule { tag: "parent", attributes: &[("link", Name, true)], children: &[] },
+    Rule { tag: "child", attributes: &[("link", Name, true)], children: &[] },
+    Rule { tag: "axis", attributes: &[("xyz", Vector(3), true)], children: &[] },
+    Rule {
+        tag: "limit",
+        attributes: &[
+            ("lower", Number, false),
+            ("upper", Number, false),
+            ("effort", NotNegative, false),
+            ("velocity", NotNegative, false),
+        ],
+        children: &[],
+    },
+    Rule {
+        tag: "dynamics",
+        attributes: &[("damping", NotNegative, false), ("friction", NotNegative, false)],
+        children: &[],
+    },
+    Rule {
+        tag: "mimic",
+        attributes: &[("joint", Name, true), ("multiplier", Number, false), ("offset", Number, false)],
+        children: &[],
+    },
+];
+
+/// Goes over the whole document; notices for what is dropped, the first fault for what cannot be read as it stands.
+pub(super) fn check(xml: &Xml, notices: &mut Notices) -> Result<(), RobotError> {
+    // The grammar's elements nest at most five deep, so this recursion is bounded whatever the file holds.
+    element(xml, xml.robot, notices)
+}
+
+fn element(xml: &Xml, node: Node, notices: &mut Notices) -> Result<(), RobotError> {
+    let tag = node.tag_name().name();
+    let Some(rule) = RULES.iter().find(|r| r.tag == tag) else { return Ok(()) };
+    for (name, value, required) in rule.attributes {
+        match node.attribute(*name) {
+            Some(text) => attribute(xml, node, name, text, *value, notices)?,
+            None if *required => {
+                let fault = xml.fault(node, format!("{}: <{tag}> lacks the attribute `{name}`", describe(node)));
+                return Err(fault.expected(format!("{name}=\"{}\"", describe_value(*value))).invalid());
+            }
+            None => {}
+        }
+    }
+    for a in node.attributes() {
+        if a.namespace().is_none() && !rule.attributes.iter().any(|(n, ..)| *n == a.name()) {
+            notices.info(xml.source, a.range().start, format!("attribute `{}` of <{tag}> is ignored", a.name()));
+        }
+    }
+    children(xml, node, rule, notices)
+}
+
+/// Does the attribute of an element that is read hold several numbers with commas between them, which URDF wants to be
+/// spaces?
+pub(super) fn has_commas(tag: &str, attribute: &str, text: &str) -> bool {
+    let rule = RULES.iter().find(|r| r.tag == tag);
+    let value =
+        rule.and_then(|r| r.attributes.iter().find(|(name, ..)| *name == attribute)).map(|(_, value, _)| *value);
+    text.contains(',') && value.is_some_and(is_list)
+}
+
+fn is_list(value: Value) -> bool {
+    matches!(value, Vector(_) | PositiveVector(_) | Place)
+}
+
+/// Each single comma as a space: `1,,2` is no vector of two.
+fn without_commas(text: &str, has_commas: bool) -> std::borrow::Cow<'_, str> {
+    match has_commas && text.split(',').all(|part| !part.trim().is_empty()) {
+        true => text.replace(',', " ").into(),
+        false => text.into(),
+    }
+}
+
+/// Is a child element of that name read from this one? What is not has been reported.
+pub(super) fn is_read(parent: Node, child: Node) -> bool {
+    let (parent, child) = (parent.tag_name().name(), child.tag_name().name());
+    let rule = RULES.iter().find(|r| r.tag == parent);
+    rule.is_some_and(|r| r.children.iter().any(|(name, count)| *name == child && *count != Ignored))
+}
+
+fn children(xml: &Xml, node: Node, rule: &Rule, notices: &mut Notices) -> Result<(), RobotError> {
+    let tag = rule.tag;
+    for (name, count) in rule.children {
+        let mut found = node.children().filter(|n| n.has_tag_name(*name));
+        let first = found.next();
+        if *count == Once && first.is_none() {
+            let fault = xml.fault(node, format!("{}: <{tag}> lacks <{name}>", describe(node)));
+            return Err(fault.expected(format!("one <{name}>")).invalid());
+        }
+        if matches!(count, Once | AtMostOnce)
+            && let Some(second) = found.next()
+        {
+            let fault = xml.fault(second, format!("{}: <{tag}> has more than one <{name}>", describe(node)));
+            return Err(fault.expected(format!("one <{name}>")).invalid());
+        }
+    }
+    if tag == "geometry" && node.children().filter(|n| n.is_element()).count() != 1 {
+        let fault = xml.fault(node, format!("{}: <geometry> must hold one shape", describe(node)));
+        return Err(fault.expected("one of <box>, <cylinder>, <capsule>, <sphere>, <mesh>").invalid());
+    }
+    for n in node.children().filter(|n| n.is_element()) {
+        let name = n.tag_name().name();
+        if n.tag_name().namespace().is_some_and(|ns| ns.contains("xacro")) {
+            let fault = xml.fault(n, format!("<xacro:{name}> has not been expanded"));
+            return Err(fault.expected("plain URDF").help("run the file through xacro first").invalid());
+        }
+        match rule.children.iter().find(|(c, _)| *c == name) {
+            Some((_, Ignored)) | None if tag == "geometry" => {
+                let fault = xml.fault(n, format!("{}: <{name}> is not a shape", describe(n)));
+                let known = rule.children.iter().map(|(c, _)| *c);
+                return Err(fault
+                    .expected("one of box, cylinder, capsule, sphere, mesh")
+                    .suggest(name, known)
+                    .invalid());
+            }
+            Some((_, Ignored)) | None => {
+                let place = if tag == "robot" { String::new() } else { format!(" of {}", describe(node)) };
+                notices.info(xml.source, n.range().start, format!("<{name}>{place} is ignored"));
+            }
+            Some(_) => element(xml, n, notices)?,
+        }
+    }
+    Ok(())
+}
+
+fn attribute(
+    xml: &Xml,
+    node: Node,
+    name: &str,
+    text: &str,
+    value: Value,
+    notices: &mut Notices,
+) -> Result<(), RobotError> {
+    let has_commas = text.contains(',') && is_list(value);
+    let numbers: Option<Vec<f64>> =
+        without_commas(text, has_commas).split_whitespace().map(|word| word.parse().ok()).collect();
+    let good = match (value, &numbers) {
+        (Text, _) => true,
+        (Name, _) => !text.is_empty() && text.trim() == text,
+        (_, None) => false,
+        (_, Some(n)) => {
+            let length = match value {
+                Vector(k) | PositiveVector(k) => k,
+                Place => 3,
+                _ => 1,
+            };
+            let in_range = match value {
+                NotNegative => n.iter().all(|x| *x >= 0.0),
+                Mass => n.iter().all(|x| (0.0..=HEAVIEST).contains(x)),
+                Place => n.iter().all(|x| x.abs() <= FURTHEST),
+                Positive | PositiveVector(_) => n.iter().all(|x| *x > 0.0),
+                _ => true,
+            };
+            n.len() == length && in_range && n.iter().all(|x| x.is_finite())
+        }
+    };
+    if good {
+        if has_commas {
+            let words = format!("{}: commas in `{name}=\"{text}\"` are read as spaces", describe(node));
+            notices.warning(xml.source, node.range().start, words);
+        }
+        return Ok(());
+    }
+    let message = format!("{}: `{name}` of <{}> cannot be used", describe(node), node.tag_name().name());
+    let mut fault = xml.attribute_fault(node, name, message).expected(describe_value(value));
+    if text.contains("${") {
+        fault = fault.help("this looks like xacro: run the file through xacro first");
+    }
+    Err(fault.invalid())
+}
+
+fn describe_value(value: Value) -> String {
+    match value {
+        Text => "text".into(),
+        Name => "text without spaces around it".into(),
+        Number => "a finite number".into(),
+        NotNegative => "a finite number, not negative".into(),
+        Positive => "a finite number above 0".into(),
+        Vector(n) => format!("{n} finite numbers separated by spaces"),
+        Mass => format!("a mass in kg, not negative and at most {HEAVIEST:e}"),
+        Place => format!("3 finite numbers separated by spaces, in m and at most {FURTHEST:e}"),
+        PositiveVector(n) => format!("{n} finite numbers above 0 separated by spaces"),
+    }
+}

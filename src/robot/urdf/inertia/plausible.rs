@@ -1,0 +1,141 @@
+//! Can the links be bodies, and can they be moved? What is unphysical is refused by name, or repaired where that is asked
+//! for.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::movable::without_inertia;
+use super::repair::nearest_physical;
+use super::rigid_inertia::{Flaw, RigidInertia, examine, moments_text};
+use crate::robot::error::{FileError, RobotError};
+use crate::robot::model::{Base, Link};
+use crate::robot::notices::Notices;
+use crate::robot::urdf::InertiaPolicy;
+use crate::robot::urdf::moving_tree::Parts;
+use crate::robot::urdf::shapes::isometry;
+use crate::robot::urdf::xml::{Xml, child};
+
+/// A part whose inertia no body can have, or a point or a rod: an error if the rigid body it ends up in has none either,
+/// else a warning, for exporters put placeholders on massless frames.
+pub(in crate::robot::urdf) struct FlawedPart {
+    /// The moving link it is part of.
+    pub carrier: usize,
+    pub flaw: Flaw,
+    pub fault: FileError,
+}
+
+/// A link's own inertia in its URDF frame; `None` when it has none. What is odd about it goes to `flawed`, unless it is
+/// repaired.
+pub(in crate::robot::urdf) fn link_inertia(
+    xml: &Xml,
+    link: &urdf_rs::Link,
+    policy: InertiaPolicy,
+    flawed: &mut impl FnMut(Flaw, FileError),
+    notices: &mut Notices,
+) -> Option<RigidInertia> {
+    let inertial = child(xml.named("link", &link.name), "inertial")?;
+    let i = &link.inertial.inertia;
+    let mut tensor = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
+    let mass = link.inertial.mass.value;
+    let name = &link.name;
+    if mass == 0.0 {
+        if tensor == Matrix3::zeros() {
+            return None;
+        }
+        let (moments, flaw) = examine(&tensor);
+        let counts = !matches!(flaw, Some(Flaw::Negative | Flaw::Triangle));
+        let what = if counts { "which count" } else { "which no body can have and which are left out" };
+        let at = child(inertial, "mass").unwrap_or(inertial);
+        let fault = xml.attribute_fault(at, "value", format!("link `{name}` has inertia but no mass"));
+        flawed(Flaw::Singular, fault.found(format!("{}, {what}", moments_text(moments))).expected("a mass above 0"));
+        // Where its centre is makes no difference.
+        let body = RigidInertia { mass, com: Vector3::zeros(), tensor };
+        return counts.then(|| body.moved(&isometry(&link.inertial.origin)));
+    }
+    let at = child(inertial, "inertia").unwrap_or(inertial);
+    let (moments, flaw) = examine(&tensor);
+    // A point mass is a body; it is for `judge` to say whether it can be moved.
+    let is_repaired = policy == InertiaPolicy::Repair && tensor != Matrix3::zeros();
+    match flaw {
+        Some(_) if is_repaired => {
+            tensor = nearest_physical(&tensor);
+            let after = moments_text(examine(&tensor).0);
+            let words = format!("inertia of link `{name}` repaired: {} become {after}", moments_text(moments));
+            notices.warning(xml.source, at.range().start, words);
+        }
+        Some(flaw) => {
+            let (words, wanted) = match flaw {
+                Flaw::Negative | Flaw::Singular => ("is not positive definite", "three moments above 0"),
+                Flaw::Triangle => {
+                    ("breaks the triangle inequality", "the largest principal moment at most the sum of the others")
+                }
+            };
+            let fault = xml.fault(at, format!("the inertia of link `{name}` {words}"));
+            flawed(flaw, fault.found(moments_text(moments)).expected(wanted).help(HOW_TO_REPAIR));
+        }
+        None => {}
+    }
+    let body = RigidInertia { mass, com: Vector3::zeros(), tensor };
+    Some(body.moved(&isometry(&link.inertial.origin)))
+}
+
+const HOW_TO_REPAIR: &str = "inertia = \"repair\" in a scenario's [robot] or in the robot file, or inspect's --repair, \
+     takes the nearest physical tensor and locks joints that nothing resists";
+
+/// Every link that can accelerate needs a tensor a body can have, welded parts counted, and inertia along its joint.
+pub(in crate::robot::urdf) fn judge(
+    xml: &Xml,
+    parts: &Parts,
+    base: Base,
+    notices: &mut Notices,
+) -> Result<(), RobotError> {
+    let Parts { links, joints, flawed, .. } = parts;
+    let unphysical = |i: usize, link: &Link| match examine(&link.inertia).1 {
+        Some(Flaw::Negative) => true,
+        // Sound parts make a sound whole but for rounding.
+        Some(Flaw::Triangle) => flawed.iter().any(|part| part.carrier == i && part.flaw != Flaw::Singular),
+        _ => false,
+    };
+    let moving = links.iter().enumerate().skip(usize::from(base == Base::Fixed));
+    if let Some((i, _)) = moving.clone().find(|(i, link)| unphysical(*i, link)) {
+        return Err(refusal(xml, links, i, flawed));
+    }
+    // The deepest: those above may only carry it.
+    if let Some(&i) = without_inertia(links, joints, base).last() {
+        return Err(refusal(xml, links, i, flawed));
+    }
+    for (_, link) in moving.filter(|(_, link)| link.mass == 0.0) {
+        let node = xml.named("link", &link.name);
+        // Links between the motions of one joint stand in no file.
+        if node == xml.robot {
+            continue;
+        }
+        let at = node.range().start;
+        notices.info(xml.source, at, format!("link `{}` has no mass: what hangs on it is its inertia", link.name));
+    }
+    for FlawedPart { fault, .. } in flawed {
+        let words = format!(
+            "{}{}",
+            fault.message,
+            if fault.found.is_empty() { String::new() } else { format!(": {}", fault.found) }
+        );
+        notices.warning(xml.source, fault.span.start, words);
+    }
+    Ok(())
+}
+
+/// Why the link cannot be simulated: a part of it if one is to blame.
+fn refusal(xml: &Xml, links: &[Link], i: usize, flawed: &[FlawedPart]) -> RobotError {
+    if let Some(part) = flawed.iter().find(|part| part.carrier == i) {
+        return part.fault.clone().invalid();
+    }
+    let link = &links[i];
+    let node = xml.named("link", &link.name);
+    if link.mass == 0.0 {
+        let message = format!("link `{}` moves but has no mass, nor has anything welded to it", link.name);
+        let fault = xml.fault(node, message).expected("<inertial> with a mass above 0");
+        return fault.help(HOW_TO_REPAIR).invalid();
+    }
+    let fault = xml.fault(node, format!("the inertia of link `{}` is not positive definite", link.name));
+    let fault = fault.found(moments_text(examine(&link.inertia).0)).expected("three moments above 0");
+    fault.help(HOW_TO_REPAIR).invalid()
+}

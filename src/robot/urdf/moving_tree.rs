@@ -1,0 +1,193 @@
+//! The tree of URDF links becomes the tree of moving links: fixed joints welded, every axis turned to z.
+
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use urdf_rs::JointType;
+
+use super::inertia::{FlawedPart, RigidInertia, judge, link_inertia, without_inertia};
+use super::root::Root;
+use super::shapes::{Shapes, isometry};
+use super::tree::Tree;
+use super::xml::Xml;
+use super::{InertiaPolicy, Loaded, compound_joints, joint_limits};
+use crate::robot::error::RobotError;
+use crate::robot::model::{Joint, Link, LinkId, Merged, Model};
+use crate::robot::notices::Notices;
+
+/// The next URDF link to place: welded to a link that is already there, or moved by a joint.
+enum Step {
+    Weld { link: usize, carrier: usize, frame: Isometry3<f64> },
+    Move { joint: usize, carrier: usize, frame: Isometry3<f64> },
+}
+
+/// Builds the model. Links come in depth-first order, siblings as their joints stand in the file. With
+/// [`InertiaPolicy::Repair`], joints that nothing resists are locked.
+pub(super) fn build(
+    tree: &Tree,
+    xml: &Xml,
+    root: Root,
+    policy: InertiaPolicy,
+    notices: &mut Notices,
+) -> Result<Loaded, RobotError> {
+    let mut shapes = Shapes::new(xml, &tree.robot.materials);
+    let mut parts = gather(tree, xml, &root, policy, &[], &mut shapes, notices)?;
+    if policy == InertiaPolicy::Repair {
+        let bare = without_inertia(&parts.links, &parts.joints, root.base);
+        let mut locked: Vec<usize> = bare.iter().filter(|&&i| i > 0).map(|&i| parts.moved_by[i - 1]).collect();
+        locked.dedup();
+        for joint in locked.iter().map(|&j| &tree.robot.joints[j]) {
+            let words = format!("joint `{}` is locked at 0: nothing it moves has inertia about it", joint.name);
+            notices.warning(xml.source, xml.named("joint", &joint.name).range().start, words);
+        }
+        if !locked.is_empty() {
+            parts = gather(tree, xml, &root, policy, &locked, &mut shapes, notices)?;
+        }
+    }
+    judge(xml, &parts, root.base, notices)?;
+    let Parts { links, joints, .. } = parts;
+    let home = vec![0.0; joints.len()];
+    let name = tree.robot.name.clone();
+    let (soles, end_effectors, sensors) = Default::default();
+    let model = Model { name, base: root.base, links, joints, soles, end_effectors, sensors, home };
+    Ok(Loaded { model, meshes: shapes.files, mimics: Vec::new() })
+}
+
+/// The moving tree, not judged yet.
+pub(super) struct Parts {
+    pub links: Vec<Link>,
+    pub joints: Vec<Joint>,
+    /// For each of `joints`, the URDF joint it is, or is a motion of.
+    moved_by: Vec<usize>,
+    /// What is odd about the inertias of single URDF links.
+    pub flawed: Vec<FlawedPart>,
+}
+
+/// Walks the tree; URDF joints in `locked` are welded.
+fn gather(
+    tree: &Tree,
+    xml: &Xml,
+    root: &Root,
+    policy: InertiaPolicy,
+    locked: &[usize],
+    shapes: &mut Shapes,
+    notices: &mut Notices,
+) -> Result<Parts, RobotError> {
+    let mut links: Vec<Link> = vec![bare_link(&tree.robot.links[root.link].name, None)];
+    let mut joints: Vec<Joint> = Vec::new();
+    let mut moved_by: Vec<usize> = Vec::new();
+    let mut flawed: Vec<FlawedPart> = Vec::new();
+    let mut stack = vec![Step::Weld { link: root.link, carrier: 0, frame: Isometry3::identity() }];
+    while let Some(step) = stack.pop() {
+        let (index, carrier, frame) = match step {
+            Step::Weld { link, carrier, frame } => (link, carrier, frame),
+            Step::Move { joint, carrier, frame } => {
+                let urdf_joint = &tree.robot.joints[joint];
+                let child = tree.child_of[joint];
+                let child_name = &tree.robot.links[child].name;
+                let (mut carrier, mut frame) = (carrier, frame);
+                for (moved, motion, axis) in motions(xml, urdf_joint, child_name, notices)? {
+                    // Internal frame of the moved link, seen from its URDF frame: same origin, z along the axis.
+                    let turn = z_to(&axis);
+                    let at_zero = frame * turn;
+                    let mut link = bare_link(&moved, Some(LinkId(carrier)));
+                    link.rotation = at_zero.rotation.to_rotation_matrix().into_inner();
+                    link.offset = at_zero.translation.vector;
+                    link.urdf_frame = Isometry3::from_parts(Translation3::identity(), turn.inverse());
+                    (carrier, frame) = (links.len(), link.urdf_frame);
+                    links.push(link);
+                    joints.push(motion);
+                    moved_by.push(joint);
+                }
+                (child, carrier, frame)
+            }
+        };
+        let urdf_link = &tree.robot.links[index];
+        let here = &mut links[carrier];
+        if here.name != urdf_link.name {
+            here.merged.push(Merged { name: urdf_link.name.clone(), pose: frame });
+        }
+        let mut note = |flaw, fault| flawed.push(FlawedPart { carrier, flaw, fault });
+        if let Some(own) = link_inertia(xml, urdf_link, policy, &mut note, notices) {
+            let sum = RigidInertia { mass: here.mass, com: here.com, tensor: here.inertia }.plus(&own.moved(&frame));
+            (here.mass, here.com, here.inertia) = (sum.mass, sum.com, sum.tensor);
+        }
+        here.visuals.extend(shapes.visuals(urdf_link, &frame, notices));
+        here.collisions.extend(shapes.collisions(urdf_link, &frame, notices));
+        // Reversed, since the stack hands the last one out first.
+        for &joint in tree.joints_of[index].iter().rev() {
+            let origin = frame * isometry(&tree.robot.joints[joint].origin);
+            stack.push(match tree.robot.joints[joint].joint_type {
+                _ if locked.contains(&joint) => Step::Weld { link: tree.child_of[joint], carrier, frame: origin },
+                JointType::Fixed => Step::Weld { link: tree.child_of[joint], carrier, frame: origin },
+                _ => Step::Move { joint, carrier, frame: origin },
+            });
+        }
+    }
+    Ok(Parts { links, joints, moved_by, flawed })
+}
+
+/// The motions of one joint, parent's side first: name of the moved link, joint, unit axis in the joint's frame.
+fn motions(
+    xml: &Xml,
+    joint: &urdf_rs::Joint,
+    child: &str,
+    notices: &mut Notices,
+) -> Result<Vec<(String, Joint, Vector3<f64>)>, RobotError> {
+    let axis = match joint.joint_type {
+        JointType::Floating => Vector3::z(),
+        _ => joint_limits::axis(xml, joint, notices)?,
+    };
+    let Some(parts) = compound_joints::parts(&joint.joint_type, &axis) else {
+        return Ok(vec![(child.to_owned(), joint_limits::joint(xml, joint, notices)?, axis)]);
+    };
+    let names: Vec<String> = parts.iter().map(|p| format!("`{}/{}`", joint.name, p.suffix)).collect();
+    let steep = if parts.len() == 6 { "; it must not pitch by 90 degrees" } else { "" };
+    let words =
+        format!("joint `{}` is taken as the chain of {}, passive and unlimited{steep}", joint.name, names.join(", "));
+    notices.warning(xml.source, xml.named("joint", &joint.name).range().start, words);
+    let last = parts.len() - 1;
+    let chain = parts.into_iter().enumerate().map(|(i, part)| {
+        let name = format!("{}/{}", joint.name, part.suffix);
+        let moved = if i == last { child.to_owned() } else { name.clone() };
+        (moved, joint_limits::free_joint(name, part.kind), part.axis)
+    });
+    Ok(chain.collect())
+}
+
+/// The rotation that takes z to a unit axis. Axes along x, y or z get exact quaternions, so that a robot drawn with
+/// them has rotation matrices of zeros and ones.
+fn z_to(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let exact = |w: f64, x: f64, y: f64, z: f64| UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
+    match (axis.x, axis.y, axis.z) {
+        (0.0, 0.0, z) if z > 0.0 => UnitQuaternion::identity(),
+        (0.0, 0.0, _) => exact(0.0, 1.0, 0.0, 0.0),
+        (x, 0.0, 0.0) if x > 0.0 => exact(0.5, 0.5, 0.5, 0.5),
+        (_, 0.0, 0.0) => exact(0.5, 0.5, -0.5, -0.5),
+        (0.0, y, 0.0) if y > 0.0 => exact(0.5, -0.5, -0.5, -0.5),
+        (0.0, _, 0.0) => exact(0.5, 0.5, 0.5, -0.5),
+        // The half-way quaternion (1 + z . a, z x a) is ill-conditioned near -z: start from there by a half turn about x.
+        (x, y, z) if z < 0.0 => shortest(-y, x, z) * exact(0.0, 1.0, 0.0, 0.0),
+        (x, y, z) => shortest(-y, x, z),
+    }
+}
+
+/// The shortest rotation to (.., .., z) from z (or from -z when `z` is negative); `cx`, `cy` are those of z x axis.
+fn shortest(cx: f64, cy: f64, z: f64) -> UnitQuaternion<f64> {
+    let sign = z.signum();
+    UnitQuaternion::new_normalize(nalgebra::Quaternion::new(1.0 + z.abs(), sign * cx, sign * cy, 0.0))
+}
+
+fn bare_link(name: &str, parent: Option<LinkId>) -> Link {
+    Link {
+        name: name.to_owned(),
+        parent,
+        rotation: Matrix3::identity(),
+        offset: Vector3::zeros(),
+        mass: 0.0,
+        com: Vector3::zeros(),
+        inertia: Matrix3::zeros(),
+        urdf_frame: Isometry3::identity(),
+        merged: Vec::new(),
+        visuals: Vec::new(),
+        collisions: Vec::new(),
+    }
+}

@@ -1,0 +1,249 @@
+//! COLLADA (`.dae`) as triangles: what stands in the visual scene, with the transforms of its nodes and the file's unit.
+//!
+//! A vertex p of a geometry under nodes with matrices N_1 .. N_k (outermost first) is at u N_1 .. N_k p, with u metres to
+//! the unit; a node's own matrix is the product of its transformation elements in the order of the file (COLLADA 1.4.1
+//! specification, chapter 5). `up_axis` is told, not applied: URDF puts meshes into the link's axes as they stand, as
+//! ROS's viewers do, and exporters write `Y_UP` above vertices that are not turned.
+
+use std::collections::HashMap;
+
+use nalgebra::{Matrix3, Matrix4, Point3, Unit, Vector3};
+use roxmltree::{Document, Node, ParsingOptions};
+
+use super::mesh::{MeshError, Soup};
+use crate::robot::urdf::xml::{MOST_ATTRIBUTES, crowded};
+
+/// Deeper than this, instances of nodes surely contain themselves.
+const DEEPEST: usize = 64;
+/// More nodes than this are instances of instances without end.
+const MOST_INSTANCES: usize = 100_000;
+/// Some hundred times what a large mesh has.
+const MOST_VERTICES: usize = 20_000_000;
+const MOST_TRIANGLES: usize = 40_000_000;
+/// Far more columns than lists of corners have.
+const MOST_COLUMNS: usize = 1000;
+
+/// Triangles of the file's scene in m, and the up-axis it claims (`Z_UP` by default here, since nothing is turned).
+pub(super) fn decode(bytes: &[u8]) -> Result<(Soup, String), MeshError> {
+    let text = std::str::from_utf8(bytes).map_err(|_| "it is not UTF-8")?;
+    if crowded(text).is_some() {
+        return Err(format!("an element has more than {MOST_ATTRIBUTES} attributes").into());
+    }
+    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
+    let root = document.root_element();
+    if root.tag_name().name() != "COLLADA" {
+        return Err(format!("its root element is <{}>, not <COLLADA>", root.tag_name().name()).into());
+    }
+    let asset = first(root, "asset");
+    let unit = asset.and_then(|a| first(a, "unit")).and_then(|u| u.attribute("meter"));
+    let unit = unit.map_or(Ok(1.0), |u| positive(u).ok_or(format!("its unit is `{u}` m")))?;
+    let up = asset.and_then(|a| first(a, "up_axis")).and_then(|u| u.text()).unwrap_or("Z_UP").trim().to_owned();
+    let ids = root.descendants().filter_map(|n| n.attribute("id").map(|id| (id, n))).collect();
+    let mut reader = Reader { ids, soup: Soup::default(), placed: 0 };
+    let place = Matrix4::new_scaling(unit);
+    let named =
+        first(root, "scene").and_then(|s| first(s, "instance_visual_scene")).and_then(|s| reader.target(s, "url"));
+    match named.or_else(|| root.descendants().find(|n| is(*n, "visual_scene"))) {
+        Some(scene) => reader.nodes(scene, place, 0)?,
+        // A file without a scene is a library of shapes: all of them, where they stand.
+        None => root.descendants().filter(|n| is(*n, "geometry")).try_for_each(|g| reader.geometry(g, &place))?,
+    }
+    Ok((reader.soup, up))
+}
+
+struct Reader<'a> {
+    ids: HashMap<&'a str, Node<'a, 'a>>,
+    soup: Soup,
+    /// Nodes placed so far.
+    placed: usize,
+}
+
+impl<'a> Reader<'a> {
+    /// The element that an attribute such as `url="#id"` names.
+    fn target(&self, node: Node<'a, 'a>, attribute: &str) -> Option<Node<'a, 'a>> {
+        self.ids.get(node.attribute(attribute)?.strip_prefix('#')?).copied()
+    }
+
+    fn need(&self, node: Node<'a, 'a>, attribute: &str) -> Result<Node<'a, 'a>, MeshError> {
+        self.target(node, attribute).ok_or_else(|| {
+            let (tag, name) = (node.tag_name().name(), node.attribute(attribute).unwrap_or(""));
+            format!("<{tag}> names `{name}`, which is not in the file").into()
+        })
+    }
+
+    /// Everything below a visual scene or a node whose frame has the matrix `place`.
+    fn nodes(&mut self, parent: Node<'a, 'a>, place: Matrix4<f64>, depth: usize) -> Result<(), MeshError> {
+        if depth > DEEPEST {
+            return Err(format!("its nodes nest more than {DEEPEST} deep").into());
+        }
+        self.placed += 1;
+        if self.placed > MOST_INSTANCES {
+            return Err(format!("it places more than {MOST_INSTANCES} nodes").into());
+        }
+        for child in parent.children() {
+            match child.tag_name().name() {
+                "node" => self.nodes(child, place * own_matrix(child)?, depth + 1)?,
+                "instance_node" => {
+                    let node = self.need(child, "url")?;
+                    self.nodes(node, place * own_matrix(node)?, depth + 1)?;
+                }
+                "instance_geometry" => {
+                    let geometry = self.need(child, "url")?;
+                    self.geometry(geometry, &place)?;
+                }
+                "instance_controller" => {
+                    // A skin in its bind pose; there is no skeleton to move it by.
+                    let controller = self.need(child, "url")?;
+                    let skin = first(controller, "skin").ok_or("a controller that is no skin")?;
+                    let bind = first(skin, "bind_shape_matrix").map_or(Ok(Matrix4::identity()), matrix)?;
+                    let geometry = self.need(skin, "source")?;
+                    self.geometry(geometry, &(place * bind))?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn geometry(&mut self, geometry: Node<'a, 'a>, place: &Matrix4<f64>) -> Result<(), MeshError> {
+        let Some(mesh) = first(geometry, "mesh") else { return Ok(()) };
+        // A mirror turns triangles inside out.
+        let flip = place.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+        for primitive in mesh.children().filter(|n| n.is_element()) {
+            let kind = primitive.tag_name().name();
+            if !matches!(kind, "triangles" | "polylist" | "polygons" | "tristrips" | "trifans") {
+                continue;
+            }
+            let inputs = || primitive.children().filter(|n| is(*n, "input"));
+            let offsets: Vec<usize> = inputs().map(offset).collect::<Result<_, _>>()?;
+            let stride = 1 + offsets.into_iter().max().unwrap_or(0);
+            let vertex = inputs().find(|i| i.attribute("semantic") == Some("VERTEX"));
+            let vertex = vertex.ok_or_else(|| format!("<{kind}> without vertices"))?;
+            let base = self.positions(vertex, place)?;
+            let count = self.soup.vertices.len() - base;
+            let column = offset(vertex)?;
+            let sizes: Vec<usize> = first(primitive, "vcount").map_or(Ok(Vec::new()), numbers)?;
+            for list in primitive.children().filter(|n| is(*n, "p")) {
+                let all: Vec<usize> = numbers(list)?;
+                let corners: Vec<usize> = all.chunks_exact(stride).map(|c| c[column]).collect();
+                if corners.iter().any(|&c| c >= count) {
+                    return Err("a face names a vertex that is not there".into());
+                }
+                let corners: Vec<u32> = corners.iter().map(|c| (base + c) as u32).collect();
+                self.faces(kind, &corners, &sizes, flip);
+                if self.soup.triangles.len() > MOST_TRIANGLES {
+                    return Err(format!("it places more than {MOST_TRIANGLES} triangles").into());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Appends the placed positions behind a `VERTEX` input; returns the index of the first.
+    fn positions(&mut self, vertex: Node<'a, 'a>, place: &Matrix4<f64>) -> Result<usize, MeshError> {
+        let vertices = self.need(vertex, "source")?;
+        let position = vertices.children().find(|i| is(*i, "input") && i.attribute("semantic") == Some("POSITION"));
+        let source = self.need(position.ok_or("<vertices> without positions")?, "source")?;
+        let array = first(source, "float_array").ok_or("positions without a <float_array>")?;
+        let accessor = source.descendants().find(|n| is(*n, "accessor"));
+        let read =
+            |name, default| accessor.and_then(|a| a.attribute(name)).and_then(|s| s.parse().ok()).unwrap_or(default);
+        let (stride, offset): (usize, usize) = (read("stride", 3), read("offset", 0));
+        let values: Vec<f64> = numbers(array)?;
+        let base = self.soup.vertices.len();
+        if base > MOST_VERTICES {
+            return Err(format!("it places more than {MOST_VERTICES} vertices").into());
+        }
+        for p in values.get(offset..).unwrap_or(&[]).chunks(stride.max(1)).filter(|c| c.len() >= 3) {
+            self.soup.vertices.push(place.transform_point(&Point3::new(p[0], p[1], p[2])));
+        }
+        Ok(base)
+    }
+
+    /// Cuts one list of corners into triangles, polygons as fans.
+    fn faces(&mut self, kind: &str, corners: &[u32], sizes: &[usize], flip: bool) {
+        let triangles = &mut self.soup.triangles;
+        let mut add = |a: u32, b: u32, c: u32| triangles.push(if flip { [a, c, b] } else { [a, b, c] });
+        let mut fan = |polygon: &[u32]| (2..polygon.len()).for_each(|i| add(polygon[0], polygon[i - 1], polygon[i]));
+        match kind {
+            "triangles" => corners.chunks_exact(3).for_each(fan),
+            "polylist" => {
+                let mut rest = corners;
+                for &size in sizes {
+                    let (polygon, after) = rest.split_at(size.min(rest.len()));
+                    fan(polygon);
+                    rest = after;
+                }
+            }
+            // Every other triangle of a strip runs the other way round.
+            "tristrips" => corners.windows(3).enumerate().for_each(|(i, t)| match i % 2 {
+                0 => fan(t),
+                _ => fan(&[t[1], t[0], t[2]]),
+            }),
+            _ => fan(corners),
+        }
+    }
+}
+
+/// The column of an input in a list of corners.
+fn offset(input: Node) -> Result<usize, MeshError> {
+    let Some(text) = input.attribute("offset") else { return Ok(0) };
+    let column = text.trim().parse().ok().filter(|column| *column < MOST_COLUMNS);
+    column.ok_or_else(|| format!("an <input> with the offset `{text}`").into())
+}
+
+/// The product of a node's transformation elements.
+fn own_matrix(node: Node) -> Result<Matrix4<f64>, MeshError> {
+    let mut product = Matrix4::identity();
+    for child in node.children().filter(|n| n.is_element()) {
+        let kind = child.tag_name().name();
+        let vector = |n: usize| -> Result<Vec<f64>, MeshError> {
+            let v: Vec<f64> = numbers(child)?;
+            if v.len() == n { Ok(v) } else { Err(format!("<{kind}> holds {} numbers, not {n}", v.len()).into()) }
+        };
+        product *= match kind {
+            "matrix" => matrix(child)?,
+            "translate" => Matrix4::new_translation(&Vector3::from_vec(vector(3)?)),
+            "scale" => Matrix4::new_nonuniform_scaling(&Vector3::from_vec(vector(3)?)),
+            "rotate" => {
+                let v = vector(4)?;
+                match Unit::try_new(Vector3::new(v[0], v[1], v[2]), 0.0) {
+                    Some(axis) => Matrix4::from_axis_angle(&axis, v[3].to_radians()),
+                    None => Matrix4::identity(),
+                }
+            }
+            "lookat" | "skew" => return Err(format!("<{kind}> of a node is not read").into()),
+            _ => continue,
+        };
+    }
+    Ok(product)
+}
+
+/// Sixteen numbers, row after row.
+fn matrix(node: Node) -> Result<Matrix4<f64>, MeshError> {
+    let v: Vec<f64> = numbers(node)?;
+    let m = (v.len() == 16).then(|| Matrix4::from_row_slice(&v)).ok_or("a matrix without 16 numbers")?;
+    // A projection is no placement, and a singular one leaves nothing to see.
+    let affine = m.row(3) == Matrix4::<f64>::identity().row(3);
+    let linear: Matrix3<f64> = m.fixed_view::<3, 3>(0, 0).into();
+    if affine && linear.iter().all(|x| x.is_finite()) { Ok(m) } else { Err("a matrix that is no placement".into()) }
+}
+
+fn numbers<T: std::str::FromStr>(node: Node) -> Result<Vec<T>, MeshError> {
+    let text = node.text().unwrap_or("");
+    let parse = |word: &str| word.parse().map_err(|_| format!("`{word}` in <{}>", node.tag_name().name()).into());
+    text.split_ascii_whitespace().map(parse).collect()
+}
+
+fn positive(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0)
+}
+
+fn is(node: Node, tag: &str) -> bool {
+    node.tag_name().name() == tag
+}
+
+fn first<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
+    node.children().find(|n| is(*n, tag))
+}

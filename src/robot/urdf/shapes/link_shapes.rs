@@ -1,0 +1,130 @@
+//! Visual and collision elements as [`Shape`]s.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use roxmltree::Node;
+
+use super::mesh::{self, MeshError};
+use super::package;
+use crate::files::input;
+use crate::robot::model::{Geometry, Shape};
+use crate::robot::notices::Notices;
+use crate::robot::urdf::xml::{Xml, describe};
+
+const GREY: [f32; 4] = [0.7, 0.7, 0.7, 1.0];
+
+/// A URDF origin as a pose: roll, pitch, yaw about the fixed axes x, y, z, then the translation.
+pub(in crate::robot::urdf) fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64> {
+    let [roll, pitch, yaw] = origin.rpy.0;
+    Isometry3::from_parts(
+        Translation3::from(Vector3::from(origin.xyz.0)),
+        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    )
+}
+
+/// Turns URDF shapes into ours and keeps the mesh files it read.
+pub(in crate::robot::urdf) struct Shapes<'a> {
+    xml: &'a Xml<'a>,
+    /// Those declared under `<robot>`, by name; of those that share one the first.
+    materials: HashMap<&'a str, &'a urdf_rs::Material>,
+    /// Mesh files read so far, each once.
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+    /// The same files as triangles: several links may share one.
+    decoded: HashMap<PathBuf, Result<mesh::Decoded, MeshError>>,
+}
+
+impl<'a> Shapes<'a> {
+    pub fn new(xml: &'a Xml<'a>, materials: &'a [urdf_rs::Material]) -> Self {
+        let materials = materials.iter().rev().map(|material| (material.name.as_str(), material)).collect();
+        Self { xml, materials, files: Vec::new(), decoded: HashMap::new() }
+    }
+
+    /// All visual shapes of a link, in the frame in which the link's URDF frame has pose `frame`.
+    pub fn visuals(&mut self, link: &urdf_rs::Link, frame: &Isometry3<f64>, notices: &mut Notices) -> Vec<Shape> {
+        let nodes = self.elements(&link.name, "visual");
+        let mut shapes = Vec::new();
+        for (visual, node) in link.visual.iter().zip(nodes) {
+            let pose = frame * isometry(&visual.origin);
+            let rgba = self.colour(visual.material.as_ref());
+            shapes.extend(self.geometry(&visual.geometry, node, notices).map(|geometry| Shape {
+                pose,
+                geometry,
+                rgba,
+            }));
+        }
+        shapes
+    }
+
+    /// As [`Self::visuals`], for collision shapes.
+    pub fn collisions(&mut self, link: &urdf_rs::Link, frame: &Isometry3<f64>, notices: &mut Notices) -> Vec<Shape> {
+        let nodes = self.elements(&link.name, "collision");
+        let mut shapes = Vec::new();
+        for (collision, node) in link.collision.iter().zip(nodes) {
+            let pose = frame * isometry(&collision.origin);
+            let geometry = self.geometry(&collision.geometry, node, notices);
+            shapes.extend(geometry.map(|geometry| Shape { pose, geometry, rgba: GREY }));
+        }
+        shapes
+    }
+
+    fn elements(&self, link: &str, tag: &str) -> Vec<Node<'a, 'a>> {
+        self.xml.named("link", link).children().filter(|n| n.has_tag_name(tag)).collect()
+    }
+
+    fn geometry(&mut self, geometry: &urdf_rs::Geometry, node: Node, notices: &mut Notices) -> Option<Geometry> {
+        Some(match geometry {
+            urdf_rs::Geometry::Box { size } => Geometry::Box(Vector3::from(size.0)),
+            urdf_rs::Geometry::Cylinder { radius, length } => Geometry::Cylinder(*radius, *length),
+            urdf_rs::Geometry::Capsule { radius, length } => Geometry::Capsule(*radius, *length),
+            urdf_rs::Geometry::Sphere { radius } => Geometry::Sphere(*radius),
+            urdf_rs::Geometry::Mesh { filename, scale } => {
+                let scale = scale.map_or(Vector3::repeat(1.0), |s| Vector3::from(s.0));
+                match self.mesh(filename, scale) {
+                    Ok((mesh, remark)) => {
+                        if let Some(words) = remark {
+                            notices.info(self.xml.source, node.range().start, words);
+                        }
+                        mesh
+                    }
+                    Err(reason) => {
+                        let tag = node.tag_name().name();
+                        let words = format!("{} mesh `{filename}` of {} is left out: {reason}", tag, describe(node));
+                        notices.warning(self.xml.source, node.range().start, words);
+                        return None;
+                    }
+                }
+            }
+        })
+    }
+
+    /// The shape and what its reader remarks.
+    fn mesh(&mut self, filename: &str, scale: Vector3<f64>) -> Result<(Geometry, Option<String>), MeshError> {
+        let folder = self.xml.source.path().parent().unwrap_or(Path::new("."));
+        let path = package::resolve(folder, filename)?;
+        if !self.decoded.contains_key(&path) {
+            let bytes = input::read(&path, input::MOST_DATA)?;
+            self.decoded.insert(path.clone(), mesh::decode(&bytes, &path));
+            self.files.push((path.clone(), bytes));
+        }
+        match &self.decoded[&path] {
+            // What is left of a mesh without extent in two directions is a line at most.
+            Ok(_) if scale.iter().filter(|s| **s == 0.0).count() > 1 => {
+                Err(format!("nothing is left of it at the scale {} {} {}", scale.x, scale.y, scale.z).into())
+            }
+            Ok(mesh) => Ok((
+                mesh.scaled(&scale).ok_or("its vertices at this scale are beyond all measure")?,
+                mesh.remark.clone(),
+            )),
+            Err(reason) => Err(reason.clone()),
+        }
+    }
+
+    /// A visual's own colour, or the one of the material of that name declared under `<robot>`.
+    fn colour(&self, material: Option<&urdf_rs::Material>) -> [f32; 4] {
+        let Some(material) = material else { return GREY };
+        let shared = || self.materials.get(material.name.as_str()).and_then(|m| m.color.as_ref());
+        material.color.as_ref().or_else(shared).map_or(GREY, |c| c.rgba.0.map(|x| x.clamp(0.0, 1.0) as f32))
+    }
+}

@@ -1,0 +1,142 @@
+//! Mesh files (STL, OBJ, COLLADA) as vertices and triangles. A mesh may be flat or open: shapes are for pictures and for
+//! finding soles, and neither asks for a volume.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use nalgebra::{Point3, Vector3};
+
+use super::collada;
+use crate::robot::model::Geometry;
+
+/// Coordinates beyond this, m, have squares of squares beyond the range of numbers.
+const LARGEST: f64 = 1e60;
+
+/// Why a mesh file is left out.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct MeshError(String);
+
+impl From<String> for MeshError {
+    fn from(reason: String) -> Self {
+        MeshError(reason)
+    }
+}
+
+impl From<&str> for MeshError {
+    fn from(reason: &str) -> Self {
+        MeshError(reason.to_owned())
+    }
+}
+
+impl From<std::io::Error> for MeshError {
+    fn from(error: std::io::Error) -> Self {
+        MeshError(error.to_string())
+    }
+}
+
+/// Triangles as a file gives them, in m before scaling.
+#[derive(Default)]
+pub(super) struct Soup {
+    pub vertices: Vec<Point3<f64>>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A decoded file.
+pub(super) struct Decoded {
+    /// Vertices, each once, and triangles with three different corners.
+    soup: Soup,
+    /// What the reader did not do as the file says.
+    pub remark: Option<String>,
+}
+
+/// Reads a mesh file; equal vertices are merged, since STL repeats each one. Errors in words.
+pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Decoded, MeshError> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let loader = mesh_loader::Loader::default().merge_meshes(true);
+    let mut remark = None;
+    let raw = match extension.as_str() {
+        "stl" => match binary_stl(bytes) {
+            Some(soup) => soup,
+            None => soup_of(loader.load_stl_from_slice(bytes, path))?,
+        },
+        // Material files cannot change the shape, so none is opened.
+        "obj" => soup_of(loader.load_obj_from_slice_with_reader(bytes, path, |_| Ok(Vec::new())))?,
+        "dae" => {
+            let (soup, up) = collada::decode(bytes)?;
+            if up != "Z_UP" {
+                let words = "of COLLADA meshes is not applied: they stand in the link's axes as written, as in ROS";
+                remark = Some(format!("up-axis {up} {words}"));
+            }
+            soup
+        }
+        _ => return Err(format!("mesh files of type `{extension}` are not read (STL, OBJ and DAE are)").into()),
+    };
+    Ok(Decoded { soup: welded(&raw)?, remark })
+}
+
+impl Decoded {
+    /// The shape at a scale, triangles facing outward as before; none when a vertex is not finite then.
+    pub fn scaled(&self, scale: &Vector3<f64>) -> Option<Geometry> {
+        let points: Vec<Point3<f64>> =
+            self.soup.vertices.iter().map(|p| Point3::from(p.coords.component_mul(scale))).collect();
+        if !points.iter().all(|p| p.iter().all(|x| x.abs() <= LARGEST)) {
+            return None;
+        }
+        // A mirror scale turns triangles inside out.
+        let flip = scale.product() < 0.0;
+        let turn = |t: &[u32; 3]| if flip { [t[0], t[2], t[1]] } else { *t };
+        Some(Geometry::Mesh(points, self.soup.triangles.iter().map(turn).collect()))
+    }
+}
+
+/// A binary STL: 80 bytes of header, the number n of triangles, and n times normal, corners and two bytes. Many headers
+/// begin with `solid` like a text, so only the length tells.
+fn binary_stl(bytes: &[u8]) -> Option<Soup> {
+    let count = u32::from_le_bytes(bytes.get(80..84)?.try_into().ok()?);
+    let records = &bytes[84..];
+    if records.len() as u64 != 50 * u64::from(count) {
+        return None;
+    }
+    let number = |at: &[u8]| f64::from(f32::from_le_bytes([at[0], at[1], at[2], at[3]]));
+    let corner = |at: &[u8]| Point3::new(number(at), number(&at[4..]), number(&at[8..]));
+    let vertices = records.chunks_exact(50).flat_map(|r| [12, 24, 36].map(|at| corner(&r[at..]))).collect();
+    Some(Soup { vertices, triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect() })
+}
+
+fn soup_of(scene: std::io::Result<mesh_loader::Scene>) -> Result<Soup, MeshError> {
+    let mesh = mesh_loader::Mesh::merge(scene?.meshes);
+    let vertices = mesh.vertices.iter().map(|v| Point3::from(Vector3::from(v.map(f64::from)))).collect();
+    Ok(Soup { vertices, triangles: mesh.faces })
+}
+
+fn welded(raw: &Soup) -> Result<Soup, MeshError> {
+    let mut index: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut vertices = Vec::new();
+    let mut renumbered = Vec::with_capacity(raw.vertices.len());
+    for p in &raw.vertices {
+        if !p.iter().all(|x| x.is_finite()) {
+            return Err("a vertex is not finite".into());
+        }
+        // Adding 0 turns -0 into 0, which is the same place with other bits.
+        let key = [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
+        renumbered.push(*index.entry(key).or_insert_with(|| {
+            vertices.push(*p);
+            vertices.len() as u32 - 1
+        }));
+    }
+    let mut triangles = Vec::with_capacity(raw.triangles.len());
+    for face in &raw.triangles {
+        let corner = |i: usize| renumbered.get(face[i] as usize).copied();
+        let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else {
+            return Err("a face names a vertex that is not there".into());
+        };
+        if a != b && b != c && c != a {
+            triangles.push([a, b, c]);
+        }
+    }
+    if triangles.is_empty() {
+        return Err("it has no triangles".into());
+    }
+    Ok(Soup { vertices, triangles })
+}

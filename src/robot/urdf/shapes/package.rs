@@ -1,0 +1,69 @@
+//! Where a mesh is.
+//!
+//! `package://NAME/REST` names a ROS package. There is no ROS here, so the package is looked for around the URDF: in
+//! every folder from the URDF's own upward, the folder may contain one called NAME, or be the package itself, by its
+//! own name or by that in its `package.xml`. `package:///NAME/REST` and `model://NAME/REST` mean the same. These names are
+//! URIs, so `%20` may stand for a space (RFC 3986, section 2.1); a file that has the name as it is written comes first.
+
+use std::path::{Path, PathBuf};
+
+use super::mesh::MeshError;
+use crate::files::input;
+use crate::robot::urdf::xml::crowded;
+
+/// The file a mesh name of a URDF in `folder` stands for; the error lists the places searched.
+pub(super) fn resolve(folder: &Path, filename: &str) -> Result<PathBuf, MeshError> {
+    let found = as_written(folder, filename);
+    let decoded = decoded(filename).filter(|_| found.is_err());
+    decoded.and_then(|name| as_written(folder, &name).ok()).map_or(found, Ok)
+}
+
+/// The name with every `%` and two hexadecimal digits as the byte that they stand for; none where nothing changes, or the
+/// bytes are no text.
+fn decoded(name: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(name.len());
+    let mut rest = name.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        let digits = after.first_chunk().filter(|_| first == b'%');
+        let byte = digits.and_then(|[a, b]| Some(16 * char::from(*a).to_digit(16)? + char::from(*b).to_digit(16)?));
+        bytes.push(byte.map_or(first, |byte| byte as u8));
+        rest = if byte.is_some() { &after[2..] } else { after };
+    }
+    String::from_utf8(bytes).ok().filter(|decoded| decoded != name)
+}
+
+fn as_written(folder: &Path, filename: &str) -> Result<PathBuf, MeshError> {
+    if let Some(name) = filename.strip_prefix("package://").or_else(|| filename.strip_prefix("model://")) {
+        let Some((package, inside)) = name.trim_start_matches('/').split_once('/') else {
+            return Err("the name lacks a path inside the package".into());
+        };
+        // A relative folder has no further ancestors by name alone.
+        let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let absolute = std::path::absolute(here)?;
+        let found = absolute.ancestors().find_map(|above| {
+            let beside = above.join(package).join(inside);
+            let itself = is_package(above, package).then(|| above.join(inside));
+            [Some(beside), itself].into_iter().flatten().find(|path| path.is_file())
+        });
+        return found.ok_or_else(|| {
+            let places: Vec<String> = absolute.ancestors().map(|a| a.display().to_string()).collect();
+            format!("no folder `{package}` with `{inside}` in it is found in {}", places.join(", ")).into()
+        });
+    }
+    let path = folder.join(filename.strip_prefix("file://").unwrap_or(filename));
+    if path.is_file() { Ok(path) } else { Err(format!("there is no file {}", path.display()).into()) }
+}
+
+/// Is the folder the ROS package of that name?
+fn is_package(folder: &Path, name: &str) -> bool {
+    let manifest = || input::read_text(&folder.join("package.xml"), input::MOST_TEXT).ok();
+    let says = |text: String| {
+        if crowded(&text).is_some() {
+            return None;
+        }
+        let document = roxmltree::Document::parse(&text).ok()?;
+        let node = document.root_element().children().find(|n| n.has_tag_name("name"))?;
+        Some(node.text()?.trim() == name)
+    };
+    folder.file_name().is_some_and(|own| own == name) || manifest().and_then(says).unwrap_or(false)
+}

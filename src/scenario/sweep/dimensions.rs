@@ -1,0 +1,302 @@
+//! From the parts of `[sweep]` to its dimensions: which keys advance together, through which values.
+
+use std::collections::HashSet;
+
+use super::axis;
+use super::grid::{Dimension, Key};
+use super::random::{self, SOBOL_KEYS, SOBOL_SAMPLES};
+use crate::scenario::findings::Findings;
+use crate::scenario::format::random::{RandomSpec, Sampling};
+use crate::scenario::format::sweep::{Axis, SweepSpec};
+use crate::scenario::key_path::KeyPath;
+use crate::text::diagnostic::Diagnostic;
+use crate::text::source::{Sources, Span};
+use crate::text::toml_tree::{Entry, Node, Value};
+
+/// Each key is held against all others.
+const MOST_KEYS: usize = 1000;
+
+/// One dimension before its values are made.
+pub struct Group<'a> {
+    keys: Vec<Swept<'a>>,
+    /// The table in which its keys stand, for `random`; the array of tables, for `list`.
+    part: &'a Entry,
+}
+
+/// A swept key as it stands in the file.
+pub struct Swept<'a> {
+    pub path: KeyPath,
+    pub entry: &'a Entry,
+    given: Given<'a>,
+}
+
+/// Where the values of a swept key come from.
+enum Given<'a> {
+    /// An override: one value, which stands in the tree.
+    Fixed,
+    /// `grid`, `zip`.
+    Axis(&'a Axis),
+    /// `list`: one value for each table that names the key.
+    Tables(Vec<Option<&'a Node>>),
+    /// `random`: the place among its keys.
+    Drawn(&'a RandomSpec, usize),
+}
+
+/// The swept keys by dimension: `grid`, `zip`, `list` and `random` in the order of the file, and within them as well.
+pub fn groups<'a>(
+    sweep: &'a Node,
+    spec: &'a SweepSpec,
+    fixed: &[KeyPath],
+    sources: &Sources,
+    findings: &mut Findings,
+) -> Vec<Group<'a>> {
+    let mut gather = Gather { groups: Vec::new(), fixed, sources, findings };
+    for part in sweep.entries() {
+        let entries = part.node.entries();
+        match part.key.as_str() {
+            "grid" => {
+                for entry in entries {
+                    gather.group(part, [(entry, spec.grid.get(&entry.key).map(Given::Axis))]);
+                }
+            }
+            "zip" => {
+                for (table, axes) in part.node.items().iter().zip(&spec.zip) {
+                    gather.group(part, table.entries().iter().map(|e| (e, axes.get(&e.key).map(Given::Axis))));
+                }
+            }
+            "list" => gather.list(part),
+            "random" => {
+                if let Some(random) = &spec.random
+                    && sobol_reaches(random, part, gather.findings)
+                {
+                    let keys = entries.iter().filter(|e| RandomSpec::is_path(&e.key)).enumerate();
+                    gather.group(part, keys.map(|(place, e)| (e, Some(Given::Drawn(random, place)))));
+                }
+            }
+            _ => {}
+        }
+    }
+    gather.groups
+}
+
+/// Is the table of a Sobol sequence, if one is wanted, long and wide enough.
+fn sobol_reaches(random: &RandomSpec, part: &Entry, findings: &mut Findings) -> bool {
+    let help = Some("`sampling = \"lhs\"` has no limit".to_owned());
+    let (samples, keys) = (random.samples, random.keys.len());
+    if random.sampling != Sampling::Sobol || samples <= SOBOL_SAMPLES && keys <= SOBOL_KEYS {
+        return true;
+    }
+    if samples > SOBOL_SAMPLES {
+        let place = part.node.get("samples").map_or(&part.key_span, |n| &n.span);
+        let message = format!("a Sobol sequence has at most {SOBOL_SAMPLES} samples, not {samples}");
+        findings.error(place.clone(), message, help.clone());
+    }
+    if keys > SOBOL_KEYS {
+        let message = format!("a Sobol sequence has at most {SOBOL_KEYS} keys, not {keys}");
+        findings.error(part.key_span.clone(), message, help);
+    }
+    false
+}
+
+/// Collects groups and sees that no two keys lead to the same value.
+struct Gather<'a, 'f> {
+    groups: Vec<Group<'a>>,
+    fixed: &'f [KeyPath],
+    sources: &'f Sources,
+    findings: &'f mut Findings,
+}
+
+impl<'a> Gather<'a, '_> {
+    fn group(&mut self, part: &'a Entry, entries: impl IntoIterator<Item = (&'a Entry, Option<Given<'a>>)>) {
+        let mut keys = Vec::new();
+        for (entry, given) in entries {
+            let Some(given) = given else { continue };
+            match self.path_of(entry, &keys) {
+                // An overridden key is swept no more: its one value stands in the tree.
+                Ok((path, overridden)) => {
+                    keys.push(Swept { path, entry, given: if overridden { Given::Fixed } else { given } });
+                }
+                Err((span, message)) => self.findings.error(span, message, None),
+            }
+        }
+        self.groups.push(Group { keys, part });
+    }
+
+    /// The tables of a list; keys in the order in which they are first named. Different tables may reach into each other's
+    /// values, since only one of them counts at a time.
+    fn list(&mut self, part: &'a Entry) {
+        let tables = part.node.items();
+        if tables.is_empty() {
+            return;
+        }
+        let mut keys: Vec<Swept<'a>> = Vec::new();
+        for (at, table) in tables.iter().enumerate() {
+            let mut here: Vec<Swept<'a>> = Vec::new();
+            for entry in table.entries() {
+                let (path, overridden) = match self.path_of(entry, &here) {
+                    Ok(found) => found,
+                    Err((span, message)) => {
+                        self.findings.error(span, message, None);
+                        continue;
+                    }
+                };
+                if path.segments.len() == 1 && matches!(entry.node.value, Value::Table(_)) {
+                    let message = format!("`{}` would be replaced as a whole", entry.key);
+                    let help = format!("a path is written as one key in quotes: \"{}.KEY\" = ...", entry.key);
+                    self.findings.error(entry.key_span.clone(), message, Some(help));
+                    continue;
+                }
+                let none = || Swept { path: path.clone(), entry, given: Given::Tables(vec![None; tables.len()]) };
+                here.push(none());
+                let known = keys.iter().position(|k| k.path.is(&path));
+                if known.is_none() && keys.len() == MOST_KEYS {
+                    let message = format!("`{}` is one too many: at most {MOST_KEYS} keys are swept", entry.key);
+                    self.findings.error(entry.key_span.clone(), message, None);
+                    continue;
+                }
+                let known = known.unwrap_or_else(|| {
+                    keys.push(none());
+                    keys.len() - 1
+                });
+                match &mut keys[known].given {
+                    Given::Tables(values) if !overridden => values[at] = Some(&entry.node),
+                    given => *given = Given::Fixed,
+                }
+            }
+        }
+        self.groups.push(Group { keys, part });
+    }
+
+    /// The path of a swept key, and whether exactly it is overridden. `here` are keys that count at the same time.
+    fn path_of(&self, entry: &Entry, here: &[Swept]) -> Result<(KeyPath, bool), (Span, String)> {
+        let refuse = |message: String| (entry.key_span.clone(), message);
+        if here.len() + self.groups.iter().map(|group| group.keys.len()).sum::<usize>() >= MOST_KEYS {
+            return Err(refuse(format!("`{}` is one too many: at most {MOST_KEYS} keys are swept", entry.key)));
+        }
+        let path = KeyPath::parse(&entry.key, &entry.key_span, self.sources).map_err(|e| (e.span, e.message))?;
+        if ["sweep", "schema"].contains(&path.segments[0].0.as_str()) {
+            return Err(refuse(format!("`{}` cannot be swept", entry.key)));
+        }
+        let mut earlier = self.groups.iter().flat_map(Group::keys).chain(here);
+        if let Some(other) = earlier.find(|other| other.path.overlaps(&path)) {
+            let place = other.place(self.sources);
+            return Err(refuse(format!("`{}` is swept already by `{}` at {place}", entry.key, other.entry.key)));
+        }
+        match self.fixed.iter().find(|f| f.overlaps(&path)) {
+            Some(same) if same.segments.len() == path.segments.len() => Ok((path, true)),
+            Some(_) => Err(refuse(format!("`{}` is swept and cannot be overridden in part", entry.key))),
+            None => Ok((path, false)),
+        }
+    }
+}
+
+impl<'a> Group<'a> {
+    /// Its keys.
+    pub fn keys(&self) -> &[Swept<'a>] {
+        &self.keys
+    }
+
+    /// How many places the dimension has; every key that is not overridden must have as many values.
+    pub fn length(&self, sources: &Sources, findings: &mut Findings) -> usize {
+        let mut counted = self.keys.iter().filter_map(|s| Some((s, s.count()?)));
+        let Some((first, length)) = counted.next() else {
+            // Tables without any key ask for the file as it stands, each of them.
+            return if self.keys.is_empty() { self.part.node.items().len().max(1) } else { 1 };
+        };
+        for (other, count) in counted.filter(|(_, count)| *count != length) {
+            let (a, b) = (&first.entry.key, &other.entry.key);
+            let message = format!("`{b}` has {count} values, but `{a}` beside it has {length}");
+            let place = first.place(sources);
+            let help = format!("`{a}` is at {place}; the values of one table of `zip` advance together");
+            findings.error(other.entry.key_span.clone(), message, Some(help));
+        }
+        length
+    }
+
+    /// Makes the values. `root` is the scenario's tree with its overrides.
+    pub fn dimension(self, length: usize, root: &Node, findings: &mut Findings) -> Dimension {
+        let part = self.part;
+        let keys: Vec<Key> = self.keys.into_iter().filter_map(|swept| swept.key(root, findings)).collect();
+        refuse_twins(&keys, length, part, findings);
+        Dimension { keys, length }
+    }
+}
+
+impl Swept<'_> {
+    /// `file:line:column` of the key.
+    fn place(&self, sources: &Sources) -> String {
+        Diagnostic::error(sources, &self.entry.key_span, "", None).location()
+    }
+
+    /// How many values it has, without making them; none of its own when it is overridden.
+    fn count(&self) -> Option<usize> {
+        match &self.given {
+            Given::Fixed => None,
+            Given::Axis(axis) => Some(axis::count(axis)),
+            Given::Tables(values) => Some(values.len()),
+            Given::Drawn(random, _) => Some(random.samples as usize),
+        }
+    }
+
+    /// The key with its values; `None` (with an error) when it was overridden and then overridden as a whole.
+    fn key(self, root: &Node, findings: &mut Findings) -> Option<Key> {
+        let Swept { path, entry, given } = self;
+        let values: Vec<Option<Node>> = match given {
+            Given::Axis(axis) => axis::nodes(axis, &entry.node).into_iter().map(Some).collect(),
+            Given::Tables(values) => axis::alike_where_given(values.into_iter().map(Option::<&Node>::cloned).collect()),
+            Given::Drawn(random, place) => {
+                random::nodes(random, seed(root), &path, place, &entry.node).into_iter().map(Some).collect()
+            }
+            Given::Fixed => match path.get(root) {
+                Some(value) => vec![Some(value.clone())],
+                None => {
+                    let message = format!("`{}` is swept, and overrides leave no such value", entry.key);
+                    findings.error(entry.key_span.clone(), message, None);
+                    return None;
+                }
+            },
+        };
+        Some(Key { name: entry.key.clone(), path, values })
+    }
+}
+
+/// The scenario's own seed; one that is no seed is told when the scenario is read.
+fn seed(root: &Node) -> u64 {
+    match root.get("seed").map(|n| &n.value) {
+        Some(Value::Integer(seed)) => *seed as u64,
+        _ => crate::scenario::Scenario::default().seed,
+    }
+}
+
+/// Equal runs would have equal keys and write over each other.
+fn refuse_twins(keys: &[Key], length: usize, part: &Entry, findings: &mut Findings) {
+    let mut seen = HashSet::new();
+    for at in 0..length {
+        let text = |k: &Key| k.value(at).map_or_else(String::new, |node| format!("{} ", node.to_toml()));
+        let texts: Vec<String> = keys.iter().map(text).collect();
+        if seen.insert(texts.clone()) {
+            continue;
+        }
+        let words = texts.iter().map(|t| t.trim_end()).filter(|t| !t.is_empty()).collect::<Vec<_>>().join(", ");
+        if part.key == "list" {
+            let table = &part.node.items()[at];
+            let message = format!("table {at} of `list` gives the same values as one before it");
+            // Where an overridden key alone told tables apart, the runs themselves are found to be equal.
+            if keys.iter().all(|k| k.values.len() == length) {
+                findings.error(table.span.clone(), message, None);
+            }
+        } else if let Some(varied) = keys.iter().find(|k| k.values.len() > 1) {
+            // The same holds here.
+            let (message, help) = match (part.key.as_str(), keys) {
+                ("random", _) => {
+                    let help = "fewer samples, more values to draw from, or `grid` to have each value once";
+                    (format!("{words} is drawn twice, by samples {at} and before"), Some(help.to_owned()))
+                }
+                (_, [key]) => (format!("`{}` has the value {words} twice", key.name), None),
+                _ => (format!("the values {words} stand together twice"), None),
+            };
+            let place = varied.value(at).map_or(part.key_span.clone(), |node| node.span.clone());
+            findings.error(place, message, help);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The combinations of swept values, by number.
+
+use serde::Deserialize;
+
+use super::dimensions::{self, Group};
+use crate::scenario::decode::NodeDeserializer;
+use crate::scenario::findings::Findings;
+use crate::scenario::format::sweep::SweepSpec;
+use crate::scenario::key_path::KeyPath;
+use crate::text::source::{Sources, Span};
+use crate::text::toml_tree::Node;
+
+/// Runs that a sweep can have at most, however many are allowed: their numbers have 32 bits, and one means none.
+pub const MOST_RUNS_EVER: usize = u32::MAX as usize;
+
+/// The swept values: dimensions nested in the order of the file, the last changing fastest.
+#[derive(Default)]
+pub struct Grid {
+    dimensions: Vec<Dimension>,
+    /// Runs per combination.
+    pub repeat: u32,
+}
+
+/// Keys that advance together: one key of `grid`, those of one table of `zip`, those of `list` or those of `random`.
+pub struct Dimension {
+    pub keys: Vec<Key>,
+    pub length: usize,
+}
+
+/// A swept key with one value per place in its dimension; an overridden one has the same throughout. No value where a
+/// table of `list` does not name the key.
+pub struct Key {
+    pub name: String,
+    pub path: KeyPath,
+    pub values: Vec<Option<Node>>,
+}
+
+/// One combination.
+pub struct Cell<'a> {
+    /// The swept keys in the order of the file; no value where the file's own holds.
+    keys: Vec<(&'a Key, Option<&'a Node>)>,
+}
+
+impl Grid {
+    /// Read the sweep of a scenario's tree; `fixed` are paths whose values have been overridden. An expansion to more than
+    /// `max_runs` runs is refused before its values are made.
+    pub fn read(root: &Node, fixed: &[KeyPath], sources: &Sources, max_runs: usize, findings: &mut Findings) -> Grid {
+        let Some(sweep) = root.get("sweep") else { return Grid { dimensions: Vec::new(), repeat: 1 } };
+        let spec = match SweepSpec::deserialize(NodeDeserializer(sweep)) {
+            Ok(spec) => spec,
+            Err(error) => {
+                error.report("sweep", findings);
+                return Grid::default();
+            }
+        };
+        let groups = dimensions::groups(sweep, &spec, fixed, sources, findings);
+        let lengths: Vec<usize> = groups.iter().map(|group| group.length(sources, findings)).collect();
+        let repeated_seed = groups.iter().flat_map(Group::keys).find(|s| s.path.segments[0].0 == "seed");
+        if let (Some(seed), 2..) = (repeated_seed, spec.repeat) {
+            findings.error(seed.entry.key_span.clone(), "`seed` cannot be swept together with `repeat`", None);
+        }
+        let runs = lengths.iter().copied().fold(spec.repeat as usize, usize::saturating_mul);
+        if runs > max_runs {
+            let help = match max_runs < MOST_RUNS_EVER {
+                true => "`--max-runs` raises the limit",
+                false => "no batch can have more: each run has a number of 32 bits",
+            };
+            let help = Some(help.into());
+            findings.error(place(sweep), format!("the sweep has {runs} runs, {max_runs} are allowed"), help);
+            return Grid::default();
+        }
+        let made = groups.into_iter().zip(lengths);
+        let dimensions = made.map(|(group, length)| group.dimension(length, root, findings)).collect();
+        Grid { dimensions, repeat: spec.repeat }
+    }
+
+    /// Combinations of values.
+    pub fn cells(&self) -> usize {
+        self.dimensions.iter().map(|d| d.length).product()
+    }
+
+    /// Combinations times repetitions.
+    pub fn runs(&self) -> usize {
+        self.cells() * self.repeat as usize
+    }
+
+    /// One combination, the last dimension changing fastest.
+    pub fn cell(&self, mut number: usize) -> Cell<'_> {
+        let mut keys = Vec::new();
+        for dimension in self.dimensions.iter().rev() {
+            let at = number % dimension.length;
+            number /= dimension.length;
+            keys.extend(dimension.keys.iter().rev().map(|key| (key, key.value(at))));
+        }
+        keys.reverse();
+        Cell { keys }
+    }
+}
+
+/// Where a sweep that is too large is shown: at what stands first and multiplies runs.
+fn place(sweep: &Node) -> Span {
+    let parts = || sweep.entries().iter().filter(|e| e.key != "repeat");
+    parts().next().or(sweep.entry("repeat")).map_or(sweep.span.clone(), |e| e.key_span.clone())
+}
+
+impl Key {
+    /// The value at a place of the dimension.
+    pub fn value(&self, at: usize) -> Option<&Node> {
+        self.values[at % self.values.len()].as_ref()
+    }
+}
+
+impl Cell<'_> {
+    /// What is put into the scenario, in the order of the file.
+    pub fn values(&self) -> Vec<(KeyPath, Node)> {
+        self.keys.iter().filter_map(|(key, value)| Some((key.path.clone(), (*value)?.clone()))).collect()
+    }
+
+    /// The values under the names in the file. For a key that has none here it is what the run has instead: the value in
+    /// its tree, or the default that `resolved` tells; none if that is a table.
+    pub fn parameters(&self, root: &Node, resolved: &toml::Table) -> Vec<(String, toml::Value)> {
+        let instead = |path: &KeyPath| match path.get(root) {
+            Some(node) => Some(node.to_toml()),
+            None => path.look_up(resolved).filter(|value| !value.is_table()).cloned(),
+        };
+        let value = |key: &Key, value: &Option<&Node>| value.map(Node::to_toml).or_else(|| instead(&key.path));
+        self.keys.iter().filter_map(|(key, given)| Some((key.name.clone(), value(key, given)?))).collect()
+    }
+}

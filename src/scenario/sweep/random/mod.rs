@@ -1,0 +1,48 @@
+//! Random samples of swept keys: numbers between 0 and 1 by [`draw`], turned into values by a distribution's quantile
+//! function, so that every way of sampling serves every distribution.
+
+mod draw;
+mod normal;
+
+use super::axis::alike;
+use crate::scenario::format::random::{Distribution, RandomSpec, Sampling};
+use crate::scenario::key_path::KeyPath;
+use crate::text::toml_tree::{Node, Value};
+
+/// Most samples and keys of a Sobol sequence: what its table of direction numbers holds.
+pub const SOBOL_SAMPLES: u32 = 1 << 16;
+/// See [`SOBOL_SAMPLES`].
+pub const SOBOL_KEYS: usize = sobol_burley::NUM_DIMENSIONS as usize;
+
+/// The samples of one key, in order. `seed` is the scenario's, `place` the key's place among those of `random`; `node` is
+/// what the distribution was read from.
+pub fn nodes(spec: &RandomSpec, seed: u64, path: &KeyPath, place: usize, node: &Node) -> Vec<Node> {
+    let Some(distribution) = spec.key_at(place) else { return Vec::new() };
+    let n = spec.samples as usize;
+    let draws = match spec.sampling {
+        Sampling::Random => draw::independent(seed, path, n),
+        Sampling::Lhs => draw::latin(seed, path, n),
+        Sampling::Sobol => draw::sobol(seed, place as u32, n),
+    };
+    let real = |x: f64| Node::computed(Value::Float(x), &node.span);
+    match distribution {
+        Distribution::Uniform(a, b) => draws.into_iter().map(|u| real((a + u * (b - a)).clamp(*a, *b))).collect(),
+        Distribution::LogUniform(a, b) => {
+            let ratio = (b / a).ln();
+            draws.into_iter().map(|u| real((a * (u * ratio).exp()).clamp(*a, *b))).collect()
+        }
+        Distribution::Normal(mean, deviation) => {
+            draws.into_iter().map(|u| real(mean + deviation * normal::quantile(u))).collect()
+        }
+        Distribution::Integer(a, b) => {
+            let whole = |u: f64| a + ((u * (b - a + 1) as f64) as i64).min(b - a);
+            draws.into_iter().map(|u| Node::computed(Value::Integer(whole(u)), &node.span)).collect()
+        }
+        Distribution::Choice(_) => {
+            let written = node.get("choice").map(Node::items).unwrap_or_default();
+            let words = alike(written.to_vec());
+            let index = |u: f64| ((u * words.len() as f64) as usize).min(words.len() - 1);
+            draws.into_iter().map(|u| words[index(u)].clone()).collect()
+        }
+    }
+}
