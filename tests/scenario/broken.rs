@@ -23,7 +23,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[floor]\nfriction = [1, 2]", (4, 12), "must be a number or `{ static, kinetic }`, not an array", ""),
     Broken("[floor]\nrpy = [0, 0]", (4, 7), "must be an array of length 3, not of length 2", ""),
     Broken("[floor]\nrpy = [0, 0, 0, 0]", (4, 7), "must be an array of length 3, not of length 4", ""),
-    Broken("[floor]\nrpy = [0, \"30 dge\", 0]", (4, 11), "`floor.rpy.1` must be a number of radians", ""),
+    Broken("[floor]\nrpy = [0, \"30 dge\", 0]", (4, 11), "`floor.rpy.1` must be a finite number of radians", ""),
     Broken("posture = { knee = true }", (3, 20), "`robot.posture.knee` must be", ""),
     Broken("[task]\ntype = \"posture\"", (3, 1), "`task` must be an array of tables", "[[task]]"),
     Broken("[contact]\nmethod = 3", (4, 10), "must be \"exact\" or \"one-step\" or \"penalty\"", ""),
