@@ -3,7 +3,7 @@
 use crate::assemble::names;
 use crate::log::Trajectory;
 use crate::motion::spline::{Ends, Spline};
-use crate::motion::{Fault, Knot, Motion, Track, columns, postures};
+use crate::motion::{Knot, Motion, MotionError, Track, columns, postures};
 use crate::robot::{Joint, JointId, JointKind, Model};
 use crate::scenario::{Diagnostic, Ends as EndsSpec, Input, JointLimits, PlaybackTask, Recorded, Run};
 use crate::task::playback::Playback;
@@ -90,8 +90,8 @@ pub(super) fn text(input: &Input) -> Option<&str> {
 }
 
 /// What is wrong with a text file, shown in it.
-pub(super) fn shown(input: &Input, text: &str, fault: Fault) -> Diagnostic {
-    Diagnostic::in_text(&input.path.display().to_string(), text, fault.place, fault.message, fault.help)
+pub(super) fn shown(input: &Input, text: &str, fault: MotionError) -> Diagnostic {
+    Diagnostic::in_text(&input.path.display().to_string(), text, fault.span, fault.message, fault.help)
 }
 
 fn read(source: &Source, recorded: Recorded) -> Result<Motion, Box<Diagnostic>> {
@@ -121,8 +121,8 @@ fn logged(source: &Source, recorded: Recorded) -> Result<Motion, Box<Diagnostic>
             Recorded::Desired => &joint.desired_position,
             Recorded::Actual => &joint.position,
         };
-        let knot = |(time, value): (&f64, &f64)| Knot { time: *time, value: *value, place: 0..0 };
-        Track { name: joint.name.clone(), place: 0..0, knots: log.times.iter().zip(values).map(knot).collect() }
+        let knot = |(time, value): (&f64, &f64)| Knot { time: *time, value: *value, span: 0..0 };
+        Track { name: joint.name.clone(), span: 0..0, knots: log.times.iter().zip(values).map(knot).collect() }
     };
     Ok(Motion { tracks: motion.joints.iter().map(track).collect() })
 }
@@ -139,14 +139,14 @@ fn curve(
     let Some(id) = model.joint(name) else {
         let help = suggest(name, model.joints.iter().map(|j| j.name.as_str()).collect::<Vec<_>>());
         let message = format!("the robot `{}` has no joint `{name}`", model.name);
-        return Err(source.error(track.place.clone(), message, Some(help)));
+        return Err(source.error(track.span.clone(), message, Some(help)));
     };
     let joint = &model.joints[id.0];
     let limited = source.run.scenario.robot.joint_limits == JointLimits::Stop && joint.kind != JointKind::Continuous;
     let (lower, upper) = if limited { (joint.lower, joint.upper) } else { (f64::NEG_INFINITY, f64::INFINITY) };
     if let Some(knot) = track.knots.iter().find(|k| !(lower..=upper).contains(&k.value)) {
         let message = format!("`{name}` = {} at {} s is {}", knot.value, knot.time, outside(joint));
-        return Err(source.error(knot.place.clone(), message, None));
+        return Err(source.error(knot.span.clone(), message, None));
     }
     let (start, end) = (&track.knots[0], &track.knots[track.knots.len() - 1]);
     if spec.repeat {
@@ -160,7 +160,7 @@ fn curve(
         };
         if let Some(message) = fault {
             let help = "with `loop` a motion ends in the posture it begins with".to_owned();
-            return Err(source.error(end.place.clone(), message, Some(help)));
+            return Err(source.error(end.span.clone(), message, Some(help)));
         }
     }
     let ends = match (spec.repeat, spec.ends.unwrap_or_default()) {
@@ -170,12 +170,12 @@ fn curve(
     };
     let (times, values): (Vec<f64>, Vec<f64>) = track.knots.iter().map(|k| (k.time, k.value)).unzip();
     let spline = Spline::new(times, &values, ends)
-        .map_err(|why| source.error(track.place.clone(), format!("`{name}`: {why}"), None))?;
+        .map_err(|why| source.error(track.span.clone(), format!("`{name}`: {why}"), None))?;
     let slack = OVERSHOOT * (upper - lower);
     if let Some((t, q)) = spline.extremes().into_iter().find(|(_, q)| *q < lower - slack || *q > upper + slack) {
         let message = format!("the curve of `{name}` reaches {q:.4} at {t:.3} s, {}", outside(joint));
         let help = "one more posture near that time, or postures farther from the limit, keep it inside";
-        return Err(source.error(track.place.clone(), message, Some(help.into())));
+        return Err(source.error(track.span.clone(), message, Some(help.into())));
     }
     Ok((id, spline))
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::spatial::{CollisionModel, WhyBody, WhyPair};
 
-/// Bodies, triangles and pairs of a robot, and why a body or a pair is not watched.
+/// Bodies, triangles and pairs of a robot, with the reasons why bodies or pairs are not monitored.
 pub fn inspect(model: &CollisionModel) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.

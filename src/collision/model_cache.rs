@@ -1,4 +1,4 @@
-//! Robots that look the same share their collision model: making it takes some 50 ms, and a batch has many runs of one robot.
+//! Shares collision models between equal robots: building one takes some 50 ms, and a batch has many runs of one robot.
 
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError, Weak};
@@ -10,14 +10,13 @@ type Entry = Arc<Mutex<Option<Weak<CollisionModel>>>>;
 
 static MODELS: LazyLock<Mutex<HashMap<[u8; 32], Entry>>> = LazyLock::new(Mutex::default);
 
-/// The collision model of a robot: that of an earlier call for one with the same shapes, joints and settings, if it is still
-/// in use.
+/// The collision model of a robot: that of an earlier call for equal shapes, joints and settings, if it is still in use.
 pub fn shared_model(model: &Model, settings: &SelfCollision) -> Arc<CollisionModel> {
     let entry = {
         let mut models = MODELS.lock().unwrap_or_else(PoisonError::into_inner);
         models.entry(hash(model, settings)).or_default().clone()
     };
-    // Others with this robot wait for it to be made; those with another one do not.
+    // Callers with this robot wait until it is built; callers with other robots do not.
     let mut entry = entry.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(found) = entry.as_ref().and_then(Weak::upgrade) {
         return found;
@@ -27,7 +26,7 @@ pub fn shared_model(model: &Model, settings: &SelfCollision) -> Arc<CollisionMod
     made
 }
 
-/// Of all that a collision model depends on.
+/// Hash of everything that a collision model depends on.
 fn hash(model: &Model, settings: &SelfCollision) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
     let mut numbers = |numbers: &[f64]| {

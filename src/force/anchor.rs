@@ -1,4 +1,4 @@
-//! Where the far end of a spring is held: a point that stands, drifts, oscillates or follows waypoints.
+//! The anchor of a spring: a point that rests, drifts, oscillates or follows waypoints.
 //!
 //! ```text
 //! still     p = p0                          line   p = p0 + u (t - t0)
@@ -6,16 +6,16 @@
 //! waypoints p = p_i + (p_{i+1} - p_i) m(s),   s = (t - t_i) / (t_{i+1} - t_i)
 //! ```
 //!
-//! with m(s) = s, or the minimum-jerk progress of [`crate::task::posture`], at rest in every waypoint. Before the first
-//! waypoint the point stands there, after the last one it stands at that.
+//! with m(s) = s, or the minimum-jerk progress of [`crate::motion::minimum_jerk`], at rest in every waypoint. Before the first
+//! waypoint the point rests there, after the last one it rests at that.
 
 use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::Vector3;
 
-/// How an anchor moves. World axes, m, s.
+/// Motion of an anchor. World axes, m, s.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AnchorPath {
-    /// It stands.
+    /// It rests.
     Still,
     /// It drifts with this velocity u, m/s.
     Line(Vector3<f64>),
@@ -28,23 +28,23 @@ pub enum AnchorPath {
         /// Phase phi at the start, rad.
         phase: f64,
     },
-    /// It passes points at instants, which ascend; at least one.
+    /// It passes points at instants in ascending order; at least one.
     Waypoints {
         /// Instants t_i (s) and points p_i.
         knots: Vec<(f64, Vector3<f64>)>,
-        /// Minimum-jerk between them, or linear?
+        /// True for minimum-jerk moves between them, false for linear ones.
         smooth: bool,
     },
 }
 
-/// A moving point: its path from `origin` p0 at time `start` t0.
+/// A moving point, from `origin` p0 at time `start` t0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Anchor {
     /// p0, world, m. Not used by [`AnchorPath::Waypoints`].
     pub origin: Vector3<f64>,
     /// t0, s.
     pub start: f64,
-    /// How it moves.
+    /// Its motion.
     pub path: AnchorPath,
 }
 
@@ -64,7 +64,7 @@ impl Anchor {
         }
     }
 
-    /// Instants at which its velocity or a derivative of it jumps, s.
+    /// Instants at which its velocity or a derivative of it is discontinuous, s.
     pub fn corners(&self) -> impl Iterator<Item = f64> {
         let knots = match &self.path {
             AnchorPath::Waypoints { knots, .. } => &knots[..],

@@ -1,11 +1,11 @@
-//! `drag`: the resistance of the air.
+//! `drag`: air resistance.
 //!
 //! ```text
 //! f = -(c1 + c2 |w|) w,    w = v_point - u
 //! ```
 //!
-//! v_point the velocity of a point of the link, u that of the air, c1 the linear coefficient (Stokes), c2 the quadratic
-//! one (Newton: `rho A C_d / 2`). The force acts at the point, so it turns nothing that the point does not move.
+//! v_point the velocity of a point of the link, u that of the air, c1 the linear coefficient (Stokes), c2 the quadratic one
+//! (Newton: `rho A C_d / 2`). The force acts at the point; it exerts no moment about it.
 
 use super::profile::Profile;
 use super::{AppliedForces, Damper, Force, ForceContext};
@@ -13,10 +13,10 @@ use crate::dynamics::jacobian;
 use crate::robot::LinkId;
 use nalgebra::Vector3;
 
-/// See the module.
+/// Air resistance on points of links.
 #[derive(Clone, Debug)]
 pub struct Drag {
-    /// Where it acts: points in the internal frames of links, m.
+    /// Points of action in the internal frames of links, m.
     pub points: Vec<(LinkId, Vector3<f64>)>,
     /// Linear coefficient c1 of each point, N s/m.
     pub linear: f64,
@@ -24,12 +24,12 @@ pub struct Drag {
     pub quadratic: f64,
     /// Velocity u of the air, world, m/s.
     pub wind: Vector3<f64>,
-    /// When there is air.
+    /// Strength over time.
     pub span: Profile,
 }
 
 impl Drag {
-    /// Velocity w through the air of a world point, m/s, and by what it is resisted, N s/m.
+    /// Velocity w of a world point through the air, m/s, and the drag coefficient `c1 + c2 |w|`, N s/m.
     fn meets(&self, context: &ForceContext, link: LinkId, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let relative = jacobian::point_velocity(context.kinematics, link, point) - self.wind;
         (relative, self.linear + self.quadratic * relative.norm())

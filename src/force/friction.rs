@@ -1,9 +1,9 @@
-//! `joint-friction`: friction in joints, by the law of [`crate::robot::Friction`], added to what the robot has.
+//! `joint-friction`: friction in joints, by the law of [`crate::robot::Friction`], added to the robot's own.
 
 use super::{AppliedForces, Force, ForceContext};
 use crate::robot::Friction;
 
-/// Friction of several joints, by their numbers.
+/// Additional friction of several joints.
 #[derive(Clone, Debug)]
 pub struct JointFriction {
     /// The joints.

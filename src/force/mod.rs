@@ -1,7 +1,9 @@
-//! External force models: one file each, behind one trait.
+//! External force models, one file each, behind one trait.
 //!
-//! As in the paper's section II.C a model is initialised once and then asked for its forces at any time and state that
-//! the adaptive integrator visits. Models say beforehand at which times they are not smooth, so that steps end there.
+//! As in section II.C of the paper a model is initialised once and then evaluated at any time and state that the adaptive
+//! integrator visits. It states beforehand the times at which it is not smooth, so that steps end there.
+//!
+//! Imports robot, dynamics, motion (minimum jerk) and random. Called by script (force models in Luau), sim and assemble.
 
 pub mod anchor;
 pub mod drag;
@@ -19,7 +21,7 @@ use crate::robot::{LinkId, Model};
 use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 
-/// The instant at which forces are wanted.
+/// The instant at which forces are evaluated.
 pub struct ForceContext<'a> {
     /// The robot.
     pub model: &'a Model,
@@ -31,7 +33,7 @@ pub struct ForceContext<'a> {
     pub gravity: Vector3<f64>,
     /// Time, s.
     pub time: f64,
-    /// A time inside the smooth piece being integrated: which side of a jump `time` belongs to.
+    /// A time inside the smooth piece being integrated: shows on which side of a discontinuity `time` is.
     pub within: f64,
 }
 
@@ -43,19 +45,19 @@ impl ForceContext<'_> {
     }
 }
 
-/// Collects the forces of one instant.
+/// Sum of the forces of one instant.
 pub struct AppliedForces<'a> {
     tau: &'a mut [f64],
     arrows: &'a mut Vec<(Vector3<f64>, Vector3<f64>)>,
 }
 
 impl<'a> AppliedForces<'a> {
-    /// Adds into the generalised force `tau` (nv) and lists force arrows (world point, force) in `arrows`.
+    /// Adds to the generalised force `tau` (nv) and lists force arrows (world point, force) in `arrows`.
     pub fn new(tau: &'a mut [f64], arrows: &'a mut Vec<(Vector3<f64>, Vector3<f64>)>) -> Self {
         AppliedForces { tau, arrows }
     }
 
-    /// A force (N) at a world point (m) of a link and a moment (N m), world axes.
+    /// Adds a force (N) at a world point (m) of a link and a moment (N m), world axes.
     pub fn wrench(
         &mut self,
         context: &ForceContext,
@@ -70,13 +72,13 @@ impl<'a> AppliedForces<'a> {
         }
     }
 
-    /// An effort (N m or N) on a joint.
+    /// Adds an effort (N m or N) on a joint.
     pub fn joint(&mut self, model: &Model, joint: usize, effort: f64) {
         self.tau[model.nb() + joint] += effort;
     }
 }
 
-/// By how much a force on a point of a link falls per change of the point's velocity.
+/// Decrease of the force on a point of a link per change of the point's velocity.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Damper {
     /// The link.
@@ -87,44 +89,44 @@ pub struct Damper {
     pub coefficient: f64,
 }
 
-/// Hears what a force model has to report: kind, subject and words of an event.
+/// Receives an event of a force model: kind, subject and message.
 pub type ReportEvent<'a> = dyn FnMut(&'static str, &str, String) + 'a;
 
 /// An external force model.
 pub trait Force: Any + Send {
-    /// Called first of all on a model that takes the place of `former` while the run goes on, at `time`: what that one has
-    /// told is not told again, and neither is what is over.
+    /// Called first on a model that replaces `former` during the run, at `time`. Events that `former` has reported, or that are
+    /// over, are not reported again.
     fn continue_from(&mut self, _former: &dyn Any, _time: f64) {}
 
-    /// The most forces that it lists at one instant: room is made for them before the run. A script's are not known.
+    /// Greatest number of forces that it lists at one instant, allocated before the run. Unknown for scripts.
     fn arrows(&self) -> usize {
         1
     }
 
-    /// Called once at the start of the run, before anything is evaluated.
+    /// Called once at the start of the run, before any evaluation.
     ///
     /// # Errors
-    /// In words; they end the run with outcome `error`.
+    /// The model cannot start; the run ends with outcome `error`.
     fn init(&mut self, _scene: &ForceContext) -> Result<(), ForceError> {
         Ok(())
     }
 
-    /// Called at the start of the run and at each of the instants that are corners of any force model, before anything is
-    /// evaluated beyond it: the time never goes back between two such calls.
+    /// Called at the start of the run and at each corner of any force model, before any evaluation beyond it. The time never
+    /// decreases between two such calls.
     fn pass(&mut self, _scene: &ForceContext, _tell: &mut ReportEvent) {}
 
-    /// Adds its forces at this instant, which may lie before or after that of the last call. Allocates nothing.
+    /// Adds its forces at this instant, which may be before or after that of the last call. Allocates nothing.
     fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces);
 
-    /// Adds to `out` (nv) by how much its generalised force falls per change of each velocity, N s/m or N m s: velocity-level
-    /// steps take it at the end of the step. For forces that would else turn a motion round within one; not negative.
+    /// Adds to `out` (nv) the decrease of its generalised force per change of each velocity, N s/m or N m s; not negative.
+    /// Velocity-level steps apply it at the end of the step, for forces that would otherwise reverse a motion within one.
     fn damping(&self, _scene: &ForceContext, _out: &mut [f64]) {}
 
-    /// Names the dampers that its forces hold between points of links and what does not follow the robot: as
-    /// [`damping`](Self::damping), in all directions alike.
+    /// Calls `damper` for each damper between a point of a link and the surroundings: like [`damping`](Self::damping), but equal
+    /// in all directions.
     fn dampers(&self, _scene: &ForceContext, _damper: &mut dyn FnMut(Damper)) {}
 
-    /// Times at which its value or slope jumps, s.
+    /// Corners: times at which its value or slope is discontinuous, s.
     fn corners(&self) -> &[f64] {
         &[]
     }
@@ -135,7 +137,7 @@ pub trait Force: Any + Send {
     }
 }
 
-/// Stands for an entry that acts in another way than by forces.
+/// Placeholder for an entry that acts otherwise than by forces.
 pub struct NoForce;
 
 impl Force for NoForce {

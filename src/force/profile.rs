@@ -1,4 +1,4 @@
-//! How a push rises and falls: factors between 0 and 1 over its duration.
+//! Time profile of a push: a factor between 0 and 1.
 //!
 //! With `s = (t - start) / duration`: `constant` 1, `half-sine` sin(pi s), `triangle` 1 - |2 s - 1|, each zero outside
 //! 0 <= s < 1; `ramp` rises as s and stays at 1.
@@ -18,7 +18,7 @@ pub enum Shape {
     Always,
 }
 
-/// A shape placed in time.
+/// A shape with its time span.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     shape: Shape,
@@ -39,7 +39,7 @@ impl Profile {
         Profile { shape, start, duration, corners: corners.into_iter().filter(|c| c.is_finite()).collect() }
     }
 
-    /// Times at which the value or slope jumps, s.
+    /// Times at which the value or slope is discontinuous, s.
     pub fn corners(&self) -> &[f64] {
         &self.corners
     }

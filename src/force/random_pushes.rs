@@ -1,4 +1,4 @@
-//! `random-pushes`: pushes whose times, places, directions and sizes are drawn before the run begins.
+//! `random-pushes`: pushes whose times, points, directions and magnitudes are drawn before the run begins.
 //!
 //! With a number n of pushes their instants are independent and uniform over the span; with a rate r they are a Poisson
 //! process, gaps `-ln(u) / r`. Magnitudes and durations are uniform between their limits, links equally likely. A
@@ -13,14 +13,14 @@ use crate::robot::LinkId;
 use nalgebra::Vector3;
 use std::any::Any;
 
-/// What pushes are drawn from.
+/// Distributions from which pushes are drawn.
 #[derive(Clone, Debug)]
 pub struct Distribution {
-    /// From when, s.
+    /// Earliest start, s.
     pub start: f64,
-    /// For how long pushes may begin, s.
+    /// Length of the interval of starts, s.
     pub span: f64,
-    /// How many there are.
+    /// Number of pushes.
     pub count: Count,
     /// Links with their names and the points pushed, in their internal frames, m.
     pub targets: Vec<(String, LinkId, Vector3<f64>)>,
@@ -28,18 +28,18 @@ pub struct Distribution {
     pub magnitude: [f64; 2],
     /// Shortest and longest push, s.
     pub duration: [f64; 2],
-    /// Are directions horizontal, or any?
+    /// True for horizontal directions, false for all.
     pub horizontal: bool,
-    /// How each rises and ends.
+    /// Profile of each push.
     pub shape: Shape,
 }
 
-/// How many pushes there are.
+/// Number of pushes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Count {
-    /// So many.
+    /// A fixed number.
     Number(usize),
-    /// So many a second on average, Hz.
+    /// Mean number per second, Hz.
     Rate(f64),
 }
 
@@ -50,22 +50,22 @@ struct Push {
     end: f64,
     name: String,
     wrench: Wrench,
-    /// Has it been told, or is it past telling?
+    /// True once it is reported, or was over when this model took effect.
     told: bool,
 }
 
-/// See the module.
+/// A series of random pushes.
 #[derive(Clone, Debug)]
 pub struct RandomPushes {
-    /// In the order of their beginnings.
+    /// In order of their starts.
     pushes: Vec<Push>,
     longest: f64,
     corners: Vec<f64>,
-    /// How many have begun and are told.
+    /// Number of pushes that have begun and are reported.
     told: usize,
 }
 
-/// Most pushes of one entry.
+/// Greatest number of pushes of one entry.
 pub const MOST: usize = 10_000;
 
 impl RandomPushes {
@@ -77,7 +77,7 @@ impl RandomPushes {
     }
 }
 
-/// When pushes begin, ascending.
+/// Starts of the pushes, ascending.
 fn instants(from: &Distribution, stream: &mut Stream) -> Vec<f64> {
     match from.count {
         Count::Number(n) => {
@@ -145,7 +145,7 @@ impl Force for RandomPushes {
     }
 
     fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
-        // Those that have begun, latest first, back to where even the longest has ended.
+        // Pushes that have begun, latest first, back to where even the longest has ended.
         let begun = self.pushes.partition_point(|p| p.at <= context.within);
         for push in self.pushes[..begun].iter_mut().rev() {
             if push.at + self.longest < context.within {

@@ -4,9 +4,9 @@
 //! f = k (1 - l0 / |d|) d + c d',    d = p_anchor - p_point
 //! ```
 //!
-//! k stiffness, c damping, l0 rest length: Hooke's law along the line between the two and a viscous damper. With l0 = 0
-//! the spring is linear in all three directions. The damper works on the whole relative velocity, across the line too, as
-//! an arm's does. Where the point meets the anchor (`d = 0`) a spring with a rest length has no direction: it pushes nowhere.
+//! k stiffness, c damping, l0 rest length: Hooke's law along the connecting line and a viscous damper. With l0 = 0 the spring is
+//! linear in all three directions. The damper acts on the whole relative velocity, also across the line, as that of an arm does.
+//! Where the point meets the anchor (`d = 0`) a spring with a rest length has no direction and exerts no force.
 
 use super::anchor::Anchor;
 use super::profile::{Profile, Shape};
@@ -16,7 +16,7 @@ use crate::robot::LinkId;
 use nalgebra::Vector3;
 use std::any::Any;
 
-/// Between what a spring acts, and how strongly.
+/// Parameters of a spring.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hold {
     /// Name of the link, for messages.
@@ -33,27 +33,27 @@ pub struct Hold {
     pub rest_length: f64,
 }
 
-/// See the module.
+/// A spring with its anchor and time span.
 #[derive(Clone, Debug)]
 pub struct Spring {
     hold: Hold,
     anchor: Anchor,
-    /// Does the anchor's path start where the point is when the spring is attached?
+    /// True if the anchor's path starts at the position of the point when the spring is attached.
     from_point: bool,
     start: f64,
     end: f64,
     /// 1 while it is attached.
     span: Profile,
     corners: Vec<f64>,
-    /// Is it attached, as the log has it?
+    /// True while it is attached, as last reported.
     held: bool,
-    /// Is it to be attached anew although it is: it has taken the place of one that was attached elsewhere?
+    /// True if it must be attached anew: it has replaced one that was attached elsewhere.
     anew: bool,
 }
 
 impl Spring {
-    /// A spring attached from `start` for `duration` seconds, which may be infinite. With `from_point` the anchor's path
-    /// begins when it is attached, where the point is then.
+    /// A spring attached from `start` for `duration` seconds, which may be infinite. With `from_point` the anchor's path begins at
+    /// the position of the point when it is attached.
     pub fn new(hold: Hold, anchor: Anchor, from_point: bool, start: f64, duration: f64) -> Self {
         let span = Profile::new(Shape::Constant, start, duration);
         let mut corners = span.corners().to_vec();
@@ -62,7 +62,7 @@ impl Spring {
         Spring { hold, anchor, from_point, start, end, span, corners, held: false, anew: false }
     }
 
-    /// Is the other one's anchor the same, and held on to by the same point?
+    /// True if the other spring has the same anchor and point.
     fn is_where(&self, other: &Spring) -> bool {
         let (a, b) = (&self.anchor, &other.anchor);
         let origin = self.from_point || (a.origin, a.start) == (b.origin, b.start);

@@ -1,11 +1,10 @@
-//! Motion capture in BVH: a skeleton (`HIERARCHY`) whose joints name channels, then the channels' values frame by frame
-//! (`MOTION`). Source of the format: M. Meredith and S. Maddock, Motion capture file formats explained, University of
-//! Sheffield (2001), section 3.
+//! Motion capture in BVH: a skeleton (`HIERARCHY`) whose joints list channels, then the channels' values frame by frame
+//! (`MOTION`) [Meredith 2001, section 3].
 //!
-//! A track is called `JOINT.CHANNEL`, such as `LeftKnee.Xrotation`. Rotations become radians and are unwrapped (a step of
-//! more than half a turn between two frames is taken the short way round); positions stay in the file's unit.
+//! A track is named `JOINT.CHANNEL`, such as `LeftKnee.Xrotation`. Rotations become radians and are unwrapped: a step of more
+//! than half a turn between two frames takes the shorter direction. Positions stay in the file's unit.
 
-use super::{Fault, Knot, Motion, Track};
+use super::{Knot, Motion, MotionError, Track};
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -15,113 +14,113 @@ const CHANNELS: [&str; 6] = ["Xposition", "Yposition", "Zposition", "Xrotation",
 /// Reads a motion from the text of a file; its first frame is at time 0.
 ///
 /// # Errors
-/// A word where another is wanted, a number that is none, a joint or channel named twice, a channel that there is not, no
-/// channel, no frame, fewer or more values than frames take.
-pub fn read(text: &str) -> Result<Motion, Fault> {
-    let mut words = Words { text, at: 0 };
-    words.expect("HIERARCHY")?;
+/// An unexpected token, an invalid number, a duplicate joint or channel, an unknown channel, no channel, no frame, or fewer
+/// or more values than the frames take.
+pub fn read(text: &str) -> Result<Motion, MotionError> {
+    let mut tokens = Tokens { text, at: 0 };
+    tokens.expect("HIERARCHY")?;
     let (mut tracks, mut moving): (Vec<Track>, HashSet<String>) = Default::default();
     let mut roots = 0;
-    while words.peek() == "ROOT" || roots == 0 {
-        words.expect("ROOT")?;
-        skeleton(&mut words, &mut tracks, &mut moving)?;
+    while tokens.peek() == "ROOT" || roots == 0 {
+        tokens.expect("ROOT")?;
+        skeleton(&mut tokens, &mut tracks, &mut moving)?;
         roots += 1;
     }
-    let place = words.next()?;
-    if &text[place.clone()] != "MOTION" {
-        return Err(words.unexpected(place, "`ROOT` or `MOTION`"));
+    let span = tokens.next()?;
+    if &text[span.clone()] != "MOTION" {
+        return Err(tokens.unexpected(span, "`ROOT` or `MOTION`"));
     }
     if tracks.is_empty() {
-        return Err(Fault::new(place, "no joint has a channel"));
+        return Err(MotionError::new(span, "no joint has a channel"));
     }
-    words.expect("Frames:")?;
-    let place = words.next()?;
-    let frames: usize = match text[place.clone()].parse() {
+    tokens.expect("Frames:")?;
+    let span = tokens.next()?;
+    let frames: usize = match text[span.clone()].parse() {
         Ok(n) if n > 0 => n,
-        _ => return Err(words.unexpected(place, "the number of frames, at least 1,")),
+        _ => return Err(tokens.unexpected(span, "the number of frames, at least 1")),
     };
-    words.expect("Frame")?;
-    words.expect("Time:")?;
-    let (period, place) = words.number("the time between frames")?;
+    tokens.expect("Frame")?;
+    tokens.expect("Time:")?;
+    let (period, span) = tokens.number("the time between frames")?;
     if period <= 0.0 {
-        return Err(Fault::new(place, format!("the time between frames must be greater than 0, not {period}")));
+        return Err(MotionError::new(span, format!("the time between frames must be greater than 0, not {period}")));
     }
     for frame in 0..frames {
         for track in &mut tracks {
-            let (mut value, place) = words.number(&format!("`{}` of frame {frame} of {frames}", track.name))?;
+            let (mut value, span) = tokens.number(&format!("`{}` of frame {frame} of {frames}", track.name))?;
             if track.name.ends_with("rotation") {
                 value = value.to_radians();
                 if let Some(before) = track.knots.last() {
                     value -= ((value - before.value) / TAU).round() * TAU;
                 }
             }
-            track.knots.push(Knot { time: frame as f64 * period, value, place });
+            track.knots.push(Knot { time: frame as f64 * period, value, span });
         }
     }
-    if !words.peek().is_empty() {
-        let place = words.next()?;
-        return Err(Fault::new(place, format!("there is more than {frames} frames of {} values", tracks.len())));
+    if !tokens.peek().is_empty() {
+        let span = tokens.next()?;
+        return Err(MotionError::new(span, format!("there is more than {frames} frames of {} values", tracks.len())));
     }
     Ok(Motion { tracks })
 }
 
-/// A root and all that hangs on it; `ROOT` has been read.
-fn skeleton(words: &mut Words, tracks: &mut Vec<Track>, moving: &mut HashSet<String>) -> Result<(), Fault> {
+/// Reads a root and its descendants; `ROOT` has been read.
+fn skeleton(tokens: &mut Tokens, tracks: &mut Vec<Track>, moving: &mut HashSet<String>) -> Result<(), MotionError> {
     let mut depth = 0;
-    joint(words, tracks, moving)?;
+    joint(tokens, tracks, moving)?;
     depth += 1;
     while depth > 0 {
-        let place = words.next()?;
-        match &words.text[place.clone()] {
+        let span = tokens.next()?;
+        match &tokens.text[span.clone()] {
             "JOINT" => {
-                joint(words, tracks, moving)?;
+                joint(tokens, tracks, moving)?;
                 depth += 1;
             }
             "End" => {
-                words.expect("Site")?;
-                words.expect("{")?;
-                offset(words)?;
-                words.expect("}")?;
+                tokens.expect("Site")?;
+                tokens.expect("{")?;
+                offset(tokens)?;
+                tokens.expect("}")?;
             }
             "}" => depth -= 1,
-            _ => return Err(words.unexpected(place, "`JOINT`, `End Site` or `}`")),
+            _ => return Err(tokens.unexpected(span, "`JOINT`, `End Site` or `}`")),
         }
     }
     Ok(())
 }
 
-/// Name, offset and channels of a joint, up to what hangs on it; `moving` are those before it that have channels.
-fn joint(words: &mut Words, tracks: &mut Vec<Track>, moving: &mut HashSet<String>) -> Result<(), Fault> {
-    let place = words.next()?;
-    let name = &words.text[place.clone()];
+/// Reads name, offset and channels of a joint; `moving` are the earlier joints with channels.
+fn joint(tokens: &mut Tokens, tracks: &mut Vec<Track>, moving: &mut HashSet<String>) -> Result<(), MotionError> {
+    let span = tokens.next()?;
+    let name = &tokens.text[span.clone()];
     if name == "{" {
-        return Err(Fault::new(place, "the joint has no name"));
+        return Err(MotionError::new(span, "the joint has no name"));
     }
     if moving.contains(name) {
-        return Err(Fault::new(place, format!("there are two joints `{name}`")));
+        return Err(MotionError::new(span, format!("there are two joints `{name}`")));
     }
     let (name, first) = (name.to_owned(), tracks.len());
-    words.expect("{")?;
-    offset(words)?;
-    if words.peek() != "CHANNELS" {
+    tokens.expect("{")?;
+    offset(tokens)?;
+    if tokens.peek() != "CHANNELS" {
         return Ok(());
     }
-    words.next()?;
-    let count = words.next()?;
-    let Ok(n) = words.text[count.clone()].parse::<usize>() else {
-        return Err(words.unexpected(count, "the number of channels"));
+    tokens.next()?;
+    let count = tokens.next()?;
+    let Ok(n) = tokens.text[count.clone()].parse::<usize>() else {
+        return Err(tokens.unexpected(count, "the number of channels"));
     };
     for _ in 0..n {
-        let place = words.next()?;
-        let channel = &words.text[place.clone()];
+        let span = tokens.next()?;
+        let channel = &tokens.text[span.clone()];
         if !CHANNELS.contains(&channel) {
-            return Err(words.unexpected(place, "a channel, such as `Xrotation`,"));
+            return Err(tokens.unexpected(span, "a channel, such as `Xrotation`"));
         }
         let channel = format!("{name}.{channel}");
         if tracks[first..].iter().any(|t| t.name == channel) {
-            return Err(Fault::new(place, format!("there are two channels `{channel}`")));
+            return Err(MotionError::new(span, format!("there are two channels `{channel}`")));
         }
-        tracks.push(Track { name: channel, place, knots: Vec::new() });
+        tracks.push(Track { name: channel, span, knots: Vec::new() });
     }
     if n > 0 {
         moving.insert(name);
@@ -129,19 +128,19 @@ fn joint(words: &mut Words, tracks: &mut Vec<Track>, moving: &mut HashSet<String
     Ok(())
 }
 
-fn offset(words: &mut Words) -> Result<(), Fault> {
-    words.expect("OFFSET")?;
-    (0..3).try_for_each(|_| words.number("a coordinate of the offset").map(|_| ()))
+fn offset(tokens: &mut Tokens) -> Result<(), MotionError> {
+    tokens.expect("OFFSET")?;
+    (0..3).try_for_each(|_| tokens.number("a coordinate of the offset").map(|_| ()))
 }
 
-/// Reads a text word by word.
-struct Words<'a> {
+/// Tokenizer of a text separated by white space.
+struct Tokens<'a> {
     text: &'a str,
     at: usize,
 }
 
-impl Words<'_> {
-    /// Where the next word stands; empty at the end.
+impl Tokens<'_> {
+    /// Range of the next token; empty at the end.
     fn find(&self) -> Range<usize> {
         let rest = &self.text[self.at..];
         let start = self.at + (rest.len() - rest.trim_start().len());
@@ -153,32 +152,33 @@ impl Words<'_> {
         &self.text[self.find()]
     }
 
-    fn next(&mut self) -> Result<Range<usize>, Fault> {
-        let place = self.find();
-        if place.is_empty() {
-            return Err(Fault::new(place, "the file ends too early"));
+    fn next(&mut self) -> Result<Range<usize>, MotionError> {
+        let span = self.find();
+        if span.is_empty() {
+            return Err(MotionError::new(span, "the file ends too early"));
         }
-        self.at = place.end;
-        Ok(place)
+        self.at = span.end;
+        Ok(span)
     }
 
-    fn expect(&mut self, word: &str) -> Result<(), Fault> {
-        let place = self.next()?;
-        if &self.text[place.clone()] == word { Ok(()) } else { Err(self.unexpected(place, &format!("`{word}`"))) }
+    fn expect(&mut self, token: &str) -> Result<(), MotionError> {
+        let span = self.next()?;
+        if &self.text[span.clone()] == token { Ok(()) } else { Err(self.unexpected(span, &format!("`{token}`"))) }
     }
 
-    fn number(&mut self, what: &str) -> Result<(f64, Range<usize>), Fault> {
-        let ended = |fault: Fault| Fault { message: format!("{}: {what} is missing", fault.message), ..fault };
-        let place = self.next().map_err(ended)?;
-        match self.text[place.clone()].parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok((value, place)),
-            _ => Err(self.unexpected(place, &format!("a finite number ({what})"))),
+    fn number(&mut self, what: &str) -> Result<(f64, Range<usize>), MotionError> {
+        let ended =
+            |error: MotionError| MotionError { message: format!("{}: {what} is missing", error.message), ..error };
+        let span = self.next().map_err(ended)?;
+        match self.text[span.clone()].parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok((value, span)),
+            _ => Err(self.unexpected(span, &format!("a finite number ({what})"))),
         }
     }
 
-    fn unexpected(&self, place: Range<usize>, wanted: &str) -> Fault {
-        let message = format!("{wanted} must stand here, not {:?}", &self.text[place.clone()]);
-        Fault::new(place, message)
+    fn unexpected(&self, span: Range<usize>, expected: &str) -> MotionError {
+        let message = format!("expected {expected}, not {:?}", &self.text[span.clone()]);
+        MotionError::new(span, message)
     }
 }
 
@@ -205,10 +205,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_at_its_place() {
+    fn errors_carry_their_span() {
         let cases = [
-            ("HIERARCHY", "HIRARCHY", "HIRARCHY", "`HIERARCHY` must stand here, not \"HIRARCHY\""),
-            ("ROOT Hips", "JOINT Hips", "JOINT", "`ROOT` must"),
+            ("HIERARCHY", "HIRARCHY", "HIRARCHY", "expected `HIERARCHY`, not \"HIRARCHY\""),
+            ("ROOT Hips", "JOINT Hips", "JOINT", "expected `ROOT`"),
             ("OFFSET 0 1 0\n    CHANNELS", "OFFSET 0 1 CHANNELS", "CHANNELS", "a finite number (a coordinate"),
             ("Xrotation", "Wrotation", "Wrotation", "a channel, such as `Xrotation`"),
             ("Yposition Zrotation", "Yposition Yposition", "Yposition", "two channels `Hips.Yposition`"),
@@ -222,11 +222,11 @@ mod tests {
             ("-170", "nan", "nan", "a finite number (`Arm.Xrotation` of frame 1 of 3)"),
             ("CHANNELS 2 Yposition Zrotation", "CHANNELS two", "two", "the number of channels"),
         ];
-        for (from, to, place, words) in cases {
+        for (from, to, span, tokens) in cases {
             let text = SOUND.replacen(from, to, 1);
-            let fault = read(&text).unwrap_err();
-            assert!(fault.message.contains(words), "{to}: {fault}");
-            assert_eq!(&text[fault.place.clone()], place, "{to}: {fault}");
+            let error = read(&text).unwrap_err();
+            assert!(error.message.contains(tokens), "{to}: {error}");
+            assert_eq!(&text[error.span.clone()], span, "{to}: {error}");
         }
         assert!(read("").unwrap_err().message.contains("too early"));
         let still = "HIERARCHY ROOT a { OFFSET 0 0 0 End Site { OFFSET 0 0 0 } } MOTION Frames: 1 Frame Time: 1";

@@ -1,4 +1,4 @@
-//! Motions as a table: comma-separated values, time in the first column, a joint in each of the others.
+//! Motions as comma-separated tables: time in the first column, a joint in each of the others.
 //!
 //! ```text
 //! time,left_knee,right_knee
@@ -6,23 +6,25 @@
 //! 0.5,0.35,
 //! ```
 //!
-//! SI units, angles in radians. An empty cell says nothing about its joint. Lines that begin with `#` are passed over. The
-//! names that `runner export` writes (`time_s`, `joint.NAME.position_rad`, `joint.NAME.desired_position_rad`, `_m` for
-//! prismatic joints) stand for the joint's.
+//! SI units, angles in radians. An empty cell gives no value for its joint. Lines that begin with `#` are comments. The names
+//! that `runner export` writes (`time_s`, `joint.NAME.position_rad`, `joint.NAME.desired_position_rad`, `_m` for prismatic
+//! joints) denote the joint.
 
-use super::{Fault, Knot, Motion};
+use super::{Knot, Motion, MotionError};
 use std::collections::HashSet;
 use std::ops::Range;
 
 /// Reads a motion from the text of a file.
 ///
 /// # Errors
-/// No header or no `time` in front of it; a column without a name, named twice, or of something else than positions;
-/// lines of other length; cells that are no finite numbers; times that do not rise; a column without any number.
-pub fn read(text: &str) -> Result<Motion, Fault> {
+/// No header, or a header without `time` first; a column without a name, with a duplicate name, or of another quantity than
+/// positions; lines of other length; cells that are not finite numbers; times that do not increase; a column without numbers.
+pub fn read(text: &str) -> Result<Motion, MotionError> {
     let mut lines = lines(text);
     let Some(header) = lines.next() else {
-        return Err(Fault::new(0..0, "the file is empty").help("the first line names the columns: `time,JOINT,...`"));
+        return Err(
+            MotionError::new(0..0, "the file is empty").help("the first line names the columns: `time,JOINT,...`")
+        );
     };
     let names = header_names(text, header)?;
     let mut columns: Vec<Vec<Knot>> = vec![Vec::new(); names.len()];
@@ -31,63 +33,63 @@ pub fn read(text: &str) -> Result<Motion, Fault> {
         let cells: Vec<_> = cells(text, line.clone()).collect();
         if cells.len() != names.len() + 1 {
             let message = format!("this line has {} cells, the header {}", cells.len(), names.len() + 1);
-            return Err(Fault::new(line, message));
+            return Err(MotionError::new(line, message));
         }
         let time = number(text, &cells[0], "time")?;
-        let time = time.ok_or_else(|| Fault::new(cells[0].clone(), "the time is missing"))?;
+        let time = time.ok_or_else(|| MotionError::new(cells[0].clone(), "the time is missing"))?;
         if time < 0.0 {
-            return Err(Fault::new(cells[0].clone(), format!("the time must be 0 or greater, not {time}")));
+            return Err(MotionError::new(cells[0].clone(), format!("the time must be 0 or greater, not {time}")));
         }
         if let Some(before) = before.filter(|before| time <= *before) {
             let message = format!("the time must be after that of the line before, {before}, not {time}");
-            return Err(Fault::new(cells[0].clone(), message));
+            return Err(MotionError::new(cells[0].clone(), message));
         }
         before = Some(time);
         for ((column, (name, _)), cell) in columns.iter_mut().zip(&names).zip(&cells[1..]) {
             if let Some(value) = number(text, cell, name)? {
-                column.push(Knot { time, value, place: cell.clone() });
+                column.push(Knot { time, value, span: cell.clone() });
             }
         }
     }
     let mut motion = Motion::default();
-    for ((name, place), knots) in names.into_iter().zip(columns) {
+    for ((name, span), knots) in names.into_iter().zip(columns) {
         if knots.is_empty() {
-            return Err(Fault::new(place, format!("column `{name}` holds no number")));
+            return Err(MotionError::new(span, format!("column `{name}` holds no number")));
         }
-        motion.tracks.push(super::Track { name, place, knots });
+        motion.tracks.push(super::Track { name, span, knots });
     }
     Ok(motion)
 }
 
-/// Names of the columns behind `time`, and where they stand.
-fn header_names(text: &str, header: Range<usize>) -> Result<Vec<(String, Range<usize>)>, Fault> {
+/// Names of the columns after `time`, with their spans.
+fn header_names(text: &str, header: Range<usize>) -> Result<Vec<(String, Range<usize>)>, MotionError> {
     let mut cells = cells(text, header);
     let first = cells.next().unwrap_or(0..0);
     if !["time", "time_s"].contains(&&text[first.clone()]) {
         let message = format!("the first column must be `time`, not {:?}", &text[first.clone()]);
-        return Err(Fault::new(first, message));
+        return Err(MotionError::new(first, message));
     }
     let (mut names, mut known): (Vec<(String, Range<usize>)>, HashSet<&str>) = Default::default();
-    for place in cells {
-        let written = &text[place.clone()];
+    for span in cells {
+        let written = &text[span.clone()];
         let name = match exported(written) {
             Exported::Position(name) => name,
             Exported::Other(quantity) => {
                 let help = "export positions alone: `--columns 'joint.*.desired_position_*'`, or `joint.*.position_*`";
                 let message = format!("a motion holds positions, not `{quantity}`");
-                return Err(Fault::new(place, message).help(help));
+                return Err(MotionError::new(span, message).help(help));
             }
         };
         if name.is_empty() {
-            return Err(Fault::new(place, "this column has no name"));
+            return Err(MotionError::new(span, "this column has no name"));
         }
         if !known.insert(name) {
-            return Err(Fault::new(place, format!("there are two columns of `{name}`")));
+            return Err(MotionError::new(span, format!("there are two columns of `{name}`")));
         }
-        names.push((name.to_owned(), place));
+        names.push((name.to_owned(), span));
     }
     if names.is_empty() {
-        return Err(Fault::new(first, "there is no column beside the time"));
+        return Err(MotionError::new(first, "there is no column beside the time"));
     }
     Ok(names)
 }
@@ -111,18 +113,18 @@ fn exported(written: &str) -> Exported<'_> {
     }
 }
 
-/// Lines that hold something, without their ends.
+/// Lines with content, without line ends.
 fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
     let start = move |line: &str| line.as_ptr() as usize - text.as_ptr() as usize;
     let all = text.lines().map(move |line| start(line)..start(line) + line.len());
     all.filter(|line| !text[line.clone()].trim().is_empty() && !text[line.clone()].trim_start().starts_with('#'))
 }
 
-/// Cells of a line, without blanks and quotes around them.
+/// Cells of a line, without surrounding blanks and quotes.
 fn cells(text: &str, line: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let mut at = line.start;
     text[line].split(',').map(move |cell| {
-        // A byte order mark, as spreadsheets put before the first cell, is none of it.
+        // Spreadsheets write a byte order mark before the first cell.
         let trimmed = cell.trim_start_matches('\u{feff}').trim().trim_matches('"');
         let start = at + (trimmed.as_ptr() as usize - cell.as_ptr() as usize);
         at += cell.len() + 1;
@@ -130,14 +132,14 @@ fn cells(text: &str, line: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-fn number(text: &str, cell: &Range<usize>, name: &str) -> Result<Option<f64>, Fault> {
+fn number(text: &str, cell: &Range<usize>, name: &str) -> Result<Option<f64>, MotionError> {
     let written = &text[cell.clone()];
     if written.is_empty() {
         return Ok(None);
     }
     match written.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(Some(value)),
-        _ => Err(Fault::new(cell.clone(), format!("`{name}` must be a finite number, not {written:?}"))),
+        _ => Err(MotionError::new(cell.clone(), format!("`{name}` must be a finite number, not {written:?}"))),
     }
 }
 
@@ -153,11 +155,11 @@ mod tests {
         assert_eq!((motion.tracks[0].name.as_str(), motion.tracks[1].name.as_str()), ("a.b", "c"));
         assert_eq!(knots(0), [(0.0, 1.0)]);
         assert_eq!(knots(1), [(0.0, 2.0), (0.5, 0.3)]);
-        assert_eq!(&text[motion.tracks[1].knots[1].place.clone()], "3e-1");
+        assert_eq!(&text[motion.tracks[1].knots[1].span.clone()], "3e-1");
     }
 
     #[test]
-    fn what_is_wrong_is_told_at_its_place() {
+    fn errors_carry_their_span() {
         let cases = [
             ("", "", "is empty"),
             ("a,b\n0,1\n", "a", "must be `time`"),
@@ -173,10 +175,10 @@ mod tests {
             ("time,a\n1,1\n1.0,1\n", "1.0", "after that of the line before, 1, not 1"),
             ("time,a\n1,\n", "a", "holds no number"),
         ];
-        for (text, place, words) in cases {
-            let fault = read(text).unwrap_err();
-            assert!(fault.message.contains(words), "{text}: {fault}");
-            assert_eq!(&text[fault.place.clone()], place, "{text}: {fault}");
+        for (text, span, words) in cases {
+            let error = read(text).unwrap_err();
+            assert!(error.message.contains(words), "{text}: {error}");
+            assert_eq!(&text[error.span.clone()], span, "{text}: {error}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A stream of positions kept within a range and a speed, and smoothed.
+//! Limits a stream of positions to a range and a speed, and smooths it.
 //!
 //! ```text
 //! r(t) = min(max(q(t), lower), upper)
@@ -6,24 +6,24 @@
 //! x    = l averaged three times over a window
 //! ```
 //!
-//! l is, of all motions no faster than V, one that keeps nearest to r: the first term is the greatest such motion below r,
-//! the second the least one above it, and no motion within the speed can have a smaller greatest distance from r than their
-//! mean has (E. J. McShane, Extension of range of functions, Bull. AMS 40 (1934), for the two envelopes). Unlike a rate
-//! limiter that follows, it does not lag. Averages of positions within a range and a speed stay within them.
+//! Of all motions no faster than V, l is one that stays nearest to r. The first term is the greatest such motion below r, the
+//! second the least one above it, and no motion within the speed has a smaller greatest distance from r than their mean (E. J.
+//! McShane, Extension of range of functions, Bull. AMS 40 (1934), for the two envelopes). Unlike a rate limiter, it does not
+//! lag. Averages of positions within a range and a speed stay within them.
 
-/// How far a limit moved a stream.
+/// Change that a limit made to a stream.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Limited {
     /// Greatest distance, rad or m.
     pub distance: f64,
-    /// Samples that were moved.
+    /// Number of samples changed.
     pub samples: usize,
 }
 
 impl Limited {
     fn see(&mut self, before: f64, after: f64) {
         let distance = (after - before).abs();
-        // Less than this is rounding of sums that undo each other.
+        // Smaller differences are rounding of sums that cancel.
         if distance > 1e-12 * before.abs().max(1.0) {
             self.distance = self.distance.max(distance);
             self.samples += 1;
@@ -31,7 +31,7 @@ impl Limited {
     }
 }
 
-/// Brings every position into `[lower, upper]`.
+/// Clamps every position to `[lower, upper]`.
 pub fn range(x: &mut [f64], lower: f64, upper: f64) -> Limited {
     let mut limited = Limited::default();
     for x in x {
@@ -42,7 +42,7 @@ pub fn range(x: &mut [f64], lower: f64, upper: f64) -> Limited {
     limited
 }
 
-/// Brings the steps between positions down to `step` (the speed times the time between samples; infinite: no limit).
+/// Limits the steps between positions to `step` (speed times sampling period; infinite: no limit).
 pub fn speed(x: &mut [f64], step: f64) -> Limited {
     let mut limited = Limited::default();
     if !step.is_finite() {
@@ -67,7 +67,7 @@ pub fn speed(x: &mut [f64], step: f64) -> Limited {
     limited
 }
 
-/// Averages three times over `2 half + 1` samples; beyond its ends a stream stands as it ends.
+/// Averages three times over `2 half + 1` samples; beyond its ends the stream keeps its end values.
 pub fn smooth(x: &mut Vec<f64>, half: usize) {
     if half == 0 || x.is_empty() {
         return;
@@ -77,7 +77,7 @@ pub fn smooth(x: &mut Vec<f64>, half: usize) {
     for _ in 0..3 {
         let (low, high) = extremes(x);
         let last = x.len() - 1;
-        // The window about sample 0: one and a half of it stand on the first sample, the rest goes ahead.
+        // The window about sample 0: its first half is on the first sample, the rest ahead.
         let mut sum = Sum::default();
         sum.add_times(x[0], half);
         (0..=half.min(last)).for_each(|i| sum.add(x[i]));
@@ -92,7 +92,7 @@ pub fn smooth(x: &mut Vec<f64>, half: usize) {
     }
 }
 
-/// A sum that is carried along: each addition's rounding error is kept, so that it does not drift.
+/// A compensated running sum: it keeps each addition's rounding error and does not drift.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     high: f64,
@@ -141,8 +141,8 @@ mod tests {
     fn a_jump_is_met_half_way() {
         let mut x: Vec<f64> = (0..21).map(|i| if i < 10 { 0.0 } else { 1.0 }).collect();
         let limited = speed(&mut x, 0.25);
-        // The jump stands between samples 9 and 10. The envelopes are 0.25 (i - 9) and 1 - 0.25 (10 - i), each in [0, 1]; all
-        // numbers are exact.
+        // The jump is between samples 9 and 10. The envelopes are 0.25 (i - 9) and 1 - 0.25 (10 - i), each in [0, 1]; all numbers
+        // are exact.
         let wanted =
             |i: usize| 0.5 * ((0.25 * (i as f64 - 9.0)).clamp(0.0, 1.0) + (0.25 * (i as f64 - 6.0)).clamp(0.0, 1.0));
         assert!(x.iter().enumerate().all(|(i, x)| *x == wanted(i)), "{x:?}");
@@ -179,11 +179,11 @@ mod tests {
         assert!(bend(&smoothed) < 0.2 * bend(&x), "{} {}", bend(&smoothed), bend(&x));
         let mut line: Vec<f64> = (0..100).map(f64::from).collect();
         smooth(&mut line, 5);
-        // Away from the ends, where the standing continuation reaches: 3 windows of 5 samples.
+        // Away from the ends, where the constant continuation reaches: 3 windows of 5 samples.
         assert!((15..85).all(|i| (line[i] - i as f64).abs() < 1e-12));
     }
 
-    /// The same sums one by one, long enough for a plain running sum to drift.
+    /// The same sums computed directly, over a stream long enough for a plain running sum to drift.
     #[test]
     fn running_averages_are_the_averages() {
         let shifted: Vec<f64> = noise(20_000).iter().map(|x| 1e3 + x).collect();

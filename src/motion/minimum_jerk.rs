@@ -1,5 +1,5 @@
-//! A parameter that goes over from one value to another without a jump of its rate: the minimum-jerk path of `posture`,
-//! with its integral in closed form.
+//! Minimum-jerk transitions [Flash 1985, equation A9]: the quintic from rest to rest, and parameters that change along it, with
+//! their integral in closed form.
 //!
 //! ```text
 //! p(t) = p0 + (p1 - p0) (10 s^3 - 15 s^4 + 6 s^5),   s = (t - t0) / T
@@ -15,7 +15,7 @@ pub fn minimum_jerk(t: f64, duration: f64) -> (f64, f64) {
     (s * s * s * (10.0 + s * (6.0 * s - 15.0)), 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration)
 }
 
-/// See the module. Times in s.
+/// A parameter that changes to new values without a jump of its rate. Times in s.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SmoothTransition {
     from: f64,
@@ -25,13 +25,13 @@ pub struct SmoothTransition {
 }
 
 impl SmoothTransition {
-    /// A value that stays from `start` on.
+    /// A value that is constant from `start` on.
     pub fn constant(value: f64, start: f64) -> Self {
         SmoothTransition { from: value, to: value, start, duration: 0.0 }
     }
 
-    /// From where it is at `time` to `value` within `duration` seconds (0: at once).
-    pub fn turn(&mut self, value: f64, time: f64, duration: f64) {
+    /// Changes to `value` within `duration` seconds (0: at once), from its value at `time`.
+    pub fn change(&mut self, value: f64, time: f64, duration: f64) {
         *self = SmoothTransition { from: self.value(time), to: value, start: time, duration };
     }
 
@@ -48,7 +48,7 @@ impl SmoothTransition {
         (self.to - self.from) * minimum_jerk(time - self.start, self.duration).1
     }
 
-    /// Integral from the last turn (or the start) to a time behind it.
+    /// Integral from the last change (or the start) to a later time.
     pub fn integral(&self, time: f64) -> f64 {
         let t = time - self.start;
         if t >= self.duration {
@@ -78,20 +78,20 @@ mod tests {
 
     #[test]
     fn rate_and_integral_belong_to_the_value() {
-        let mut glide = SmoothTransition::constant(2.0, 1.0);
-        assert_eq!((glide.value(5.0), glide.rate(5.0), glide.integral(5.0)), (2.0, 0.0, 8.0));
-        glide.turn(-1.0, 5.0, 0.8);
+        let mut transition = SmoothTransition::constant(2.0, 1.0);
+        assert_eq!((transition.value(5.0), transition.rate(5.0), transition.integral(5.0)), (2.0, 0.0, 8.0));
+        transition.change(-1.0, 5.0, 0.8);
         let h = 1e-5;
         for t in [5.1, 5.4, 5.7, 5.9, 7.0] {
-            let slope = (glide.value(t + h) - glide.value(t - h)) / (2.0 * h);
-            let area = (glide.integral(t + h) - glide.integral(t - h)) / (2.0 * h);
+            let slope = (transition.value(t + h) - transition.value(t - h)) / (2.0 * h);
+            let area = (transition.integral(t + h) - transition.integral(t - h)) / (2.0 * h);
             // h^2 / 6 times third derivatives of some 3 * 60 / T^3, and rounding over h.
-            assert!((slope - glide.rate(t)).abs() < 1e-7 && (area - glide.value(t)).abs() < 1e-8, "{t}");
+            assert!((slope - transition.rate(t)).abs() < 1e-7 && (area - transition.value(t)).abs() < 1e-8, "{t}");
         }
-        assert_eq!((glide.value(5.0), glide.value(6.0), glide.integral(5.0)), (2.0, -1.0, 0.0));
-        // Half the way in half the time: the mean of a glide is that of its ends.
-        assert!((glide.integral(5.8) - 0.4).abs() < 1e-15);
-        glide.turn(3.0, 5.4, 0.0);
-        assert_eq!((glide.value(5.4), glide.rate(5.4), glide.integral(6.4)), (3.0, 0.0, 3.0));
+        assert_eq!((transition.value(5.0), transition.value(6.0), transition.integral(5.0)), (2.0, -1.0, 0.0));
+        // Half the change in half the time: the mean of a transition is that of its ends.
+        assert!((transition.integral(5.8) - 0.4).abs() < 1e-15);
+        transition.change(3.0, 5.4, 0.0);
+        assert_eq!((transition.value(5.4), transition.rate(5.4), transition.integral(6.4)), (3.0, 0.0, 3.0));
     }
 }

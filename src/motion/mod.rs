@@ -1,8 +1,10 @@
-//! Joint motions: the files that hold them and the curves through them.
+//! Joint motions: motion files and the curves through their values.
 //!
-//! A [`Motion`] is what a file says: for each name a list of times and values that know where they were written.
-//! [`postures`] and [`columns`] read the files of `playback`, [`bvh`] those of motion capture; [`spline`] joins knots by
-//! curves of least jerk, [`limit`] keeps a stream within a range and a speed. Nothing here knows a robot.
+//! A [`Motion`] is the content of a file: for each name a list of times and values with their spans in the text.
+//! [`postures`] and [`columns`] read the files of `playback`, [`bvh`] those of motion capture. [`spline`] joins knots by
+//! minimum-jerk curves, [`minimum_jerk`] changes parameters smoothly, [`limit`] limits a stream in range and speed.
+//!
+//! Imports text only; independent of robots. Called by task, force, collision, scenario and assemble.
 
 pub mod bvh;
 pub mod columns;
@@ -13,7 +15,7 @@ pub mod spline;
 
 use std::ops::Range;
 
-/// What a file says about how things move.
+/// The content of a motion file.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Motion {
     /// One for each joint or channel, in the order in which the file first names them.
@@ -25,9 +27,9 @@ pub struct Motion {
 pub struct Track {
     /// Its name.
     pub name: String,
-    /// Where the file names it first, bytes.
-    pub place: Range<usize>,
-    /// Values in order of time, at least one; times rise.
+    /// Span of its first mention in the file, bytes.
+    pub span: Range<usize>,
+    /// Values in order of time, at least one; times increase.
     pub knots: Vec<Knot>,
 }
 
@@ -38,29 +40,29 @@ pub struct Knot {
     pub time: f64,
     /// rad, m, or the file's own unit where it says so.
     pub value: f64,
-    /// Where it stands, bytes.
-    pub place: Range<usize>,
+    /// Span in the file, bytes.
+    pub span: Range<usize>,
 }
 
-/// What is wrong with a file, and where.
+/// An error in a motion file, with its span.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[error("{message}")]
-pub struct Fault {
+pub struct MotionError {
     /// Bytes of the text.
-    pub place: Range<usize>,
-    /// What was seen and what is wanted.
+    pub span: Range<usize>,
+    /// What was found and what was expected.
     pub message: String,
-    /// What to do about it.
+    /// How to fix it.
     pub help: Option<String>,
 }
 
-impl Fault {
-    fn new(place: Range<usize>, message: impl Into<String>) -> Self {
-        Fault { place, message: message.into(), help: None }
+impl MotionError {
+    fn new(span: Range<usize>, message: impl Into<String>) -> Self {
+        MotionError { span, message: message.into(), help: None }
     }
 
     fn help(self, help: impl Into<String>) -> Self {
-        Fault { help: Some(help.into()), ..self }
+        MotionError { help: Some(help.into()), ..self }
     }
 }
 
@@ -70,7 +72,7 @@ impl Motion {
         self.tracks.iter().find(|t| t.name == name)
     }
 
-    /// Times of the first and the last value of all; none when there is none.
+    /// Times of the first and the last value of all tracks; none without values.
     pub fn span(&self) -> Option<(f64, f64)> {
         let times = || self.tracks.iter().flat_map(|t| &t.knots).map(|k| k.time);
         Some((times().min_by(f64::total_cmp)?, times().max_by(f64::total_cmp)?))

@@ -6,9 +6,9 @@
 //! joints = { left_knee = "40 deg", right_knee = "40 deg" }
 //! ```
 //!
-//! A joint moves through the postures that name it; others leave it alone.
+//! A joint moves through the postures that name it; the other postures do not affect it.
 
-use super::{Fault, Knot, Motion, Track};
+use super::{Knot, Motion, MotionError, Track};
 use crate::text::angle::Angle;
 use crate::text::toml_syntax::TomlError;
 use serde::Deserialize;
@@ -19,7 +19,7 @@ use toml::Spanned;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    /// For people.
+    /// For readers only.
     #[serde(default, rename = "description")]
     _description: String,
     posture: Vec<Posture>,
@@ -35,45 +35,45 @@ struct Posture {
 /// Reads a motion from the text of a file.
 ///
 /// # Errors
-/// What is not TOML or has other keys than these; numbers that are not finite; a time that is negative or not after the
-/// one before; no posture, or one without joints.
-pub fn read(text: &str) -> Result<Motion, Fault> {
+/// Invalid TOML or unknown keys; numbers that are not finite; a time that is negative or does not increase; no posture, or one
+/// without joints.
+pub fn read(text: &str) -> Result<Motion, MotionError> {
     let file: File = toml::from_str(text).map_err(|error| {
         let TomlError { span: piece, message, help } = TomlError::new(&error, text, true);
         let form = || "a motion is a list of `[[posture]]` with `at` (s) and `joints`".into();
-        Fault::new(piece, message).help(help.unwrap_or_else(form))
+        MotionError::new(piece, message).help(help.unwrap_or_else(form))
     })?;
     let mut motion = Motion::default();
-    // Where the track of a name is.
+    // Index of the track of each name.
     let mut known: HashMap<String, usize> = HashMap::new();
     let mut before: Option<f64> = None;
     for posture in file.posture {
-        let (at, place) = (*posture.at.get_ref(), posture.at.span());
+        let (at, span) = (*posture.at.get_ref(), posture.at.span());
         if !(at >= 0.0 && at.is_finite()) {
-            return Err(Fault::new(place, format!("`at` must be 0 or greater, not {at}")));
+            return Err(MotionError::new(span, format!("`at` must be 0 or greater, not {at}")));
         }
         if let Some(before) = before.filter(|before| at <= *before) {
             let message = format!("`at` must be after the posture before it, at {before} s, not {at}");
-            return Err(Fault::new(place, message));
+            return Err(MotionError::new(span, message));
         }
         before = Some(at);
         if posture.joints.is_empty() {
-            return Err(Fault::new(place, "this posture names no joint"));
+            return Err(MotionError::new(span, "this posture names no joint"));
         }
         for (name, angle) in posture.joints {
             let value = angle.get_ref().value;
-            let (knot, place) = (Knot { time: at, value, place: angle.span() }, name.span());
+            let (knot, span) = (Knot { time: at, value, span: angle.span() }, name.span());
             match known.entry(name.into_inner()) {
                 Entry::Occupied(track) => motion.tracks[*track.get()].knots.push(knot),
                 Entry::Vacant(free) => {
-                    motion.tracks.push(Track { name: free.key().clone(), place, knots: vec![knot] });
+                    motion.tracks.push(Track { name: free.key().clone(), span, knots: vec![knot] });
                     free.insert(motion.tracks.len() - 1);
                 }
             }
         }
     }
     if motion.tracks.is_empty() {
-        return Err(Fault::new(0..0, "there is no posture"));
+        return Err(MotionError::new(0..0, "there is no posture"));
     }
     Ok(motion)
 }
@@ -91,12 +91,12 @@ mod tests {
             |name: &str| motion.track(name).unwrap().knots.iter().map(|k| (k.time, k.value)).collect::<Vec<_>>();
         assert_eq!(knots("a"), [(0.0, 1.0)]);
         assert_eq!(knots("b"), [(0.0, std::f64::consts::FRAC_PI_2), (0.5, 0.25)]);
-        assert_eq!(&text[motion.track("b").unwrap().knots[1].place.clone()], "0.25");
+        assert_eq!(&text[motion.track("b").unwrap().knots[1].span.clone()], "0.25");
         assert_eq!(motion.span(), Some((0.0, 0.5)));
     }
 
     #[test]
-    fn what_is_wrong_is_told_at_its_place() {
+    fn errors_carry_their_span() {
         let cases = [
             ("posture = []", "", "there is no posture"),
             ("[[posture]]\nat = -1\njoints = { a = 1 }", "-1", "0 or greater, not -1"),
@@ -116,10 +116,10 @@ mod tests {
             ("[[posture]]\nat = 1\njoint = { a = 1 }", "joint", "unknown field `joint`"),
             ("[[posture]]\nat = \n", "", ""),
         ];
-        for (text, place, words) in cases {
-            let fault = read(text).unwrap_err();
-            assert!(fault.message.contains(words), "{text}: {fault}");
-            assert_eq!(text.get(fault.place.clone()).unwrap_or("?").trim(), place, "{text}: {fault}");
+        for (text, span, words) in cases {
+            let error = read(text).unwrap_err();
+            assert!(error.message.contains(words), "{text}: {error}");
+            assert_eq!(text.get(error.span.clone()).unwrap_or("?").trim(), span, "{text}: {error}");
         }
     }
 }

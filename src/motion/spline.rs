@@ -1,13 +1,12 @@
-//! Curves of least jerk through knots.
+//! Minimum-jerk curves through knots.
 //!
 //! ```text
 //! q(t_i) = q_i,    integral of q'''(t)^2 dt least
 //! ```
 //!
 //! The minimiser is a quintic between knots with four continuous derivatives everywhere (its first variation leaves
-//! `q^(6) = 0` between knots and continuous q''' and q'''' at them). Source: de Boor, On uniform approximation by splines,
-//! J. Approximation Theory 1 (1968), for natural splines of any order; the two-knot case is the path of Flash and Hogan,
-//! J. Neuroscience 5 (1985).
+//! `q^(6) = 0` between knots and continuous q''' and q'''' at them). Sources: [de Boor 1968], for natural splines of any order;
+//! the two-knot case is the path of [Flash 1985].
 //!
 //! Unknown are the velocities v_i and accelerations a_i at the knots. On an interval of length h, with
 //! `u = (q0, h v0, h^2 a0, q1, h v1, h^2 a1)`, the integral is `u^T K u / h^5` with the matrix K below, so the sum over all
@@ -16,14 +15,14 @@
 
 use nalgebra::{Matrix2, Matrix2x3, Vector2};
 
-/// What holds at the first and the last knot.
+/// Conditions at the first and the last knot.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Ends {
     /// Nothing is imposed: q''' and q'''' vanish there. Through two knots alone: the straight line.
     Natural,
     /// No velocity and no acceleration.
     Clamped,
-    /// The last knot is the first one again: all derivatives up to the fourth agree. The values must be equal.
+    /// The last knot equals the first: all derivatives up to the fourth agree. The values must be equal.
     Periodic,
 }
 
@@ -65,7 +64,7 @@ pub enum SplineError {
     },
 }
 
-/// A curve. Before its first knot it stands at its first value, behind its last one at its last.
+/// A curve. Before its first knot it has its first value, after its last knot its last value, at rest.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Spline {
     times: Vec<f64>,
@@ -122,7 +121,7 @@ impl Spline {
         (self.times[0], self.times[self.times.len() - 1])
     }
 
-    /// The point at time `t`. `cursor` (0 at first) remembers the interval, so that going forward is quick.
+    /// The point at time `t`. `cursor` (0 at first) remembers the interval, so that moving forward is fast.
     pub fn at(&self, t: f64, cursor: &mut usize) -> TrajectoryPoint {
         let last = self.times.len() - 1;
         if t < self.times[0] || last == 0 {
@@ -141,7 +140,7 @@ impl Spline {
         quintic(&self.knots[i], &self.knots[i + 1], self.times[i + 1] - self.times[i], t - self.times[i])
     }
 
-    /// Where the curve is least and where greatest: time and value of each.
+    /// Time and value of the least and of the greatest value of the curve.
     pub fn extremes(&self) -> [(f64, f64); 2] {
         const PARTS: usize = 16;
         let first = (self.times[0], self.knots[0].q);
@@ -187,11 +186,11 @@ pub fn quintic(from: &TrajectoryPoint, to: &TrajectoryPoint, h: f64, t: f64) -> 
     }
 }
 
-/// `lower_i x_(i-1) + diagonal_i x_i + lower_(i+1)^T x_(i+1) = right_i`; the third column on the right is the knots' own, the
-/// other two are used for what closes a circle.
+/// `lower_i x_(i-1) + diagonal_i x_i + lower_(i+1)^T x_(i+1) = right_i`; the third column on the right is that of the knots, the
+/// other two serve to close a periodic curve.
 struct System {
     diagonal: Vec<Matrix2<f64>>,
-    /// Coupling of `i` (rows) to `i - 1`; that of the first is not used.
+    /// Coupling of `i` (rows) to `i - 1`; the first is unused.
     lower: Vec<Matrix2<f64>>,
     right: Vec<Matrix2x3<f64>>,
 }
@@ -227,7 +226,7 @@ impl System {
         System { diagonal, lower, right }
     }
 
-    /// The equations and unknowns in a range, those outside being zero.
+    /// The equations and unknowns in a range, with the others set to zero.
     fn part(&self, range: std::ops::Range<usize>) -> System {
         System {
             diagonal: self.diagonal[range.clone()].to_vec(),
@@ -260,18 +259,18 @@ impl System {
     }
 }
 
-/// Of a positive definite matrix.
+/// Inverse of a positive definite matrix.
 fn inverse(m: &Matrix2<f64>) -> Matrix2<f64> {
     Matrix2::new(m.m22, -m.m12, -m.m21, m.m11) / (m.m11 * m.m22 - m.m12 * m.m21)
 }
 
-/// The first knot is the last one: its unknowns stand in both, and are found last.
+/// Periodic curve: the first knot equals the last one; its unknowns are eliminated last.
 fn periodic(times: &[f64], values: &[f64]) -> Vec<Vector2<f64>> {
     let n = times.len();
     let all = System::new(times, values);
     let mut inner = all.part(1..n - 1);
     let last = n - 3;
-    // What the first knot's unknowns contribute to the others' equations, per unit.
+    // Contribution of the first knot's unknowns to the other equations, per unit.
     for (i, coupling) in [(0, all.lower[1]), (last, all.lower[n - 1].transpose())] {
         for c in 0..2 {
             let sum = inner.right[i].column(c) - coupling.column(c);

@@ -1,4 +1,4 @@
-//! Values that go to scripts and come back from them.
+//! Conversion of values to and from scripts.
 
 use super::Params;
 use crate::robot::{LinkId, Model};
@@ -6,14 +6,14 @@ use mlua::{Lua, Table, Value};
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::collections::HashMap;
 
-/// Something that a force model does to the robot.
+/// A force or effort returned by a force model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ForceEntry {
     /// A force (N) at a point in the link's internal frame (m) and a moment (N m).
     Wrench {
         /// The link.
         link: LinkId,
-        /// Where the force acts.
+        /// Point of action.
         point: Vector3<f64>,
         /// In world axes, or in those of `frame`.
         force: Vector3<f64>,
@@ -39,7 +39,7 @@ pub struct RobotNames {
 }
 
 impl RobotNames {
-    /// Those of a robot.
+    /// The names of a robot.
     pub fn new(model: &Model) -> Self {
         RobotNames {
             joints: model.joints.iter().enumerate().map(|(i, j)| (j.name.clone(), i)).collect(),
@@ -59,7 +59,7 @@ impl RobotNames {
     }
 }
 
-/// The values of a scenario as a table: dates are their text.
+/// A table of a scenario as a Luau table; dates become strings.
 pub(super) fn params(lua: &Lua, params: &Params) -> mlua::Result<Table> {
     let table = lua.create_table()?;
     for (key, value) in params {
@@ -86,7 +86,7 @@ fn plain(lua: &Lua, value: &toml::Value) -> mlua::Result<Value> {
     })
 }
 
-/// A value in the words of an error.
+/// A value as shown in error messages.
 pub(super) fn shown(value: &Value) -> String {
     match value {
         Value::String(text) => format!("{:?}", text.to_string_lossy()),

@@ -1,6 +1,6 @@
-//! What a script reads of the robot: which numbers, under which names, and where they come from.
+//! The fields that a script reads of the robot: their names, layout and source.
 //!
-//! A new part is a line in [`of_tasks`], with the word that requested_data for it.
+//! A new part is a line in [`of_tasks`] and its name in [`PARTS`].
 
 use crate::dynamics::{State, Workspace, body, jacobian};
 use crate::robot::{LinkId, Model};
@@ -17,39 +17,39 @@ pub struct View<'a> {
     pub gravity: Vector3<f64>,
     /// Positions and velocities: for tasks as estimated.
     pub state: &'a State,
-    /// Kinematics at that state; for tasks only if one of the parts that rest on it is asked for.
+    /// Kinematics at that state; for tasks only if a requested part depends on it.
     pub kinematics: &'a Workspace,
-    /// What tasks see besides.
+    /// Additional data of tasks.
     pub task: Option<TaskView<'a>>,
 }
 
-/// What tasks see besides the state.
+/// Data that only tasks read.
 pub struct TaskView<'a> {
-    /// What the sensors say.
+    /// Sensor readings.
     pub sensed: &'a Sensed,
-    /// What was computed.
+    /// Augmented data.
     pub data: &'a Augmented,
-    /// What the joints are asked.
+    /// Present joint commands.
     pub command: &'a Command,
 }
 
-/// How numbers are laid out in a script's tables.
+/// Layout of numbers in a script's tables.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Shape {
     /// One number.
     Number,
     /// `{ .. }` of this length.
     List(usize),
-    /// So many rows `{ .. }` of so many numbers.
+    /// This many rows of this many numbers.
     Matrix(usize, usize),
     /// A list, or nil.
     Optional(usize),
-    /// At most so many rows of so many numbers.
+    /// At most this many rows of this many numbers.
     Rows(usize, usize),
 }
 
 impl Shape {
-    /// Numbers in the buffer; the last two begin with how many lists or rows there are.
+    /// Numbers in the buffer; the last two shapes begin with the count of lists or rows.
     pub fn size(self) -> usize {
         match self {
             Shape::Number => 1,
@@ -63,11 +63,11 @@ impl Shape {
 
 type Read = Box<dyn Fn(&View, &mut [f64]) + Send>;
 
-/// A place in the table `robot` and where its numbers come from.
+/// An entry of the table `robot` and the source of its numbers.
 pub struct Field {
-    /// Keys that lead there.
+    /// Path of keys.
     pub path: Vec<String>,
-    /// What stands there.
+    /// Layout.
     pub shape: Shape,
     /// Fills its numbers, row by row.
     pub read: Read,
@@ -81,7 +81,7 @@ fn vector<const N: usize>(path: [&str; N], read: impl Fn(&View) -> Vector3<f64> 
     field(path, Shape::List(3), move |view, out| out.copy_from_slice(read(view).as_slice()))
 }
 
-/// The words with which a script requested_data for parts, and what they mean to the task server.
+/// Names of the parts that a script can request, with the task server's flags.
 pub const PARTS: [(&str, Needs); 15] = [
     ("com", Needs::COM),
     ("com_jacobian", Needs::COM_JACOBIAN),
@@ -100,7 +100,7 @@ pub const PARTS: [(&str, Needs); 15] = [
     ("stable_point", Needs::STABLE_POINT),
 ];
 
-/// Every script has these.
+/// Fields of every script.
 pub fn of_all(model: &Model) -> Vec<Field> {
     let nb = model.nb();
     let base = move |view: &View, from: usize| match nb {
@@ -137,7 +137,7 @@ pub fn of_link(name: &str, link: LinkId, frame: Isometry3<f64>) -> Vec<Field> {
     ]
 }
 
-/// The centre of mass from the kinematics at hand.
+/// The centre of mass from the present kinematics.
 pub fn of_mass() -> Vec<Field> {
     vec![
         vector(["com"], |view| body::center_of_mass(view.kinematics)),
@@ -153,7 +153,7 @@ fn of_data<const N: usize>(path: [&str; N], shape: Shape, read: fn(&Augmented, &
     })
 }
 
-/// What tasks see at all times: the sensors and what the joints are asked.
+/// Fields of every task: sensors and joint commands.
 pub fn of_sensors(model: &Model) -> Vec<Field> {
     let joints = Shape::List(model.nj());
     let sensed = |path: [&str; 2], read: fn(&Sensed) -> Vector3<f64>| {
@@ -182,7 +182,7 @@ pub fn of_sensors(model: &Model) -> Vec<Field> {
     ]
 }
 
-/// The parts that a task has asked for.
+/// Fields of the parts that a task has requested.
 pub fn of_tasks(model: &Model, needs: Needs) -> Vec<Field> {
     let (nv, nj) = (model.nv(), model.nj());
     let vertices: usize = model.soles.iter().map(|s| s.vertices.len()).sum();
@@ -236,10 +236,10 @@ pub fn of_tasks(model: &Model, needs: Needs) -> Vec<Field> {
     fields
 }
 
-/// Fills a field from what a task is given.
+/// Fills a field from the data of a task.
 type ReadTask = dyn Fn(&TaskView, &mut [f64]) + Send;
 
-/// What there is to know of sole `s`, by part.
+/// Fields of sole `s`, by part.
 fn of_sole(model: &Model, s: usize) -> Vec<(Needs, Field)> {
     let (nv, sole) = (model.nv(), &model.soles[s]);
     let (name, k) = (sole.name.as_str(), sole.vertices.len());
@@ -317,7 +317,7 @@ fn turned(rows: usize, columns: &[f64], out: &mut [f64]) {
     columns.iter().enumerate().for_each(|(i, x)| out[i % rows * n + i / rows] = *x);
 }
 
-/// How many rows of `width` there are, then the rows; as many as fit.
+/// The number of rows of `width`, then the rows; rows that do not fit are dropped.
 fn counted(width: usize, rows: impl Iterator<Item = impl IntoIterator<Item = f64>>, out: &mut [f64]) {
     let (count, places) = out.split_at_mut(1);
     count[0] = 0.0;

@@ -1,4 +1,4 @@
-//! Ending scripts from outside: a flag that every script loaded on this thread looks at while it runs.
+//! Interruption of scripts: a flag that every script loaded on this thread polls while it runs.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -8,9 +8,9 @@ thread_local! {
     static FLAG: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
 }
 
-/// Does `body`; the scripts that it loads end with an error once `flag` is raised.
+/// Runs `body`; the scripts that it loads end with an error once `flag` is set.
 pub fn interruptible<R>(flag: Arc<AtomicBool>, body: impl FnOnce() -> R) -> R {
-    /// Puts back what was there, however the body ends.
+    /// Restores the previous flag however the body ends.
     struct Before(Option<Arc<AtomicBool>>);
     impl Drop for Before {
         fn drop(&mut self) {

@@ -1,9 +1,11 @@
-//! Scripts in Luau: tasks and force models as files beside a scenario.
+//! Scripts in Luau: tasks and force models in files of their own.
 //!
-//! A script has an interpreter of its own in each run ([`sandbox`]). Before each call the numbers that it reads
-//! ([`fields`]) are written into a buffer, which a few lines of our own on its side (`prelude.luau`) unpack into the table
-//! `robot`; what joints are asked comes back through another. Everything that can go wrong is a [`ScriptError`] with file,
-//! line and words.
+//! Each script of each run has its own interpreter ([`sandbox`]). Before a call the numbers that it reads ([`fields`]) are
+//! written to a buffer, which `prelude.luau` unpacks into the table `robot`; joint commands return through another buffer.
+//! Every failure is a [`ScriptError`] with file, line and message. [`script_task`] and [`script_force`] implement the traits of
+//! tasks and force models.
+//!
+//! Imports task, force, robot, dynamics, random and text. Called by assemble, console and batch (interruption).
 
 mod convert;
 pub mod fields;
@@ -29,7 +31,7 @@ use sandbox::Sandbox;
 use std::collections::HashSet;
 use std::sync::Mutex;
 
-/// Words for the modes of drives; their places here are their numbers in the buffer.
+/// Names of the drive modes; their indices are the numbers in the buffer.
 const MODES: [(&str, DriveMode); 5] = [
     ("position", DriveMode::Position),
     ("velocity", DriveMode::Velocity),
@@ -41,16 +43,16 @@ const MODES: [(&str, DriveMode); 5] = [
 /// Values given to a script by the scenario.
 pub type Params = toml::Table;
 
-/// What a script is for.
+/// Kind of a script.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Purpose {
     /// It commands joints.
     Task,
-    /// It answers forces.
+    /// It returns forces.
     Force,
 }
 
-/// A script that is ready to be called.
+/// A loaded script, ready to be called.
 pub struct Script {
     sandbox: Sandbox,
     file: String,
@@ -69,13 +71,13 @@ pub struct Script {
     run: Function,
     change: Option<Function>,
     needs: Needs,
-    /// Tables that `refill` writes to and nobody else.
+    /// Tables that only `refill` writes.
     filled: Vec<Table>,
-    /// Tables that stand still between corners.
+    /// Tables that are read-only between corners.
     locked: Vec<Table>,
 }
 
-/// How far through its life a script is: what it may do.
+/// Stage of a call, which decides what the script may do.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stage {
     Prepare,
@@ -83,10 +85,10 @@ enum Stage {
 }
 
 impl Script {
-    /// Loads a script called `file` and runs its text once, up to the end of its definitions.
+    /// Loads a script called `file` and runs its top level once.
     ///
     /// # Errors
-    /// What the text does wrong; a missing `run`; parts or links it requested_data for that there are not.
+    /// Errors of the text; a missing `run`; unknown parts or links in its lists.
     pub fn load(file: &str, text: &str, purpose: Purpose, model: &Model, stream: Stream) -> Result<Self, ScriptError> {
         let sandbox = Sandbox::new(file)?;
         let wrong = |e: mlua::Error| ScriptError::read(file, &e);
@@ -121,7 +123,7 @@ impl Script {
             )),
         };
         let run = function("run")?.ok_or_else(|| ScriptError::new(file, None, "there is no function `run`"))?;
-        let filled = close(&inside).map_err(wrong)?;
+        let filled = lock_robot(&inside).map_err(wrong)?;
         let mut script = Script {
             init: function("init")?,
             change: function("change")?,
@@ -152,23 +154,23 @@ impl Script {
         self.needs
     }
 
-    /// The points it shows: those of its list `points`.
+    /// The points of interest of its list `points`.
     pub fn points(&self) -> &[PointOfInterest] {
         &self.points
     }
 
-    /// Does it have a function `change`?
+    /// True if it has a function `change`.
     pub fn can_change(&self) -> bool {
         self.change.is_some()
     }
 
-    /// Calls `init`, if there is one. True: it wants to be run.
+    /// Calls `init`, if there is one. True: the script continues.
     pub fn init(&mut self, view: &View, params: &Params) -> Result<bool, ScriptError> {
         let function = self.init.clone();
         self.prepare(view, function, params)
     }
 
-    /// Calls `change`, if there is one. True: it wants to be run.
+    /// Calls `change`, if there is one. True: the script continues.
     pub fn change(&mut self, view: &View, params: &Params) -> Result<bool, ScriptError> {
         let function = self.change.clone();
         self.prepare(view, function, params)
@@ -184,7 +186,7 @@ impl Script {
         self.continues(&function, answer)
     }
 
-    /// Calls `run` of a task, which may change `command`. True: it wants to be run again.
+    /// Calls `run` of a task, which may change `command`. True: the script continues.
     pub fn drive(&mut self, view: &View, command: &mut Command) -> Result<bool, ScriptError> {
         self.show(view, Stage::Run)?;
         let answer: Value = self.sandbox.call(&self.run, self.robot.clone())?;
@@ -193,21 +195,21 @@ impl Script {
         self.continues(&self.run, answer)
     }
 
-    /// Calls `run` of a force model: what acts, in `effects`.
+    /// Calls `run` of a force model; appends its forces to `effects`.
     pub fn effects(
         &mut self,
         view: &View,
-        named: &RobotNames,
+        names: &RobotNames,
         effects: &mut Vec<ForceEntry>,
     ) -> Result<(), ScriptError> {
         effects.clear();
         self.show(view, Stage::Run)?;
         let answer: Value = self.sandbox.call(&self.run, self.robot.clone())?;
-        convert::read_forces(answer, named, effects).map_err(|e| self.of(&self.run, e.to_string()))
+        convert::read_forces(answer, names, effects).map_err(|e| self.return_error(&self.run, e.to_string()))
     }
 
-    /// An error in what a function answered: at its first line.
-    fn of(&self, function: &Function, message: String) -> ScriptError {
+    /// An error in the return value of a function, at the function's first line.
+    fn return_error(&self, function: &Function, message: String) -> ScriptError {
         ScriptError::new(&self.file, function.info().line_defined, message)
     }
 
@@ -218,15 +220,15 @@ impl Script {
             Value::String(word) if word.as_bytes() == b"done" => Ok(false),
             other => {
                 let message = format!(
-                    "it must return nothing or true to go on, \"done\" or false to end, not {}",
+                    "it must return nothing or true to continue, \"done\" or false to end, not {}",
                     convert::shown(other)
                 );
-                Err(self.of(function, message))
+                Err(self.return_error(function, message))
             }
         }
     }
 
-    /// Forces are functions of time and state: between corners their globals stand still, and all tables in them.
+    /// Forces are functions of time and state: between corners globals and all tables in them are read-only.
     fn lock_globals(&mut self) {
         if self.purpose == Purpose::Force {
             self.locked = reachable_tables([self.sandbox.lua.globals()]);
@@ -235,7 +237,7 @@ impl Script {
         }
     }
 
-    /// Brings the table `robot` up to date.
+    /// Updates the table `robot`.
     fn show(&mut self, view: &View, stage: Stage) -> Result<(), ScriptError> {
         let mut rest = &mut self.numbers[..];
         for field in &self.fields {
@@ -257,7 +259,7 @@ impl Script {
         Ok(())
     }
 
-    /// Lays what joints are asked into the buffer, row after row.
+    /// Writes the joint commands to the buffer, row after row.
     fn write(&mut self, c: &Command) {
         let mode = |m: &DriveMode| MODES.iter().position(|(_, mode)| mode == m).unwrap_or(0) as f64;
         let rows = [&c.position, &c.velocity, &c.effort, &c.kp, &c.kd].into_iter().flatten().copied();
@@ -276,7 +278,7 @@ impl Script {
         }
     }
 
-    /// Where its points are: four numbers each, the first of them 1 if it is anywhere.
+    /// Reads the points: four numbers each, the first of them 1 while the point is shown.
     fn read_points(&mut self) {
         for (k, point) in self.points.iter_mut().enumerate() {
             let at = |i: usize| f64::from_le_bytes(self.shown.read_bytes(8 * (4 * k + i)));
@@ -285,7 +287,7 @@ impl Script {
     }
 }
 
-/// The points that a task shows, by its list `points`; nowhere yet.
+/// The points of a task, by its list `points`; none is shown yet.
 fn points(sandbox: &Sandbox, file: &str, purpose: Purpose) -> Result<Vec<PointOfInterest>, ScriptError> {
     let names = string_list(sandbox, file, "points")?;
     if purpose == Purpose::Force && !names.is_empty() {
@@ -297,8 +299,8 @@ fn points(sandbox: &Sandbox, file: &str, purpose: Purpose) -> Result<Vec<PointOf
     Ok(names.into_iter().map(|name| PointOfInterest { name, position: None }).collect())
 }
 
-/// The parts of the augmented data and all numbers that a script reads: those that every script has, and what it requested_data for
-/// in its lists `needs` and `links`.
+/// The requested parts of the augmented data and the fields that a script reads: the fields of every script, and those of
+/// its lists `needs` and `links`.
 fn requested_data(
     sandbox: &Sandbox,
     file: &str,
@@ -334,10 +336,10 @@ fn requested_data(
     Ok((needs, fields))
 }
 
-/// A global list of words; none is an empty one.
+/// A global list of strings; nil is an empty one.
 fn string_list(sandbox: &Sandbox, file: &str, list: &str) -> Result<Vec<String>, ScriptError> {
     let value: Value = sandbox.lua.globals().get(list).map_err(|e| sandbox.error(&e))?;
-    let shape = || ScriptError::new(file, None, format!("`{list}` must be a list of words"));
+    let shape = || ScriptError::new(file, None, format!("`{list}` must be a list of strings"));
     match value {
         Value::Nil => Ok(Vec::new()),
         Value::Table(table) => table.sequence_values().collect::<Result<_, _>>().map_err(|_| shape()),
@@ -345,7 +347,7 @@ fn string_list(sandbox: &Sandbox, file: &str, list: &str) -> Result<Vec<String>,
     }
 }
 
-/// Tables that can be reached from these, themselves included.
+/// All tables reachable from `from`, themselves included.
 fn reachable_tables(from: impl IntoIterator<Item = Table>) -> Vec<Table> {
     let (mut found, mut seen) = (Vec::new(), HashSet::new());
     let mut ahead: Vec<Table> = from.into_iter().collect();
@@ -360,9 +362,9 @@ fn reachable_tables(from: impl IntoIterator<Item = Table>) -> Vec<Table> {
     found
 }
 
-/// Closes the table `robot` to the script; returns what has to be opened to fill it. The lists of what joints are asked stay
-/// open to the functions that command joints.
-fn close(inside: &Table) -> mlua::Result<Vec<Table>> {
+/// Makes the table `robot` read-only to the script; returns the tables to unlock for an update. The lists of desired values
+/// stay writable for the functions that command joints.
+fn lock_robot(inside: &Table) -> mlua::Result<Vec<Table>> {
     let robot: Table = inside.get("robot")?;
     let desired: Option<Table> = robot.get("desired")?;
     let lists = desired.iter().flat_map(|d| d.pairs::<Value, Table>().flatten());
@@ -382,7 +384,7 @@ fn pack(numbers: &[f64], bytes: &mut [u8]) {
     bytes.chunks_exact_mut(8).zip(numbers).for_each(|(place, x)| place.copy_from_slice(&x.to_le_bytes()));
 }
 
-/// Tells the script's side where what lies.
+/// Describes the layout of the buffers to `prelude.luau`.
 fn layout(
     sandbox: &Sandbox,
     fields: &[Field],
@@ -416,7 +418,7 @@ fn layout(
     Ok(layout)
 }
 
-/// All link names, welded ones included, with where they are.
+/// All link names, welded ones included, with their links and frames.
 pub fn links(model: &Model) -> impl Iterator<Item = (&str, LinkId, Isometry3<f64>)> {
     model.links.iter().enumerate().flat_map(|(i, l)| {
         let own = (l.name.as_str(), LinkId(i), l.urdf_frame);

@@ -1,9 +1,8 @@
-//! An interpreter of its own for each script of each run, from which nothing of the machine can be reached.
+//! An isolated interpreter for each script of each run.
 //!
-//! There are no files, no network, no clock, no other modules and no code made from strings. Memory is limited, and so
-//! is what one call may do: the interpreter requested_data at every call and every turn of a loop whether to go on, and what is
-//! counted is these questions, not time, so that a run ends at the same place everywhere. Library functions that go through
-//! long data count by its size (`counted.luau`), and so does memory as it is allocated.
+//! There are no files, no network, no clock, no other modules and no code made from strings. Memory is limited, and so is the
+//! work of one call: the interpreter counts calls and loop iterations, not time, so that a run ends at the same point on every
+//! machine. Library functions that process long data count by its size (`counted.luau`), and so does allocated memory.
 
 use super::interruption;
 use super::script_error::ScriptError;
@@ -13,12 +12,12 @@ use mlua::{FromLuaMulti, Function, IntoLuaMulti, Lua, LuaOptions, StdLib, VmStat
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
-/// Memory that one script may keep, bytes; while it is called it may use twice as much, garbage included.
+/// Memory that a script may keep, bytes; during a call it may use twice as much, garbage included.
 pub const MEMORY: usize = 64 << 20;
-/// Calls and turns of loops within one call of a script.
+/// Limit on calls and loop iterations within one call of a script.
 pub const BUDGET: u64 = 1_000_000;
 
-/// Functions of the base library that lead outside, make code or depend on the machine.
+/// Functions of the base library that reach outside, create code or depend on the machine.
 const CLOSED: [&str; 11] = [
     "require",
     "loadstring",
@@ -33,18 +32,18 @@ const CLOSED: [&str; 11] = [
     "print",
 ];
 
-/// Bytes that a library function goes through, or that are allocated, which count as one call.
+/// Bytes processed by a library function, or allocated, that count as one call.
 pub const BYTES: u64 = 512;
 /// Bytes of text for which a step of a pattern counts once more.
 const LONG: u64 = 1024;
 
-/// How much the call going on has used.
+/// Work done by the current call.
 #[derive(Default)]
 struct Meter {
     used: AtomicU64,
-    /// How often a question counts.
+    /// Count of one interrupt.
     weight: AtomicU64,
-    /// Memory at the last question, and what was left when garbage was collected last, bytes.
+    /// Memory at the last interrupt, and memory left by the last garbage collection, bytes.
     memory: AtomicUsize,
     live: AtomicUsize,
     exceeded: AtomicBool,
@@ -59,20 +58,20 @@ impl Meter {
         self.exceeded.store(false, Ordering::Relaxed);
     }
 
-    /// Counts; are there any left?
+    /// Counts; false once the budget is used up.
     fn spend(&self, units: u64) -> bool {
         self.used.fetch_add(units, Ordering::Relaxed).saturating_add(units) <= BUDGET
     }
 
-    /// The error of one who has used it up.
+    /// The error of a call whose budget is used up.
     fn exceed(&self, lua: &Lua, file: &str) -> mlua::Error {
         self.exceeded.store(true, Ordering::Relaxed);
-        let message = format!("more than {BUDGET} calls and turns of loops in one call: does it ever end?");
+        let message = format!("more than {BUDGET} calls and loop iterations in one call: is there an endless loop?");
         mlua::Error::RuntimeError(ScriptError::new(file, line_in(lua, file), message).to_string())
     }
 }
 
-/// See the module.
+/// Interpreter with its limits.
 pub(super) struct Sandbox {
     pub lua: Lua,
     meter: Arc<Meter>,
@@ -105,7 +104,7 @@ impl Sandbox {
         chunk.call(arguments).map_err(|e| self.error(&e))
     }
 
-    /// Closes the libraries to changes and sets the limits.
+    /// Makes the libraries read-only and sets the limits.
     pub fn close(&self) -> Result<(), ScriptError> {
         self.count().map_err(|e| self.error(&e))?;
         let (meter, file, stop) = (self.meter.clone(), self.file.clone(), interruption::flag());
@@ -117,7 +116,7 @@ impl Sandbox {
             }
             let mut memory = lua.used_memory();
             if memory > MEMORY && memory > meter.live.load(Ordering::Relaxed) / 2 * 3 {
-                // Some functions of the libraries make garbage faster than it is collected by itself.
+                // Some library functions produce garbage faster than it is collected by default.
                 lua.gc_collect()?;
                 memory = lua.used_memory();
                 meter.live.store(memory, Ordering::Relaxed);
@@ -131,10 +130,10 @@ impl Sandbox {
         Ok(())
     }
 
-    /// Lets library functions count.
+    /// Makes library functions count their work.
     fn count(&self) -> mlua::Result<()> {
         let (meter, file) = (self.meter.clone(), self.file.clone());
-        // Sizes are what a script says, so any number.
+        // Sizes come from the script and can be any number.
         let charge = self.lua.create_function(move |lua, bytes: f64| {
             if meter.spend((bytes / BYTES as f64) as u64) { Ok(()) } else { Err(meter.exceed(lua, &file)) }
         })?;
@@ -148,10 +147,10 @@ impl Sandbox {
         self.lua.globals().set("tonumber", tonumber)
     }
 
-    /// Runs the script's own text.
+    /// Runs the top level of the script.
     pub fn load(&self, text: &str) -> Result<(), ScriptError> {
         let chunk = self.lua.load(text).set_name(format!("={}", self.file)).set_mode(ChunkMode::Text);
-        // Else the compiler knows short cuts to these, past what counts.
+        // Without this the compiler inlines these functions, past the counting.
         let function = chunk.set_compiler(Compiler::new().set_mutable_globals(["string", "tonumber"]));
         let function = function.into_function().map_err(|e| self.error(&e))?;
         self.call(&function, ())
@@ -159,7 +158,7 @@ impl Sandbox {
 
     /// Calls a function of the script within its budget.
     pub fn call<R: FromLuaMulti>(&self, function: &Function, arguments: impl IntoLuaMulti) -> Result<R, ScriptError> {
-        // Garbage is no reason to refuse anything.
+        // Garbage does not count against the limit.
         if self.lua.used_memory() > MEMORY / 2 {
             self.collect()?;
         }
@@ -171,10 +170,10 @@ impl Sandbox {
                 return Err(ScriptError::new(&self.file, function.info().line_defined, out_of_memory()));
             }
         }
-        // The script may have caught the interruption: that does not help it.
+        // A script that has caught the interruption still fails.
         match result {
             Ok(_) if self.meter.exceeded.load(Ordering::Relaxed) => {
-                let message = format!("more than {BUDGET} calls and turns of loops in one call");
+                let message = format!("more than {BUDGET} calls and loop iterations in one call");
                 Err(ScriptError::new(&self.file, function.info().line_defined, message))
             }
             result => result,
@@ -182,7 +181,7 @@ impl Sandbox {
     }
 
     fn collect(&self) -> Result<(), ScriptError> {
-        // The first cycle may be one that had begun before.
+        // The first cycle may have begun before this call.
         self.lua.gc_collect().and_then(|()| self.lua.gc_collect()).map_err(|e| self.error(&e))
     }
 
@@ -191,7 +190,7 @@ impl Sandbox {
     }
 }
 
-/// The line of the script that is being run.
+/// The line of the script that is running.
 fn line_in(lua: &Lua, file: &str) -> Option<usize> {
     let line = |level| {
         let of_script = |d: &mlua::debug::Debug| {

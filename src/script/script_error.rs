@@ -1,13 +1,13 @@
-//! What went wrong in a script, with its place.
+//! Errors of scripts, with file and line.
 
 use std::fmt;
 
-/// File, line if it is known, and words. Shown as `file:line: words`.
+/// File, line if known, and message. Shown as `file:line: message`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct ScriptError {
     /// The script as the scenario names it.
     pub file: String,
-    /// Line, from 1.
+    /// Line, counted from 1.
     pub line: Option<usize>,
     /// What is wrong.
     pub message: String,
@@ -28,7 +28,7 @@ impl ScriptError {
         ScriptError { file: file.to_owned(), line, message: message.into() }
     }
 
-    /// What the interpreter says of a script it knows as `file`: a message that begins with its place, then a traceback.
+    /// Reads an error of the interpreter in the script `file`: a message that begins with its location, then a traceback.
     pub(super) fn read(file: &str, error: &mlua::Error) -> Self {
         let whole = match error {
             mlua::Error::CallbackError { cause, .. } => return Self::read(file, cause),
@@ -38,7 +38,7 @@ impl ScriptError {
         };
         let (text, trace) = whole.split_once("\nstack traceback:").unwrap_or((&whole, ""));
         let text = text.trim_end();
-        // Where the script was, for what a function of the libraries says without a place, or at one of ours.
+        // The script's line in the traceback, for messages of library functions and of the prelude.
         let called = |line: &str| {
             let digits =
                 line.trim().strip_prefix(file)?.strip_prefix(':')?.split(|c: char| !c.is_ascii_digit()).next()?;

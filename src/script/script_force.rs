@@ -1,8 +1,8 @@
 //! `script`: a force model written in Luau; see [`crate::script`].
 //!
-//! The integrator requested_data for forces at any time and state, before and after those it asked for last, and takes steps back.
-//! So between corners the answer has to be a function of both alone: globals of the script stand still, no random numbers
-//! are to be had, and after the start and every corner the first question is asked twice and the answers compared.
+//! The integrator evaluates forces at any time and state, in any order, and takes steps back. Between corners the result must
+//! therefore be a function of both alone: globals of the script are read-only and random numbers are not available. After the
+//! start and after every corner the first evaluation is made twice and the results compared.
 
 use super::fields::View;
 use super::{ForceEntry, Params, RobotNames, Script, ScriptError};
@@ -10,68 +10,68 @@ use crate::force::profile::Profile;
 use crate::force::{AppliedForces, Force, ForceContext, ForceError, ReportEvent};
 use nalgebra::Vector3;
 
-/// See the module.
+/// Force model of a script.
 pub struct ScriptForce {
     name: String,
     script: Script,
-    named: RobotNames,
+    names: RobotNames,
     span: Profile,
     corners: Vec<f64>,
     params: Params,
-    /// Parameters that are to come, with their times, in order.
+    /// Parameter changes with their times, in order.
     changes: Vec<(f64, Params)>,
     changed: usize,
     effects: Vec<ForceEntry>,
-    again: Vec<ForceEntry>,
-    /// Is the next answer to be compared with that to the same question asked again?
-    doubted: bool,
-    /// Has it been initialised?
+    repeated: Vec<ForceEntry>,
+    /// True if the next evaluation is made twice for comparison.
+    check_next: bool,
+    /// True once it is initialised.
     ready: bool,
     failure: Option<ScriptError>,
 }
 
-/// When a script acts and what it is told.
+/// Times and parameters of a script.
 pub struct Schedule {
-    /// When it acts.
+    /// Time span in which it acts.
     pub span: Profile,
-    /// Times at which its forces jump, s.
+    /// Times at which its forces are discontinuous, s.
     pub corners: Vec<f64>,
     /// Parameters at the start.
     pub params: Params,
-    /// Parameters that are to come, with their times, ascending.
+    /// Parameter changes with their times, ascending.
     pub changes: Vec<(f64, Params)>,
 }
 
 impl ScriptForce {
     /// A force model called `name`.
-    pub fn new(name: String, script: Script, named: RobotNames, plan: Schedule) -> Self {
+    pub fn new(name: String, script: Script, names: RobotNames, plan: Schedule) -> Self {
         let mut corners = plan.corners;
         corners.extend(plan.span.corners());
         corners.extend(plan.changes.iter().map(|(at, _)| *at));
         ScriptForce {
             name,
             script,
-            named,
+            names,
             span: plan.span,
             corners,
             params: plan.params,
             changes: plan.changes,
             changed: 0,
             effects: Vec::new(),
-            again: Vec::new(),
-            doubted: true,
+            repeated: Vec::new(),
+            check_next: true,
             ready: false,
             failure: None,
         }
     }
 
-    fn ask(&mut self, view: &View) -> Result<(), ScriptError> {
-        self.script.effects(view, &self.named, &mut self.effects)?;
-        if std::mem::take(&mut self.doubted) {
-            self.script.effects(view, &self.named, &mut self.again)?;
-            if self.effects != self.again {
-                let message = "`run` answered the same time and state with different forces: between corners it must be a \
-                               function of both alone";
+    fn evaluate_script(&mut self, view: &View) -> Result<(), ScriptError> {
+        self.script.effects(view, &self.names, &mut self.effects)?;
+        if std::mem::take(&mut self.check_next) {
+            self.script.effects(view, &self.names, &mut self.repeated)?;
+            if self.effects != self.repeated {
+                let message = "`run` returned different forces for the same time and state: between corners it must \
+                               be a function of both alone";
                 return Err(ScriptError::new(&self.name, None, message));
             }
         }
@@ -98,7 +98,7 @@ impl Force for ScriptForce {
     }
 
     fn pass(&mut self, context: &ForceContext, report: &mut ReportEvent) {
-        self.doubted = true;
+        self.check_next = true;
         while let Some((_, params)) = self.changes.get(self.changed).filter(|(at, _)| *at <= context.time) {
             self.changed += 1;
             report("force", &self.name, "changes".into());
@@ -112,7 +112,7 @@ impl Force for ScriptForce {
         if !self.ready || self.failure.is_some() || self.span.factor(context.time, context.within) == 0.0 {
             return;
         }
-        if let Err(error) = self.ask(&view(context)) {
+        if let Err(error) = self.evaluate_script(&view(context)) {
             self.failure = Some(error);
             return;
         }

@@ -6,21 +6,20 @@ use crate::task::{
     Command, Context, Needs, PointOfInterest, Status, Task, TaskError, TaskResult, has_elapsed, of_type,
 };
 
-/// See the module.
+/// Task of a script.
 pub struct ScriptTask {
     name: String,
     script: Script,
     params: Params,
     changes: Vec<f64>,
     changed: Vec<Params>,
-    /// What the joints were asked when a call without a command of its own was made.
+    /// Joint commands at the last call that received them.
     command: Option<Command>,
     end: f64,
 }
 
 impl ScriptTask {
-    /// A task called `name`, with parameters and their changes at instants (s, ascending), that ends at `end` at the
-    /// latest.
+    /// A task called `name`, with parameters and their changes (times in s, ascending), that ends at `end` at the latest.
     pub fn new(name: String, script: Script, params: Params, changes: Vec<(f64, Params)>, end: f64) -> Self {
         let (changes, changed) = changes.into_iter().unzip();
         ScriptTask { name, script, params, changes, changed, command: None, end }

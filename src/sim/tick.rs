@@ -25,7 +25,7 @@ impl Simulation {
     fn obey(&mut self) -> Result<(), Stop> {
         let Some(commander) = &mut self.commander else { return Ok(()) };
         let next = commander.exchange(&self.sensors.readings, &mut self.tasks.command)?;
-        self.tasks.decided(self.sensors.readings.time, next);
+        self.tasks.set_remote_tick(self.sensors.readings.time, next);
         Ok(())
     }
 

@@ -1,11 +1,11 @@
-//! What the joints are asked to do.
+//! Joint commands.
 
 use crate::robot::{DriveMode, Model};
 
-/// One entry per joint, held until the next control tick.
+/// Commands of all joints, held until the next control tick; one entry per joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Command {
-    /// What the drives follow.
+    /// Quantity that each drive follows.
     pub mode: Vec<DriveMode>,
     /// Desired positions, rad or m.
     pub position: Vec<f64>,
@@ -20,7 +20,7 @@ pub struct Command {
 }
 
 impl Command {
-    /// Hold this posture with the drives that the robot has.
+    /// Holds this posture with the drives of the robot.
     pub fn hold(model: &Model, position: &[f64]) -> Self {
         let zero = vec![0.0; position.len()];
         Command {
@@ -33,7 +33,7 @@ impl Command {
         }
     }
 
-    /// Becomes a copy of `other` without allocating.
+    /// Copies `other` without allocating.
     pub fn copy_from(&mut self, other: &Command) {
         self.mode.copy_from_slice(&other.mode);
         self.position.copy_from_slice(&other.position);

@@ -1,23 +1,23 @@
-//! What tasks give back when they end, so that nothing of them acts under whatever follows and nothing jumps.
+//! Hands joints back when a task ends, without jumps and without leftovers under the tasks that follow.
 //!
-//! - **Modes and efforts** of a task that *is_temporary* them ([`super::Task::is_temporary`]) hold as long as it lasts. Beneath are those
-//!   that the robot, or a script, has set; each tick begins with them.
-//! - **Efforts** that such a task leaves on a joint that follows positions or velocities go over into those beneath within
-//!   [`RETURN`] seconds. On other joints the effort beneath holds at once.
-//! - **Positions**: where a task that ends gives a joint back to an earlier one in the file that is still under way, the
-//!   difference between the two fades within [`RETURN`] seconds on top of what the joint is asked.
+//! - **Modes and efforts** of a *temporary* task ([`super::Task::is_temporary`]) hold while it lasts. The base layer beneath
+//!   holds those set by the robot or a script; each tick starts from it.
+//! - **Efforts** that such a task leaves on a joint that follows positions or velocities decay to those of the base layer
+//!   within [`RETURN`] seconds. On other joints the effort of the base layer holds at once.
+//! - **Positions**: where a task that ends releases a joint to an earlier task that is still running, their difference
+//!   decays within [`RETURN`] seconds on top of the commanded position.
 //!
-//! Both fade along the quintic of [`super::fade`].
+//! Both decay along the quintic of [`super::blend_in`].
 
 use super::Command;
 use super::has_elapsed;
 use crate::motion::spline::{TrajectoryPoint, quintic};
 use crate::robot::DriveMode;
 
-/// Time in which what an ended task leaves fades, s.
+/// Time in which what an ended task leaves decays, s.
 pub const RETURN: f64 = 0.5;
 
-/// A difference that fades.
+/// A difference that decays.
 #[derive(Clone, Copy, Debug)]
 struct Fading {
     from: TrajectoryPoint,
@@ -27,54 +27,54 @@ struct Fading {
 impl Fading {
     const NONE: Fading = Fading { from: TrajectoryPoint { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY };
 
-    /// What is left of it; none when it is over.
+    /// The remaining difference; none once it is over.
     fn at(&self, time: f64) -> Option<TrajectoryPoint> {
         let t = time - self.since;
         (!has_elapsed(t, RETURN)).then(|| quintic(&self.from, &TrajectoryPoint::default(), RETURN, t))
     }
 }
 
-/// What one task has lent.
+/// Efforts that one temporary task has set.
 #[derive(Clone, Debug, Default)]
 pub struct TemporaryEfforts {
-    /// By joint: the last effort, if it has set the joint's effort or mode.
+    /// By joint: its last effort, if it has set the joint's effort or mode.
     efforts: Vec<Option<f64>>,
 }
 
 impl TemporaryEfforts {
-    /// Of a robot with so many joints.
+    /// For a robot with so many joints.
     pub fn new(joints: usize) -> Self {
         TemporaryEfforts { efforts: vec![None; joints] }
     }
 }
 
-/// Position and velocity beneath a task that has just ended, and how far that task had the joint from them.
+/// Position and velocity without a task that has just ended, and the offset that the task had from them.
 #[derive(Clone, Copy, Debug)]
 struct Returned {
     beneath: (f64, f64),
     apart: TrajectoryPoint,
 }
 
-/// See the module.
+/// Base layer of the command, and the differences that decay on top of it.
 #[derive(Clone, Debug)]
 pub struct Handover {
     mode: Vec<DriveMode>,
     effort: Vec<f64>,
     efforts: Vec<Fading>,
     positions: Vec<Fading>,
-    /// Position and velocity without what fades on top, where something does.
+    /// Position and velocity without decaying differences, where there are any.
     plain: Vec<Option<(f64, f64)>>,
-    /// The command before the task at hand.
+    /// The command before the current task was called.
     before: Command,
-    /// Which joints a task of this tick has moved.
+    /// Joints that a task of this tick has moved.
     moved: Vec<bool>,
     returned: Vec<Option<Returned>>,
-    /// When all has faded, s.
+    /// Time at which all differences have decayed, s.
     until: f64,
 }
 
 impl Handover {
-    /// Beneath all tasks is `command`.
+    /// `command` becomes the base layer.
     pub fn new(command: &Command) -> Self {
         let n = command.position.len();
         Handover {
@@ -90,12 +90,12 @@ impl Handover {
         }
     }
 
-    /// Until when something fades, s.
+    /// Time at which all differences have decayed, s.
     pub fn until(&self) -> f64 {
         self.until
     }
 
-    /// Beginning of a tick: `command` is what lies beneath the tasks.
+    /// Starts a tick: sets `command` to the base layer.
     pub fn begin(&mut self, time: f64, command: &mut Command) {
         self.moved.fill(false);
         command.mode.copy_from_slice(&self.mode);
@@ -111,12 +111,12 @@ impl Handover {
         self.effort[j] + self.efforts[j].at(time).map_or(0.0, |p| p.q)
     }
 
-    /// Before a task is called.
+    /// Saves the command before a task is called.
     pub fn before(&mut self, command: &Command) {
         self.before.copy_from(command);
     }
 
-    /// After a task was called that is_temporary what it sets, by `temporary`, or sets it for good; has it ended?
+    /// Takes the command after a task was called. A temporary task passes its `temporary` efforts; `ended` once it is done.
     pub fn after(&mut self, temporary: Option<&mut TemporaryEfforts>, ended: bool, time: f64, command: &mut Command) {
         match temporary {
             None => self.keep(command),
@@ -153,7 +153,7 @@ impl Handover {
                 temporary.efforts[j] = Some(command.effort[j]);
             }
             let Some(last) = temporary.efforts[j].filter(|_| ended) else { continue };
-            // Is what lies beneath not that of an earlier task that goes on?
+            // True where no earlier running task sets the joint beneath this one.
             let bottom = self.before.mode[j] == self.mode[j] && self.before.effort[j] == self.beneath(j, time);
             let fades = matches!(self.mode[j], DriveMode::Position | DriveMode::Velocity);
             self.efforts[j] = Fading::NONE;
@@ -168,7 +168,7 @@ impl Handover {
         }
     }
 
-    /// End of a tick.
+    /// Ends a tick.
     pub fn end(&mut self, time: f64, command: &mut Command) {
         for j in 0..self.mode.len() {
             let fading = self.positions[j].at(time);

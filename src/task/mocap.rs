@@ -1,18 +1,18 @@
-//! `mocap`: joints follow captured motion that was resampled to the control ticks and kept within ranges and speeds
-//! beforehand, see [`crate::motion::limit`].
+//! `mocap`: joints follow captured motion, resampled to the control ticks and limited in range and speed beforehand
+//! ([`crate::motion::limit`]).
 //!
-//! Velocities are central differences of the samples, so none is greater than the greatest step between two samples over
-//! the time between them.
+//! Velocities are central differences of the samples, so none exceeds the greatest step between two samples over the time
+//! between them.
 
 use super::blend_in::BlendIn;
 use super::{Command, Context, Status, Task, TaskResult};
 use crate::motion::spline::TrajectoryPoint;
 use crate::robot::JointId;
 
-/// See the module.
+/// Task that follows captured motion.
 #[derive(Clone, Debug)]
 pub struct Mocap {
-    /// Joints with their positions, rad or m, all equally many and at least one.
+    /// Joints with their positions, rad or m; all lists have the same length, at least 1.
     joints: Vec<(JointId, Vec<f64>)>,
     /// Samples per second.
     rate: f64,
@@ -23,7 +23,7 @@ pub struct Mocap {
 }
 
 impl Mocap {
-    /// Follows samples taken `rate` times a second, at the ticks from the first on; `blend`: s that the command before takes to fade.
+    /// Follows samples taken `rate` times a second from the first tick on; `blend`: time to blend in from the command, s.
     pub fn new(joints: Vec<(JointId, Vec<f64>)>, rate: f64, blend: f64) -> Self {
         Mocap { fade: BlendIn::new(blend, joints.len()), joints, rate, start: 0.0, first: 0.0 }
     }

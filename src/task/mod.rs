@@ -1,11 +1,12 @@
-//! The task server: what the joints are asked to do, decided at the control rate.
+//! Tasks and the task server, which commands the joints at the control rate.
 //!
 //! As in the paper's section II.B a task has an initialisation, a run and a change function. Tasks of a scenario start and
-//! end by time; where several drive the same joint at once, the one later in the file wins. A task that has ended leaves
-//! its joints where it last put them; what else is left of it, and what an earlier one does then, say [`handover`].
+//! end by time; where several drive a joint at once, the later one in the file wins. A task that has ended leaves its joints
+//! at their last positions; [`handover`] treats everything else it has set. Besides the state of the robot a task reads
+//! [`Augmented`] data such as Jacobians and the centre of mass. The server computes each part only in ticks at which the
+//! [`Needs`] of a running task include it.
 //!
-//! Besides the state of the robot a task is given [`Augmented`] data: Jacobians, the centre of mass and so on. Each part
-//! is computed only in ticks at which a task asks for it by its [`Needs`].
+//! Imports robot, dynamics, geometry, motion, linalg and contact (load sharing). Called by script, sim, remote and assemble.
 
 pub mod augmented;
 pub mod balance;
@@ -40,11 +41,11 @@ use crate::robot::Model;
 use nalgebra::{Isometry3, Translation3, Vector3};
 use std::any::Any;
 
-/// What a task sees of the robot when it runs.
+/// The robot and its surroundings as a task reads them.
 pub struct Context<'a> {
     /// Simulated time, s.
     pub time: f64,
-    /// When the task was to start, s: at this tick or since the one before the first it is called at.
+    /// Start time of the task, s: this tick or, at the first call, after the tick before.
     pub start: f64,
     /// The robot.
     pub model: &'a Model,
@@ -54,9 +55,9 @@ pub struct Context<'a> {
     pub floor: Plane,
     /// Base and joints as the estimator and the sensors have them.
     pub state: &'a State,
-    /// What the sensors say.
+    /// Sensor readings.
     pub sensed: &'a Sensed,
-    /// What was computed from `state` and `sensed` because this task or another one active needs it.
+    /// Data computed from `state` and `sensed` because a running task needs it.
     pub data: &'a Augmented,
 }
 
@@ -77,13 +78,13 @@ impl Context<'_> {
     }
 }
 
-/// Is something that lasts `duration` seconds over `t` seconds after its start? A tick whose time is the end's but for rounding
-/// is the end.
+/// True when a duration of `duration` seconds is over `t` seconds after its start. A tick that misses the end by rounding
+/// counts as the end.
 pub fn has_elapsed(t: f64, duration: f64) -> bool {
     t >= duration - 1e-9
 }
 
-/// Does a task go on?
+/// Whether a task continues.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Status {
     /// Call it again at the next tick.
@@ -95,16 +96,16 @@ pub enum Status {
 /// Result of a call of a task; an error ends the run with outcome `error`.
 pub type TaskResult = Result<Status, TaskError>;
 
-/// One task.
+/// A task: commands some joints at every control tick.
 pub trait Task: Any + Send {
-    /// Called once when its time comes. `command` is what the joints are asked now.
+    /// Called once at the task's start. `command` holds the present joint commands.
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult;
 
-    /// Called at every control tick from then on; changes the joints it drives. Allocates nothing.
+    /// Called at every control tick from then on; changes the commands of its joints. Allocates nothing.
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult;
 
-    /// Called once at the first tick at or after each of [`changes`](Self::changes), before `run`: the parameters with
-    /// that number come into force.
+    /// Called once at the first tick at or after each of [`changes`](Self::changes), before `run`: applies the parameters
+    /// with that number.
     fn change(&mut self, _context: &Context, _number: usize) -> TaskResult {
         Ok(Status::Running)
     }
@@ -114,30 +115,30 @@ pub trait Task: Any + Send {
         &[]
     }
 
-    /// Takes over the changes of `newer`, which was made from the same entry with changes added at its end. Those that were
-    /// made already stay as they are.
+    /// Adopts the changes of `newer`, built from the same entry with changes appended. Changes already applied keep
+    /// their effect.
     fn adopt_changes(&mut self, _newer: Box<dyn Task>) {}
 
-    /// Do the modes and efforts it sets hold only as long as it lasts? It then sets them at every tick.
+    /// True if the modes and efforts it sets hold only while it lasts. It must then set them at every tick.
     fn is_temporary(&self) -> bool {
         false
     }
 
-    /// The augmented data it reads. Asked anew before `init` and before every `run`.
+    /// The augmented data it reads; queried before `init` and before every `run`.
     fn needs(&self) -> Needs {
         Needs::NONE
     }
 
-    /// The points it shows, always the same ones in the same order; where they are may change with every call.
+    /// The points it shows: always the same ones in the same order, with positions that may change at every call.
     fn points(&self) -> &[PointOfInterest] {
         &[]
     }
 
-    /// For messages.
+    /// Name in messages.
     fn name(&self) -> &str;
 }
 
-/// A task of a certain type, if it is one.
+/// Downcasts a task to a type.
 pub(crate) fn of_type<T: Task>(task: Box<dyn Task>) -> Option<Box<T>> {
     (task as Box<dyn Any>).downcast().ok()
 }

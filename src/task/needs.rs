@@ -1,8 +1,8 @@
-//! Which parts of the augmented data a task reads: the paper's flags.
+//! Flags for the parts of the augmented data that a task reads (section II.B of the paper).
 
 use std::ops::{BitOr, BitOrAssign};
 
-/// A set of parts. A part brings those it is computed from with it.
+/// A set of parts. A part includes those it is computed from.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Needs(u32);
 
@@ -23,7 +23,7 @@ impl Needs {
     pub const BIAS: Needs = Needs(1 << 5);
     /// Efforts that hold against gravity.
     pub const GRAVITY: Needs = Needs(1 << 6 | 1 << 2);
-    /// Where the soles and their vertices are.
+    /// Positions of the soles and their vertices.
     pub const SOLES: Needs = Needs(1 << 7);
     /// Jacobians of the soles' frames.
     pub const SOLE_JACOBIANS: Needs = Needs(1 << 8 | 1 << 7);
@@ -31,7 +31,7 @@ impl Needs {
     pub const VERTEX_JACOBIANS: Needs = Needs(1 << 9 | 1 << 7);
     /// Poses, twists and Jacobians of the end effectors.
     pub const END_EFFECTORS: Needs = Needs(1 << 10);
-    /// What the floor does to each sole, in [`super::Sensed::soles`].
+    /// Load of the floor on each sole, in [`super::Sensed::soles`].
     pub const LOADS: Needs = Needs(1 << 11);
     /// Forces of the floor on the vertices, and which of them are in contact.
     pub const CONTACTS: Needs = Needs(1 << 12 | 1 << 11 | 1 << 7);
@@ -44,12 +44,12 @@ impl Needs {
     /// Everything.
     pub const ALL: Needs = Needs((1 << 16) - 1);
 
-    /// Are all of `parts` among these?
+    /// True if all of `parts` are in this set.
     pub fn contains(self, parts: Needs) -> bool {
         self.0 & parts.0 == parts.0
     }
 
-    /// Is any of `parts` among these?
+    /// True if any of `parts` is in this set.
     pub fn intersects(self, parts: Needs) -> bool {
         self.0 & parts.0 != 0
     }

@@ -4,8 +4,8 @@
 //! q(t) = m(s) + e(t),   q'(t) = s' m'(s) + e'(t),   s' = speed
 //! ```
 //!
-//! m: curves of least jerk, see [`crate::motion::spline`]; s: the motion's own time, the integral of a speed that goes over
-//! to new values without a jump; e: what is left of the command before, see [`super::fade`].
+//! m: minimum-jerk curves ([`crate::motion::spline`]); s: the motion's own time, the integral of a speed that changes without
+//! a jump; e: the decaying difference from the command before ([`super::blend_in`]).
 
 use super::blend_in::BlendIn;
 use super::{Command, Context, Status, Task, TaskResult, has_elapsed};
@@ -13,7 +13,7 @@ use crate::motion::minimum_jerk::SmoothTransition;
 use crate::motion::spline::{Spline, TrajectoryPoint};
 use crate::robot::JointId;
 
-/// See the module.
+/// Task that plays a motion.
 #[derive(Clone, Debug)]
 pub struct Playback {
     joints: Vec<(JointId, Spline)>,
@@ -26,14 +26,14 @@ pub struct Playback {
     speeds: Vec<f64>,
     start: f64,
     speed: SmoothTransition,
-    /// The motion's time when its speed last changed, s.
+    /// The motion's time at the last change of speed, s.
     passed: f64,
     fade: BlendIn,
 }
 
 impl Playback {
-    /// Plays at `speed` (seconds of the motion per second), `changes` of it by ascending time; goes round if `repeat`.
-    /// `blend`: s that the command before takes to fade, and one speed to go over to the next.
+    /// Plays at `speed` (seconds of the motion per second), with `changes` of it by ascending time, and loops if `repeat`.
+    /// `blend`: time to blend in from the command and from one speed to the next, s.
     pub fn new(joints: Vec<(JointId, Spline)>, speed: f64, repeat: bool, blend: f64, changes: Vec<(f64, f64)>) -> Self {
         let ends = || joints.iter().map(|(_, spline)| spline.span());
         let first = ends().map(|s| s.0).fold(f64::INFINITY, f64::min);
@@ -54,14 +54,14 @@ impl Playback {
         }
     }
 
-    /// The motion's time; where it goes round, that of the first round, also before its first posture.
+    /// The motion's time; in a loop, that of the first round, also before its first posture.
     fn motion_time(&self, time: f64) -> f64 {
         let s = self.passed + self.speed.integral(time);
         let (first, last) = self.span;
         if self.repeat && !(first..=last).contains(&s) { first + (s - first).rem_euclid(last - first) } else { s }
     }
 
-    /// Joint number `i` at the motion's time `s`, by simulated time.
+    /// Joint number `i` at the motion's time `s`, with rates in simulated time.
     fn point(&mut self, i: usize, s: f64, time: f64) -> TrajectoryPoint {
         let m = self.joints[i].1.at(s, &mut self.cursors[i]);
         TrajectoryPoint { v: self.speed.value(time) * m.v, ..m }
@@ -96,7 +96,7 @@ impl Task for Playback {
 
     fn change(&mut self, context: &Context, number: usize) -> TaskResult {
         self.passed += self.speed.integral(context.time);
-        self.speed.turn(self.speeds[number], context.time, self.blend);
+        self.speed.change(self.speeds[number], context.time, self.blend);
         Ok(Status::Running)
     }
 

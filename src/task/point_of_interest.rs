@@ -1,19 +1,18 @@
-//! Points of interest.
+//! Points of interest: positions that tasks show in logs and viewers.
 
 use nalgebra::Vector3;
 
-/// A point that a task shows, such as where it aims or what it takes for the zero-moment point: seen in logs and viewers, felt
-/// by nothing.
+/// A point that a task shows, such as its target or its planned zero-moment point. It has no effect on the simulation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PointOfInterest {
     /// Its name.
     pub name: String,
-    /// World, m; nowhere when not given.
+    /// World, m; none while it is not shown.
     pub position: Option<Vector3<f64>>,
 }
 
 impl PointOfInterest {
-    /// A point that is nowhere yet.
+    /// A point that is not shown yet.
     pub fn named(name: impl Into<String>) -> Self {
         PointOfInterest { name: name.into(), position: None }
     }

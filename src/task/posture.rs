@@ -1,22 +1,21 @@
-//! `posture`: move some joints to given angles along minimum-jerk paths.
+//! `posture`: moves joints to given positions along minimum-jerk paths.
 //!
 //! ```text
 //! q(s) = q0 + (q1 - q0) (10 s^3 - 15 s^4 + 6 s^5),   s = (t - t0) / T
 //! ```
 //!
-//! the quintic that starts and ends at rest without acceleration; source: Flash and Hogan, The coordination of arm
-//! movements, J. Neuroscience 5 (1985), equation A9.
+//! the quintic that starts and ends at rest without acceleration [Flash 1985, equation A9].
 
 use super::{Command, Context, Status, Task, TaskResult, has_elapsed};
 use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::JointId;
 
-/// See the module.
+/// Task that moves joints to given positions.
 #[derive(Clone, Debug)]
 pub struct Posture {
-    /// Joints and where they go, rad or m.
+    /// Joints and their target positions, rad or m.
     targets: Vec<(JointId, f64)>,
-    /// Time T the move takes, s.
+    /// Duration T of the move, s.
     duration: f64,
     start: f64,
     from: Vec<f64>,

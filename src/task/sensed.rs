@@ -1,5 +1,5 @@
-//! What the robot's sensors say at a control tick: with [`super::Command`] all that passes between tasks and a robot, be it simulated
-//! here, somewhere else, or none.
+//! Sensor readings at a control tick. With [`super::Command`] they are all that passes between tasks and a robot, be it
+//! simulated here, remote, or real.
 
 use crate::dynamics::chain::FrameMotion;
 use crate::robot::Model;
@@ -8,9 +8,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 /// Readings of all sensors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensed {
-    /// When, by the clock of the robot, s.
+    /// Time by the robot's clock, s.
     pub time: f64,
-    /// Where the base is and how it moves, where something knows it from outside: the simulation, motion capture.
+    /// Pose and motion of the base where they are known from outside: the simulation, motion capture.
     pub base: Option<FrameMotion>,
     /// Joint positions, rad or m.
     pub position: Vec<f64>,
@@ -24,7 +24,7 @@ pub struct Sensed {
     pub angular_velocity: Vector3<f64>,
     /// Specific force at the IMU's origin in its own axes, m/s^2: acceleration less free fall, at rest 9.81 upwards.
     pub specific_force: Vector3<f64>,
-    /// What the floor does to each sole, in the model's order; brought up to date only in ticks at which a task needs
+    /// Load of the floor on each sole, in the model's order; updated only in ticks at which a task needs
     /// [`super::Needs::LOADS`]. Zero at the first tick, when no forces are known yet.
     pub soles: Vec<SoleLoad>,
 }
@@ -34,15 +34,15 @@ pub struct Sensed {
 pub struct SoleLoad {
     /// Force, world axes, N.
     pub force: Vector3<f64>,
-    /// Mean of the force since the last tick, impacts included, world axes, N; only with an estimator that asks for it.
+    /// Mean of the force since the last tick, impacts included, world axes, N; only with an estimator that needs it.
     pub mean_force: Vector3<f64>,
     /// Moment about the centroid of the sole's vertices, world axes, N m.
     pub moment: Vector3<f64>,
-    /// Are `vertices` and `clamped` known? A force sensor knows the force and moment alone.
+    /// True if `vertices` and `clamped` are known. A force sensor knows only the force and moment.
     pub resolved: bool,
     /// Force on each vertex, world axes, N.
     pub vertices: Vec<Vector3<f64>>,
-    /// For each vertex: is it held or sliding on the floor?
+    /// For each vertex: true while it sticks or slides on the floor.
     pub clamped: Vec<bool>,
 }
 

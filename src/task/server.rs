@@ -1,4 +1,4 @@
-//! Starts, runs, changes and ends the tasks of a scenario.
+//! The task server: starts, runs, changes and ends the tasks of a scenario.
 
 use super::handover::{Handover, TemporaryEfforts};
 use super::{Augmented, Command, Context, Needs, Sensed, Status, Task, TaskError, TaskFailure};
@@ -12,36 +12,36 @@ struct TaskSlot {
     task: Box<dyn Task>,
     begun: bool,
     ended: bool,
-    /// Is it to end at the next tick, whatever it says itself?
+    /// True if it ends at the next tick, whatever it returns.
     end_requested: bool,
-    /// Parameter changes made so far.
+    /// Number of parameter changes applied so far.
     changed: usize,
     temporary: TemporaryEfforts,
 }
 
-/// The tasks of one run and the command they have produced.
+/// The tasks of one run and the command they produce.
 pub struct TaskServer {
     slots: Vec<TaskSlot>,
-    /// What the joints are asked now.
+    /// Present joint commands.
     pub command: Command,
     handover: Handover,
     augmented: Augmented,
     rate: f64,
     tick: u64,
-    /// Does it tick with no task to run?
+    /// True if it ticks without a task to run.
     always: bool,
-    /// Ticks at the word of who decides somewhere else: the next one, or none any more.
-    told: Option<Option<u64>>,
+    /// Next tick as set by a remote task server: its number, or none for no further tick.
+    remote_next: Option<Option<u64>>,
 }
 
-/// What a task is doing.
+/// State of a task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TaskState {
-    /// Its time has not come.
+    /// Its start time has not come.
     Waiting,
     /// It is called at every tick.
     Running,
-    /// It is over.
+    /// It has ended.
     Ended,
 }
 
@@ -55,7 +55,7 @@ pub struct TickInput<'a> {
     pub floor: Plane,
     /// Base and joints as the estimator and the sensors have them; its time is the tick's.
     pub state: &'a State,
-    /// What the sensors say.
+    /// Sensor readings.
     pub sensed: &'a Sensed,
 }
 
@@ -70,23 +70,23 @@ impl TaskServer {
             rate,
             tick: 0,
             always: false,
-            told: None,
+            remote_next: None,
         }
     }
 
-    /// Makes it tick whether or not a task is active: for sensors that are to be read.
+    /// Makes it tick whether or not a task is active, so that sensors are read.
     pub fn tick_always(&mut self) {
         self.always = true;
     }
 
-    /// Somebody else decides at a tick, and has: counts the tick at `time` as done. `next` is when there is something to decide
-    /// again; with none the command stays to the end. Tasks of this server are not called.
-    pub fn decided(&mut self, time: f64, next: Option<u64>) {
+    /// Counts the tick at `time` as done by a remote task server. `next` is its next tick; without one the command stays to
+    /// the end. Tasks of this server are not called.
+    pub fn set_remote_tick(&mut self, time: f64, next: Option<u64>) {
         self.tick = (time * self.rate).round() as u64 + 1;
-        self.told = Some(next.map(|next| next.max(self.tick)));
+        self.remote_next = Some(next.map(|next| next.max(self.tick)));
     }
 
-    /// Number of the next tick that can change anything, if its tasks decide.
+    /// Number of the next tick that can change anything, if the tasks of this server decide.
     pub fn next_number(&self) -> Option<u64> {
         self.next_tick().map(|time| (time * self.rate).round() as u64)
     }
@@ -96,7 +96,7 @@ impl TaskServer {
         1.0 / self.rate
     }
 
-    /// Adds a task that begins at the first tick at or after `start` seconds, its own time 0. Later ones win where they overlap.
+    /// Adds a task that begins at the first tick at or after `start` seconds, its own time 0. Later tasks win where they overlap.
     pub fn add(&mut self, start: f64, task: Box<dyn Task>) {
         let temporary = TemporaryEfforts::new(self.command.mode.len());
         self.slots.push(TaskSlot {
@@ -110,7 +110,7 @@ impl TaskServer {
         });
     }
 
-    /// Ends a task, by the order in which they were added, at the next tick. One that has not begun never does.
+    /// Ends a task, by the order in which the tasks were added, at the next tick. A task that has not begun never begins.
     pub fn end(&mut self, number: usize) {
         if let Some(slot) = self.slots.get_mut(number) {
             slot.end_requested = true;
@@ -118,7 +118,7 @@ impl TaskServer {
         }
     }
 
-    /// Goes on as the server of a scenario that has more tasks at its end, and more changes at the end of those it had.
+    /// Extends this server to the tasks of `newer`: a scenario with tasks appended, and changes appended to the tasks it had.
     pub fn extend_with(&mut self, newer: TaskServer) {
         for (i, slot) in newer.slots.into_iter().enumerate() {
             match self.slots.get_mut(i) {
@@ -128,7 +128,7 @@ impl TaskServer {
         }
     }
 
-    /// How the tasks stand: names, starts, and what each is doing.
+    /// Name, start and state of each task.
     pub fn states(&self) -> impl Iterator<Item = (&str, f64, TaskState)> {
         self.slots.iter().map(|slot| {
             let stand = match (slot.begun, slot.ended) {
@@ -140,10 +140,10 @@ impl TaskServer {
         })
     }
 
-    /// Time of the next tick that can change anything; none when all tasks have ended. Tick k is at `k / rate`, to the last bit
-    /// where the log's instants and other clocks that divide whole numbers by their rates have it.
+    /// Time of the next tick that can change anything; none when all tasks have ended. Tick k is at `k / rate`, bit-equal to
+    /// the log's instants and other clocks that divide integers by their rates.
     pub fn next_tick(&self) -> Option<f64> {
-        if let Some(next) = self.told {
+        if let Some(next) = self.remote_next {
             return next.map(|next| next as f64 / self.rate);
         }
         if self.always {
@@ -158,14 +158,14 @@ impl TaskServer {
         self.slots.iter().filter(|s| !s.ended).map(due).chain(fades).min_by(f64::total_cmp)
     }
 
-    /// What the tasks that a tick at `time` would call read.
+    /// Parts of the augmented data that the tasks read at a tick at `time`.
     pub fn needs(&self, time: f64) -> Needs {
         let soon = time + 1e-9 / self.rate;
         let active = self.slots.iter().filter(|s| !s.ended && s.start <= soon);
         active.fold(Needs::NONE, |needs, s| needs | s.task.needs())
     }
 
-    /// The points that tasks show, in the order of the tasks; those of tasks that do not run are nowhere.
+    /// The points that tasks show, in the order of the tasks; those of tasks that do not run have no position.
     pub fn points(&self) -> impl Iterator<Item = (&str, Option<Vector3<f64>>)> {
         self.slots.iter().flat_map(|slot| {
             let runs = slot.begun && !slot.ended;
@@ -173,10 +173,10 @@ impl TaskServer {
         })
     }
 
-    /// Runs every task whose time has come; `report(what, name)` hears of each that begins, changes or ends.
+    /// Runs every task that is due; calls `report(what, name)` for each that begins, changes or ends.
     ///
     /// # Errors
-    /// The words of the first task that failed, with its name.
+    /// The first task that failed, with its error.
     pub fn run(&mut self, now: &TickInput, mut report: impl FnMut(&str, &str)) -> Result<(), TaskFailure> {
         let time = now.state.time;
         self.tick = (time * self.rate).round() as u64 + 1;
@@ -212,7 +212,7 @@ impl TaskServer {
 }
 
 impl TaskSlot {
-    /// Everything that is due at a tick; is the task done?
+    /// Makes all calls that are due at a tick; true when the task is done.
     fn call(
         &mut self,
         context: &Context,

@@ -1,13 +1,13 @@
-//! `sine`: joints swing sinusoidally.
+//! `sine`: joints oscillate sinusoidally.
 //!
 //! ```text
 //! q(t)  = q0 + r (c + A sin theta - q0),        theta' = 2 pi f,  theta(t0) = phase
 //! q'(t) = r' (c + A sin theta - q0) + r (c' + A' sin theta + A theta' cos theta)
 //! ```
 //!
-//! q0: what the joint is asked at the start t0; r rises from 0 to 1 within the ramp along a minimum-jerk path, and falls
-//! again at the end. Amplitude A, middle c and frequency f go over to new values within the ramp likewise; the phase is the
-//! integral of the frequency, in closed form, and so goes on through every change.
+//! q0: commanded position at the start t0; r rises from 0 to 1 within the ramp along a minimum-jerk path, and falls again at
+//! the end. Amplitude A, centre c and frequency f change to new values within the ramp likewise. The phase is the integral
+//! of the frequency, in closed form, and therefore continuous through every change.
 
 use super::{Command, Context, Status, Task, TaskError, TaskResult, has_elapsed};
 use crate::motion::minimum_jerk::SmoothTransition;
@@ -15,7 +15,7 @@ use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::{JointId, JointKind};
 use std::f64::consts::TAU;
 
-/// How one joint swings. Middle: rad or m; none: where the joint is asked to be at the start.
+/// Oscillation of one joint. Centre: rad or m; none: its commanded position at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swing {
     /// Amplitude, rad or m.
@@ -24,11 +24,11 @@ pub struct Swing {
     pub frequency: f64,
     /// Phase at the start, rad.
     pub phase: f64,
-    /// Middle of the swing, rad or m.
+    /// Centre of the oscillation, rad or m.
     pub offset: Option<f64>,
 }
 
-/// What changes at one joint of the task (by its number there).
+/// Change of one joint of the task (by its number there).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SwingChange {
     /// Number of the joint in the task.
@@ -37,11 +37,11 @@ pub struct SwingChange {
     pub amplitude: Option<f64>,
     /// Frequency, Hz.
     pub frequency: Option<f64>,
-    /// Middle of the swing, rad or m.
+    /// Centre of the oscillation, rad or m.
     pub offset: Option<f64>,
 }
 
-/// See the module.
+/// Task that oscillates joints.
 #[derive(Clone, Debug)]
 pub struct Sine {
     joints: Vec<(JointId, Swing)>,
@@ -49,26 +49,26 @@ pub struct Sine {
     ramp: f64,
     times: Vec<f64>,
     changes: Vec<Vec<SwingChange>>,
-    /// Do joints have end stops?
+    /// True if joints have end stops.
     limited: bool,
     start: f64,
     now: Vec<Now>,
 }
 
-/// One joint while it swings.
+/// Present parameters of one joint.
 #[derive(Clone, Copy, Debug)]
 struct Now {
     from: f64,
     amplitude: SmoothTransition,
     frequency: SmoothTransition,
     offset: SmoothTransition,
-    /// Phase at the last turn of the frequency, rad.
+    /// Phase at the last change of the frequency, rad.
     phase: f64,
 }
 
 impl Sine {
-    /// Swings for `duration` seconds (infinite: without end) with ramps of `ramp` seconds; `changes` by ascending time. If
-    /// joints are `limited`, a swing about where a joint happens to be that leaves its range is refused.
+    /// Oscillates for `duration` seconds (infinite: without end) with ramps of `ramp` seconds; `changes` by ascending time.
+    /// If joints are `limited`, an oscillation about the initial position that leaves the joint's range is refused.
     pub fn new(
         joints: Vec<(JointId, Swing)>,
         duration: f64,
@@ -142,14 +142,14 @@ impl Task for Sine {
         for change in &self.changes[number] {
             let now = &mut self.now[change.joint];
             if let Some(amplitude) = change.amplitude {
-                now.amplitude.turn(amplitude, time, self.ramp);
+                now.amplitude.change(amplitude, time, self.ramp);
             }
             if let Some(frequency) = change.frequency {
                 now.phase += TAU * now.frequency.integral(time);
-                now.frequency.turn(frequency, time, self.ramp);
+                now.frequency.change(frequency, time, self.ramp);
             }
             if let Some(offset) = change.offset {
-                now.offset.turn(offset, time, self.ramp);
+                now.offset.change(offset, time, self.ramp);
             }
         }
         Ok(Status::Running)

@@ -1,12 +1,12 @@
-//! `squat`: the centre of mass goes down and up over the middle of the soles, which stay where they are.
+//! `squat`: the centre of mass moves down and up over the middle of the soles, which stay in place.
 //!
 //! ```text
 //! h(t) = h0 - D f(2 u)           0 <= u < 1/2       f(s) = 10 s^3 - 15 s^4 + 6 s^5
 //! h(t) = h0 - D (1 - f(2 u - 1)) 1/2 <= u < 1       u = t / T modulo 1
 //! ```
 //!
-//! with D the depth and T the period. Before that the centre of mass is brought over the middle of the soles and the root
-//! upright. Joints follow from the goal by [`super::kinematic`].
+//! with D the depth and T the period. First the centre of mass moves over the middle of the soles and the root turns upright.
+//! [`super::kinematic`] gives the joint positions.
 
 use super::kinematic::{PlannedRobot, PosturePlanner};
 use super::{Command, Context, PointOfInterest, Status, Task, TaskResult, has_elapsed};
@@ -14,22 +14,22 @@ use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// What a squat is asked to be.
+/// Parameters of a squat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
-    /// D, m; below zero it rises first.
+    /// D, m; negative: it rises first.
     pub depth: f64,
     /// T, s.
     pub period: f64,
-    /// How often.
+    /// Number of periods.
     pub repetitions: u32,
-    /// Time to come over the soles first, s.
+    /// Time to move over the soles first, s.
     pub settle: f64,
 }
 
 impl Shape {
-    /// How far below its start the centre of mass is (m), how fast it goes up (m/s) and that rate's rate (m/s^2), `t`
-    /// seconds after settling.
+    /// Descent of the centre of mass from its start (m), its upward velocity (m/s) and acceleration (m/s^2), `t` seconds
+    /// after settling.
     pub fn drop(&self, t: f64) -> (f64, f64, f64) {
         let half = 0.5 * self.period;
         let end = f64::from(self.repetitions) * self.period;
@@ -47,13 +47,13 @@ impl Shape {
         }
     }
 
-    /// How long it takes with settling, s.
+    /// Total time with settling, s.
     pub fn duration(&self) -> f64 {
         self.settle + f64::from(self.repetitions) * self.period
     }
 }
 
-/// See the module.
+/// Task that squats.
 pub struct Squat {
     shape: Shape,
     planner: PosturePlanner,
@@ -61,12 +61,12 @@ pub struct Squat {
     start: f64,
     over: Vector3<f64>,
     upright: UnitQuaternion<f64>,
-    /// The centre of mass as planned.
+    /// The planned centre of mass.
     points: [PointOfInterest; 1],
 }
 
 impl Squat {
-    /// For a robot that [`super::kinematic::planned_robot::check`] has let through.
+    /// For a robot that [`super::kinematic::planned_robot::check`] accepts.
     pub fn new(model: &Model, shape: Shape, feed_forward: bool) -> Self {
         let planner = PosturePlanner::new(model);
         let points = [PointOfInterest::named("squat.com")];
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn the_drop_has_its_closed_form() {
         let shape = Shape { depth: 0.03, period: 2.0, repetitions: 2, settle: 0.5 };
-        // Half a depth at a quarter of the period, all of it half way, with the peak rate 15/8 of the mean between.
+        // Half the depth at a quarter of the period, all of it at half, with the peak rate 15/8 of the mean between.
         for (t, truth) in [(0.0, 0.0), (0.5, 0.015), (1.0, 0.03), (1.5, 0.015), (2.0, 0.0), (3.0, 0.03), (4.0, 0.0)] {
             assert!((shape.drop(t).0 - truth).abs() < 1e-15, "{t}");
         }

@@ -1,8 +1,8 @@
-//! `walk`: steps along a footstep plan, the centre of mass by preview control of the zero-moment point.
+//! `walk`: follows a footstep plan, with the centre of mass under preview control of the zero-moment point.
 //!
-//! Feet and reference of the zero-moment point come from [`super::gait::footsteps`], the horizontal motion of the centre of
-//! mass from [`super::gait::preview`], planned to the end of walk or run when the task begins; its height is constant and the root stays
-//! upright. Joints follow from all that by [`super::kinematic`] at every tick.
+//! Feet and zero-moment-point reference come from [`super::gait::footsteps`], the horizontal motion of the centre of mass from
+//! [`super::gait::preview`], planned to the end of walk or run when the task begins. Its height is constant and the root
+//! stays upright. [`super::kinematic`] gives the joint positions at every tick.
 
 use super::gait::{Footsteps, Preview, Sample, Stride};
 use super::kinematic::{PlannedRobot, PosturePlanner};
@@ -12,45 +12,45 @@ use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
-/// Period of the pattern, s; between its samples the motion is exact.
+/// Sampling period of the pattern, s; between its samples the motion is exact.
 pub const PERIOD: f64 = 0.005;
-/// How far the zero-moment point is seen ahead, s; Kajita's.
+/// Preview horizon of the zero-moment point, s [Kajita 2003].
 const HORIZON: f64 = 1.6;
-/// Soles and gravity tilted more than this at the start are not walked with, rad.
+/// Greatest tilt of soles and gravity at the start, rad.
 const LEVEL: f64 = 0.02;
 
-/// See the module.
+/// Task that walks.
 pub struct Walk {
     stride: Stride,
     /// Height of the centre of mass above the soles, m; none: as at the start.
     height: Option<f64>,
-    /// Time to come to the starting posture, s.
+    /// Time to move to the starting posture, s.
     settle: f64,
     feed_forward: bool,
-    /// How long it can go on, s: what comes later is not planned.
+    /// Greatest time from start to end of the run, s: the plan ends there.
     until: f64,
     planner: PosturePlanner,
     start: f64,
     over: Vector3<f64>,
     upright: UnitQuaternion<f64>,
     plan: Option<Plan>,
-    /// Centre of mass and zero-moment point as planned, then where each sole stands or is to come down.
+    /// Planned centre of mass and zero-moment point, then the present or next position of each sole.
     points: [PointOfInterest; 4],
 }
 
-/// What is known once the task has begun.
+/// The plan made at the start of the task.
 struct Plan {
     footsteps: Footsteps,
     /// x and y of the centre of mass.
     samples: [Vec<Sample>; 2],
-    /// Height of the soles when it began, m.
+    /// Height of the soles at the start, m.
     ground: f64,
     /// Height of the centre of mass over gravity, s^2.
     lag: f64,
 }
 
 impl Plan {
-    /// Horizontal place, velocity and acceleration of the centre of mass.
+    /// Horizontal position, velocity and acceleration of the centre of mass.
     fn com(&self, t: f64) -> [Vector3<f64>; 2] {
         self.samples.each_ref().map(|axis| {
             let k = ((t / PERIOD).floor().max(0.0) as usize).min(axis.len() - 1);
@@ -60,8 +60,8 @@ impl Plan {
 }
 
 impl Walk {
-    /// For a robot that [`super::kinematic::planned_robot::check_biped`] has let through, in a run that ends `until` seconds after the
-    /// start.
+    /// For a robot that [`super::kinematic::planned_robot::check_biped`] accepts, in a run that ends `until` seconds after
+    /// the start.
     pub fn new(
         model: &Model,
         stride: Stride,
@@ -114,7 +114,7 @@ impl Task for Walk {
         let preview = Preview::new(height, gravity, PERIOD, HORIZON)
             .filter(|_| gravity > 0.0 && height > 0.0)
             .ok_or(TaskError::NoGait { height, gravity })?;
-        // Of the way beyond the end only what the preview sees.
+        // Beyond the end of the run only the preview horizon is planned.
         let needed = (self.until - self.settle).max(0.0);
         let footsteps = Footsteps::new(self.stride, soles, self.upright * Vector3::x(), needed + HORIZON + PERIOD);
         let samples = |time: f64| (time.min(footsteps.duration()) / PERIOD).ceil() as usize + 1;

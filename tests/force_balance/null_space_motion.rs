@@ -6,28 +6,28 @@ use stiction::task::balance::null_space_motion::NullSpaceMotion;
 #[test]
 fn two_joints_share_a_constraint_by_their_weights() {
     // Minimise sum w (v - e)^2 with v1 + v2 = 0: v = e - (1/w1, 1/w2) (e1 + e2) / (1/w1 + 1/w2).
-    let mut slack = NullSpaceMotion::new(0, &[1.0, 3.0], 2);
-    slack.hold(|_| 1.0);
+    let mut null_space = NullSpaceMotion::new(0, &[1.0, 3.0], 2);
+    null_space.constrain(|_| 1.0);
     // The same again, and its negative, add nothing.
-    slack.hold(|_| -2.0);
+    null_space.constrain(|_| -2.0);
     let mut v = [2.0, 2.0];
-    slack.project(&mut v);
+    null_space.project(&mut v);
     assert!((v[0] + 1.0).abs() < 1e-15 && (v[1] - 1.0).abs() < 1e-15, "{v:?}");
 }
 
 #[test]
 fn the_base_moves_for_nothing() {
     // Base x and two joints; the foot is at x + q1 + 2 q2 and has to stay: the base makes up for the joints.
-    let mut slack = NullSpaceMotion::new(1, &[1.0, 1.0], 2);
-    slack.hold(|k| [1.0, 1.0, 2.0][k]);
+    let mut null_space = NullSpaceMotion::new(1, &[1.0, 1.0], 2);
+    null_space.constrain(|k| [1.0, 1.0, 2.0][k]);
     let mut v = [0.0, 0.3, -0.5];
-    slack.project(&mut v);
+    null_space.project(&mut v);
     // The base is not quite free: 1e-8 of a joint's weight.
     assert!((v[1] - 0.3).abs() < 1e-7 && (v[2] + 0.5).abs() < 1e-7 && (v[0] - 0.7).abs() < 1e-7, "{v:?}");
     // With the base held too, the joints share.
-    slack.hold(|k| if k == 0 { 1.0 } else { 0.0 });
+    null_space.constrain(|k| if k == 0 { 1.0 } else { 0.0 });
     let mut v = [0.0, 1.0, 2.0];
-    slack.project(&mut v);
+    null_space.project(&mut v);
     assert!(v.iter().all(|v| v.abs() < 1e-7), "{v:?}");
 }
 
@@ -37,12 +37,12 @@ fn it_is_a_projection_that_keeps_its_constraints() {
     let (nb, nj, rows) = (6, 20, 15);
     let weights: Vec<f64> = (0..nj).map(|_| r.within(1e-4, 2.0)).collect();
     let constraints: Vec<Vec<f64>> = (0..rows).map(|_| r.list(nb + nj, 1.0)).collect();
-    let mut slack = NullSpaceMotion::new(nb, &weights, rows);
-    constraints.iter().for_each(|row| slack.hold(|k| row[k]));
+    let mut null_space = NullSpaceMotion::new(nb, &weights, rows);
+    constraints.iter().for_each(|row| null_space.constrain(|k| row[k]));
     let mut v = r.list(nb + nj, 1.0);
     v[..nb].fill(0.0);
     let wish = v.clone();
-    slack.project(&mut v);
+    null_space.project(&mut v);
     for row in &constraints {
         let left: f64 = row.iter().zip(&v).map(|(a, v)| a * v).sum();
         // Rounding, magnified by the scaling of the base, 1e4, and of the lightest joints, 1e2.
@@ -53,7 +53,7 @@ fn it_is_a_projection_that_keeps_its_constraints() {
     assert!(product.abs() < 1e-7 && v[nb..].iter().any(|v| v.abs() > 0.1), "{product:e}");
     let again = {
         let mut w = v.clone();
-        slack.project(&mut w);
+        null_space.project(&mut w);
         w
     };
     assert!(v.iter().zip(&again).all(|(a, b)| (a - b).abs() < 1e-9));

@@ -24,7 +24,7 @@ fn refused(script: &str, words: &str) {
 #[test]
 fn endless_loops_end() {
     ends("function run()\nlocal i = 0\nwhile true do\ni += 1\nend\nend", "s.luau:");
-    ends("function run()\nwhile true do end\nend", "s.luau:2: more than 1000000 calls and turns of loops in one call");
+    ends("function run()\nwhile true do end\nend", "s.luau:2: more than 1000000 calls and loop iterations in one call");
     ends("function init()\nrepeat until false\nend\nfunction run() end", "s.luau:2: more than 1000000");
     // Caught, it is still over.
     ends("function run()\npcall(function() while true do end end)\nend", "s.luau:3: more than 1000000");
@@ -39,7 +39,7 @@ fn endless_loops_end() {
 
 #[test]
 fn going_through_long_data_counts() {
-    let words = "more than 1000000 calls and turns of loops in one call";
+    let words = "more than 1000000 calls and loop iterations in one call";
     let run = |first: &str, body: &str| format!("{first}\nfunction run()\nfor i = 1, 9e5 do\n{body}\nend\nend");
     let long = "local s = string.rep(\"x\", 3e6)";
     let many = "local t = table.create(3e5, 0)";
@@ -209,7 +209,7 @@ fn what_is_no_script_is_found_before_the_run() {
     refused("run = 3", "s.luau: `run` must be a function, not 3");
     refused("run = 3\ninit = \"x\"\nfunction run() end", "s.luau: `init` must be a function, not \"x\"");
     refused("needs = { \"con\" }\nfunction run() end", "`needs` has no part \"con\"; did you mean `com`?");
-    refused("needs = \"com\"\nfunction run() end", "`needs` must be a list of words");
+    refused("needs = \"com\"\nfunction run() end", "`needs` must be a list of strings");
     refused("links = { \"lnik\" }\nfunction run() end", "the robot `pendulum` has no link \"lnik\"");
     refused("\u{1b}LuaS", "s.luau");
 }

@@ -121,8 +121,8 @@ fn forces_are_functions_of_time_and_state() {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
     let force = "return { { link = \"block\", force = { x, 0, 0 } } }";
     for (script, words) in [
-        // A counter among the locals: told by asking twice.
-        (format!("local x = 0\nfunction run()\nx += 1\n{force} end"), "s.luau: `run` answered the same time and state"),
+        // A counter among the locals: detected by evaluating twice.
+        (format!("local x = 0\nfunction run()\nx += 1\n{force} end"), "s.luau: `run` returned different forces"),
         // Globals stand still, at the line.
         (format!("x = 0\nfunction run()\nx += 1\n{force} end"), "s.luau:3: attempt to modify a readonly table"),
         (format!("function run()\nlocal x = random()\n{force} end"), "s.luau:2: random numbers are drawn at load"),

@@ -73,7 +73,7 @@ fn what_cannot_be_shown_is_refused_before_anything_runs() {
     let twice = refused(TASK, "points = { \"a\", \"a\" }\nfunction run() end");
     assert!(twice.contains("names \"a\" twice"), "{twice}");
     let words = refused(TASK, "points = 1\nfunction run() end");
-    assert!(words.contains("`points` must be a list of words"), "{words}");
+    assert!(words.contains("`points` must be a list of strings"), "{words}");
     let force = refused(FORCE, "points = { \"a\" }\nfunction run() return {} end");
     assert!(force.contains("shown by tasks"), "{force}");
 }

@@ -1,4 +1,4 @@
-//! One set of paths under proof, beside the paths that the joints follow fallback.
+//! A set of candidate paths under proof, with the fallback paths that the joints follow otherwise.
 
 use super::Limits;
 use super::joint_path::JointPath;
@@ -8,7 +8,7 @@ use crate::collision::{CollisionModel, Detector, Proximity};
 use crate::motion::spline::TrajectoryPoint;
 use crate::robot::Model;
 
-/// What a candidate is about: robot, bodies, levers.
+/// Robot, bodies and levers of a candidate.
 #[derive(Clone, Copy)]
 pub(super) struct Robot<'a> {
     pub model: &'a Model,
@@ -17,38 +17,38 @@ pub(super) struct Robot<'a> {
     pub margin: f64,
 }
 
-/// How much farther than it has to a distance is looked at, relative and in m, so that the motions of the ticks to come find room.
+/// Excess of the measured over the needed distance, relative and in m, to leave room for the motions of the following ticks.
 const MORE: (f64, f64) = (1.5, 0.02);
 
 /// Samples of a path that leads out of an overlap.
 const SAMPLES: usize = 32;
 
-/// How much nearer a pair within the margin may come on its way out of it, m: for the proof to have room.
+/// Approach allowed to a pair within the margin on its way out, m: the proof needs this room.
 const LEAVING: f64 = 5e-4;
 
-/// Workspace of a cycle.
+/// Candidate paths and the workspace of a cycle.
 pub(super) struct CandidatePaths {
     pub detector: Detector,
     pub prover: Prover,
-    /// The beginning of all paths, s.
+    /// Start time of all paths, s.
     pub begin: f64,
-    /// The posture there.
+    /// The posture at that time.
     pub anchor: Vec<f64>,
-    /// Lower bounds of the pairs' distances there, m.
+    /// Lower bounds of the pairs' distances in it, m.
     pub clearance: Vec<f64>,
-    /// Distances of the bodies from the joints' axes there.
+    /// Distances of the bodies from the joints' axes in it.
     radii: Vec<f64>,
-    /// What the joints do fallback: proven before.
+    /// Fallback paths of the joints, proven before.
     pub fallback: Vec<JointPath>,
-    /// What is tried.
+    /// Candidate paths.
     pub paths: Vec<JointPath>,
-    /// Greatest distance of each from the anchor.
+    /// Greatest distance of each joint from the anchor.
     pub reach: Vec<f64>,
-    /// Is the path another than `fallback`?
+    /// True where the path differs from the fallback.
     pub changed: Vec<bool>,
-    /// Does the joint follow nothing? Its path is what is known of it, and not to be chosen.
+    /// True for joints that follow no command. Their path is predicted, not chosen.
     pub uncontrolled: Vec<bool>,
-    /// Pairs for which the last candidate failed, ascending.
+    /// Pairs for which the last test failed, ascending.
     pub colliding: Vec<usize>,
     open: Vec<usize>,
     posture: Vec<f64>,
@@ -75,7 +75,7 @@ impl CandidatePaths {
         }
     }
 
-    /// Lets a joint try a path.
+    /// Sets a candidate path.
     pub fn set(&mut self, joint: usize, path: JointPath) {
         debug_assert!(!self.uncontrolled[joint]);
         self.paths[joint] = path;
@@ -83,14 +83,14 @@ impl CandidatePaths {
         self.changed[joint] = true;
     }
 
-    /// Lets it do what it does fallback.
+    /// Returns a joint to its fallback path.
     pub fn reset(&mut self, joint: usize) {
         self.paths[joint] = self.fallback[joint];
         self.reach[joint] = self.paths[joint].reach(self.anchor[joint], self.begin);
         self.changed[joint] = false;
     }
 
-    /// Measures the distances at the anchor, as far as the present reaches ask for them.
+    /// Measures the distances at the anchor as far as the present reaches require.
     pub fn measure(&mut self, robot: Robot) {
         self.prover.set_posture(robot.model, robot.collision, &mut self.detector, &self.anchor);
         for (pair, clearance) in self.clearance.iter_mut().enumerate() {
@@ -100,17 +100,17 @@ impl CandidatePaths {
         }
     }
 
-    /// Does the test at the anchor alone prove that a pair is free?
+    /// True if the test at the anchor alone proves that a pair is free.
     pub fn is_clear(&self, robot: Robot, pair: usize) -> bool {
         self.stays_clear(robot, pair, &self.reach)
     }
 
-    /// Does it prove that wherever the joints are, if within `travel` of the anchor?
+    /// True if it proves that for all joint positions within `travel` of the anchor.
     pub fn stays_clear(&self, robot: Robot, pair: usize, travel: &[f64]) -> bool {
         self.clearance[pair] - robot.levers.change_from(pair, &self.radii, travel) > robot.margin
     }
 
-    /// Is the candidate proven to be free? If not, `colliding` holds pairs that are not.
+    /// True if the candidate is proven free. If not, `colliding` holds pairs that are not.
     pub fn succeeds(&mut self, robot: Robot) -> bool {
         self.open.clear();
         self.colliding.clear();
@@ -120,7 +120,7 @@ impl CandidatePaths {
             if !moves || self.is_clear(robot, pair) {
                 continue;
             }
-            // What is too near from the start is none of the prover's business.
+            // Pairs already within the margin are treated separately below.
             let near = self.clearance[pair] <= robot.margin;
             leaving |= near;
             if !near {
@@ -144,8 +144,8 @@ impl CandidatePaths {
         self.colliding.is_empty()
     }
 
-    /// Does a pair that is within the margin at the anchor get farther apart, and come hardly nearer on the way? This can
-    /// only be where a joint that does not follow its command has moved, or a motion was changed from outside.
+    /// True if a pair within the margin at the anchor moves apart, and hardly closer on the way. Such pairs occur only where an
+    /// uncontrolled joint has moved, or a motion was changed from outside.
     fn leaves(&mut self, robot: Robot, pair: usize) -> bool {
         let own = robot.levers.of(pair).iter().map(|lever| self.paths[lever.joint].end());
         let end = own.fold(self.begin, f64::max);
@@ -167,7 +167,7 @@ impl CandidatePaths {
                 &mut self.open,
             );
         }
-        // Overlapping, or nearly: there is no margin to prove, and depths are looked at.
+        // Overlapping, or nearly: no margin can be proven, so depths are sampled.
         let mut before = first;
         for k in 1..=SAMPLES {
             let now = self.distance_at(robot, pair, self.begin + (end - self.begin) * k as f64 / SAMPLES as f64);
@@ -185,8 +185,8 @@ impl CandidatePaths {
         self.detector.proximity(robot.collision, pair).distance
     }
 
-    /// Where a joint that follows nothing has come in the way of what the others do fallback, makes these brake, if they run
-    /// into nothing else so. `here` has their motion at the beginning.
+    /// Brakes the joints whose fallback an uncontrolled joint has blocked, if braking causes no other collision. `here` holds their
+    /// motion at the start.
     pub fn brake(&mut self, robot: Robot, here: &[TrajectoryPoint], limits: &[Limits]) {
         self.open.clear();
         for pair in 0..self.clearance.len() {
@@ -223,19 +223,19 @@ impl CandidatePaths {
         self.colliding.clear();
     }
 
-    /// Is one of the colliding pairs without joints that follow nothing?
+    /// True if one of the colliding pairs has no uncontrolled joints.
     fn hits_followed(&self, robot: Robot) -> bool {
         self.colliding.iter().any(|pair| robot.levers.of(*pair).iter().all(|l| !self.uncontrolled[l.joint]))
     }
 
-    /// Nearest points of a pair at time `t` of `paths`, in which the prover's poses then are.
+    /// Nearest points of a pair at time `t` of `paths`; leaves the prover's poses at that time.
     pub fn proximity_at(&mut self, robot: Robot, paths: &[JointPath], t: f64, pair: usize) -> Proximity {
         self.posture.iter_mut().zip(paths).for_each(|(q, path)| *q = path.at(t).q);
         self.prover.set_posture(robot.model, robot.collision, &mut self.detector, &self.posture);
         self.detector.proximity(robot.collision, pair)
     }
 
-    /// Is everything free on `paths`, wherever they begin?
+    /// True if all pairs are free on `paths`, from any start.
     pub fn is_free(&mut self, robot: Robot, paths: &[JointPath]) -> bool {
         self.open.clear();
         self.open.extend(0..self.clearance.len());

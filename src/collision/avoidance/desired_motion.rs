@@ -1,32 +1,32 @@
-//! What the tasks want of the joints, as a motion: their positions tick by tick, with velocities, accelerations and jerk, and
-//! where that leads.
+//! The desired motion of the joints: commanded positions with estimated velocities, accelerations and jerk, and their
+//! extrapolation.
 //!
-//! Velocities that tasks tell are taken where they fit the positions, `|dq - (v + v') T / 2| <= T (|dv| + |dv'|) / 4` with the
-//! time T between ticks, dv the change of velocity in this and dv' in the last one (a smooth motion of jerk j misses by j T^3 / 12,
-//! and dv changes by j T^2); their change is the acceleration. Otherwise both are backward differences over
-//! [`WINDOW`], long enough that the last digits of a filtered reading are no acceleration. Where these show a jerk near the limit
-//! only the velocity that two windows agree in is believed.
+//! Commanded velocities are used where they fit the positions, `|dq - (v + v') T / 2| <= T (|dv| + |dv'|) / 4` with the time T
+//! between ticks, dv the change of velocity in this tick and dv' in the last one (a smooth motion of jerk j misses by j T^3 / 12,
+//! and dv changes by j T^2); their change is the acceleration. Otherwise both are backward differences over [`WINDOW`], long
+//! enough that the last digits of a filtered reading do not appear as acceleration. Where these show a jerk near the limit, only
+//! the velocity common to two windows is used.
 
 use super::Limits;
 use crate::collision::kinematics::capped_travel;
 use crate::motion::spline::TrajectoryPoint;
 
-/// Time over which differences are taken, s, or a tick where that is longer.
+/// Time over which differences are taken, s, or one tick if that is longer.
 const WINDOW: f64 = 0.01;
 
-/// Part of the jerk limit below which a motion without told velocities is a smooth one.
+/// Part of the jerk limit below which a motion without usable velocities counts as smooth.
 const SMOOTH: f64 = 0.25;
 
 /// Rounding of positions, rad or m.
 const ROUNDING: f64 = 1e-12;
 
-/// Positions of all joints at the last ticks, as many as three windows need.
+/// Positions of all joints at the last ticks, enough for three windows.
 pub(super) struct PositionHistory {
     period: f64,
-    /// Ticks to a window.
+    /// Ticks per window.
     stride: usize,
     joints: usize,
-    /// Ticks one after the other.
+    /// Positions tick by tick.
     all: Vec<f64>,
     newest: usize,
 }
@@ -38,7 +38,7 @@ impl PositionHistory {
         PositionHistory { period, stride, joints: start.len(), all: start.repeat(3 * stride + 1), newest: 0 }
     }
 
-    /// The next tick; its positions are to be filled in.
+    /// Adds a tick and returns its positions to fill in.
     pub fn next(&mut self) -> &mut [f64] {
         self.newest = (self.newest + 1) % (3 * self.stride + 1);
         &mut self.all[self.newest * self.joints..(self.newest + 1) * self.joints]
@@ -59,7 +59,7 @@ impl PositionHistory {
         self.all[(self.newest + n - ticks) % n * self.joints + j]
     }
 
-    /// Would `next` as the position of the next tick keep the limits over the windows that end there, and hardly jump?
+    /// True if `next` as the next position keeps the limits over the windows that end there, and hardly jumps.
     pub fn may_be_followed_by(&self, j: usize, next: f64, limits: &Limits) -> bool {
         let (h, t) = (self.window(), self.period);
         let [a, b, c] = [1, 2, 3].map(|k| self.ago(j, k * self.stride - 1));
@@ -72,19 +72,19 @@ impl PositionHistory {
     }
 }
 
-/// Jump of a position from tick to tick that counts as the last digits of a reading, rad or m.
+/// Jump of a position between ticks that counts as the last digits of a reading, rad or m.
 const NOISE: f64 = 1e-4;
 
-/// The wanted motion of all joints.
+/// The desired motion of all joints.
 pub(super) struct DesiredMotion {
     period: f64,
     ring: PositionHistory,
     velocity: Vec<f64>,
-    /// Change of the velocity told from tick to tick.
+    /// Change of the commanded velocity from tick to tick.
     change: Vec<f64>,
     now: Vec<TrajectoryPoint>,
     before: Vec<TrajectoryPoint>,
-    /// For how many ticks the velocities told fit.
+    /// Number of ticks for which the commanded velocities fit, at most 3.
     fitting: Vec<u32>,
 }
 
@@ -103,7 +103,7 @@ impl DesiredMotion {
         }
     }
 
-    /// What is wanted at the next tick.
+    /// Adds the commands of the next tick.
     pub fn push(&mut self, position: &[f64], velocity: &[f64], limits: &[Limits]) {
         for ((to, asked), limit) in self.ring.next().iter_mut().zip(position).zip(limits) {
             *to = asked.clamp(limit.lower, limit.upper);
@@ -120,13 +120,13 @@ impl DesiredMotion {
         self.velocity.copy_from_slice(velocity);
     }
 
-    /// Does the velocity told at this tick fit the position asked?
+    /// True if the commanded velocity of this tick fits the commanded position.
     fn fits(&self, j: usize, asked: f64, told: f64) -> bool {
         let (t, last) = (self.period, self.velocity[j]);
         let q = self.ring.back(j, 0);
         let bend = q - self.before[j].q - 0.5 * t * (told + last);
         let changes = (told - last).abs() + self.change[j].abs();
-        // Where the range cuts it short, the velocity told is not that of the motion.
+        // Where the range clips the position, the commanded velocity does not belong to the motion.
         q == asked && bend.abs() <= 0.25 * t * changes + ROUNDING
     }
 
@@ -142,7 +142,7 @@ impl DesiredMotion {
         if self.mean_jerk(j).abs() <= SMOOTH * jerk {
             return TrajectoryPoint { q, v: last + 0.5 * h * acceleration, a: acceleration };
         }
-        // A step is no velocity: only what both windows say.
+        // A step has no velocity: use only the part common to both windows.
         let both = if last * first > 0.0 { last.signum() * last.abs().min(first.abs()) } else { 0.0 };
         TrajectoryPoint { q, v: both, a: 0.0 }
     }
@@ -157,7 +157,7 @@ impl DesiredMotion {
         self.before[j]
     }
 
-    /// Its jerk: from tick to tick where velocities are told, or else its mean over the last three windows.
+    /// Its jerk: from tick to tick where commanded velocities fit, otherwise the mean over the last three windows.
     pub fn jerk(&self, j: usize) -> f64 {
         if self.fitting[j] == 3 {
             return (self.now[j].a - self.before[j].a) / self.period;
@@ -170,12 +170,12 @@ impl DesiredMotion {
         (a - 3.0 * b + 3.0 * c - d) / self.ring.window().powi(3)
     }
 
-    /// Do the velocities told fit the positions?
+    /// True if the commanded velocities fit the positions.
     pub fn has_velocity(&self, j: usize) -> bool {
         self.fitting[j] == 3
     }
 
-    /// Does it keep the limits? One that does not leads nowhere that could be told.
+    /// True if it keeps the limits. A motion that does not cannot be extrapolated.
     fn keeps(&self, j: usize, limits: &Limits) -> bool {
         let TrajectoryPoint { v, a, .. } = self.now[j];
         let more = 1.0 + 1e-6;
@@ -184,8 +184,8 @@ impl DesiredMotion {
             && self.jerk(j).abs() <= limits.jerk * more
     }
 
-    /// Where it leads `ahead` seconds after the last tick: the acceleration lasts for `horizon`, the speed is capped by its
-    /// limit and lasts for `horizon` more, and the range ends it. A motion that breaks a limit, such as a step, leads to where it is.
+    /// Extrapolates by `ahead` seconds from the last tick: constant acceleration for `horizon`, then constant speed for `horizon`
+    /// more, within the limits of speed and range. A motion that breaks a limit, such as a step, stays at its position.
     pub fn ahead(&self, j: usize, ahead: f64, horizon: f64, limits: &Limits) -> TrajectoryPoint {
         let TrajectoryPoint { q, v, a } = self.now[j];
         if !self.keeps(j, limits) {
@@ -211,7 +211,7 @@ mod tests {
 
     const LIMITS: [Limits; 1] = [Limits { lower: -2.0, upper: 2.0, speed: 5.0, acceleration: 40.0, jerk: 800.0 }];
 
-    /// q = 0.5 sin(3 t), pushed with or without its velocity, to 1 s.
+    /// q = 0.5 sin(3 t), with or without its velocity, up to 1 s.
     fn sine(period: f64, told: bool) -> DesiredMotion {
         let mut wanted = DesiredMotion::new(&[0.0], period);
         for k in 1..=(1.0 / period).round() as i32 {
@@ -227,10 +227,10 @@ mod tests {
         for (told, window) in [(true, 0.001), (false, 0.01)] {
             let found = sine(0.001, told);
             let now = found.now(0);
-            // Backward differences: v to h^2 q''' / 3 (told: exact), a to h q''' and half of that for told velocities.
+            // Backward differences: v to h^2 q''' / 3 (exact with velocity), a to h q''' and half of that with velocity.
             assert!((now.v - v).abs() <= if told { 0.0 } else { 13.5 * window * window / 3.0 * 1.1 }, "{now:?} {v}");
             assert!((now.a - a).abs() <= 13.5 * window * 1.1, "{now:?} {a}");
-            // The mean of the last 30 ms lags by 15 ms (told: 1 ms); the fourth derivative is at most 40.5.
+            // The mean of the last 30 ms lags by 15 ms (1 ms with velocity); the fourth derivative is at most 40.5.
             let late = if told { 0.001 } else { 0.015 };
             assert!((found.jerk(0) - jerk).abs() <= 40.5 * late * 1.1, "{} {jerk}", found.jerk(0));
         }
@@ -256,7 +256,7 @@ mod tests {
         // At 0.32 with 1.6 per second and 4 more each second.
         let p = wanted.ahead(0, 0.1, 0.1, &LIMITS[0]);
         assert!((p.q - 0.5).abs() < 1e-12 && (p.v - 2.0).abs() < 1e-12 && (p.a - 4.0).abs() < 1e-9, "{p:?}");
-        // The acceleration ends after the horizon; what was reached then goes on for as long again and stands.
+        // The acceleration ends after the horizon; the speed then reached lasts as long again, and the motion rests.
         let p = wanted.ahead(0, 0.15, 0.1, &LIMITS[0]);
         assert!((p.q - 0.6).abs() < 1e-12 && (p.v - 2.0).abs() < 1e-12 && p.a == 0.0, "{p:?}");
         let p = wanted.ahead(0, 1.0, 0.1, &LIMITS[0]);

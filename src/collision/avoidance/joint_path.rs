@@ -1,4 +1,4 @@
-//! Motions of one joint in pieces of constant jerk, which end at rest.
+//! Paths of one joint in pieces of constant jerk, which end at rest.
 //!
 //! ```text
 //! q(s) = q + v s + a s^2 / 2 + j s^3 / 6        within a piece, s from its start
@@ -17,8 +17,8 @@
 //! j1 = C - B + A / 3,   j2 = B - A / 2 - 2 j1,   j3 = A - j1 - j2
 //! ```
 //!
-//! and stops from there. So a path can always be followed to its end, whatever comes. Extremes are those of the polynomials:
-//! of acceleration at the ends of pieces, of speed there and where a = 0, of position there and where v = 0.
+//! and stops from there. A path can therefore always be followed to its end. Extremes are those of the polynomials: of
+//! acceleration at the ends of pieces, of speed there and where a = 0, of position there and where v = 0.
 
 use super::Limits;
 use crate::motion::spline::TrajectoryPoint;
@@ -52,12 +52,12 @@ struct Piece {
     jerk: f64,
 }
 
-/// See the module.
+/// A path of constant-jerk pieces.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct JointPath {
     pieces: [Piece; PIECES],
     count: usize,
-    /// Where it ends, at rest.
+    /// Final position, at rest.
     rest: f64,
     end: f64,
 }
@@ -68,7 +68,7 @@ impl JointPath {
         JointPath { pieces: [Piece::default(); PIECES], count: 0, rest: q, end: f64::NEG_INFINITY }
     }
 
-    /// As it moves for `duration`, and then at rest at once: what is known of a joint that follows nothing.
+    /// Constant velocity for `duration`, then rest: the prediction for an uncontrolled joint.
     pub fn drift(q: f64, v: f64, begin: f64, duration: f64) -> Self {
         let mut path = JointPath::resting(q);
         if v != 0.0 {
@@ -77,15 +77,15 @@ impl JointPath {
         path
     }
 
-    /// From `from` at `begin` to rest, in the shortest stop that keeps the limits of acceleration and jerk. Whether speed and
-    /// range allow it says [`Self::keeps`].
+    /// From `from` at `begin` to rest, in the shortest stop that keeps the limits of acceleration and jerk. [`Self::keeps`] checks
+    /// speed and range.
     pub fn stop(from: TrajectoryPoint, begin: f64, limits: &Limits) -> Self {
         let mut path = JointPath::resting(from.q);
         path.append_stop(from, begin, limits);
         path
     }
 
-    /// From `from` at `begin` to `to` after `duration`, and on to rest; none when that breaks a limit.
+    /// From `from` at `begin` to `to` after `duration`, and then to rest; none when that breaks a limit.
     pub fn go(from: TrajectoryPoint, begin: f64, to: TrajectoryPoint, duration: f64, limits: &Limits) -> Option<Self> {
         let mut path = JointPath::resting(to.q);
         let d = duration / 3.0;
@@ -142,7 +142,7 @@ impl JointPath {
             return;
         }
         let (v, a) = (from.v, from.a);
-        // The first of these is too short for either limit alone.
+        // The first value is too short for either limit alone.
         let mut d = 0.5 * (v.abs() / limits.acceleration).max((v.abs() / limits.jerk).sqrt());
         d = d.max(0.4 * a.abs() / limits.jerk).max(1e-6);
         let fits = |d: f64| {
@@ -150,7 +150,7 @@ impl JointPath {
             let (jerk, between) = (j1.abs().max(j2.abs()), (v / d + 0.5 * a).abs());
             (jerk <= limits.jerk && between <= limits.acceleration.max(a.abs())).then_some((j1, j2))
         };
-        // The terms fall with d, but for a / 2, which a limit at least as great as a holds.
+        // The terms decrease with d, except a / 2, which a limit of at least |a| allows.
         let found = (0..400).find_map(|_| {
             d *= 1.1;
             fits(d)
@@ -160,12 +160,12 @@ impl JointPath {
         self.rest = self.push(middle, begin + d, d, j2).q;
     }
 
-    /// When it comes to rest, s.
+    /// Time at which it comes to rest, s.
     pub fn end(&self) -> f64 {
         self.end
     }
 
-    /// Where it comes to rest.
+    /// Position at which it comes to rest.
     pub fn rest(&self) -> f64 {
         self.rest
     }
@@ -198,7 +198,7 @@ impl JointPath {
         (high - q).max(q - low)
     }
 
-    /// Does it keep the limits of jerk, acceleration, speed and range?
+    /// True if it keeps the limits of jerk, acceleration, speed and range.
     pub fn keeps(&self, limits: &Limits) -> bool {
         let more = 1.0 + ROUNDING;
         let pieces = &self.pieces[..self.count];
@@ -216,7 +216,7 @@ impl JointPath {
         pieces.iter().all(fast) && self.stays(pieces.first().map_or(self.end, |p| p.begin), limits)
     }
 
-    /// Does it stay within the range from `from` on? One that begins outside may come back.
+    /// True if it stays within the range from `from` on. A path that begins outside may return.
     fn stays(&self, from: f64, limits: &Limits) -> bool {
         let [low, high] = self.range(from, self.end.max(from));
         let start = self.at(from).q;
@@ -232,7 +232,7 @@ fn turns(m: &TrajectoryPoint, jerk: f64) -> [Option<f64>; 2] {
     if root < 0.0 || (a == 0.0 && b == 0.0) {
         return [None, None];
     }
-    // Without cancellation.
+    // Avoids cancellation.
     let w = -0.5 * (b + b.signum() * root.sqrt());
     [(a != 0.0).then(|| w / a), (w != 0.0).then(|| c / w)]
 }
@@ -289,7 +289,7 @@ mod tests {
                         assert!(now.q.abs() <= 2.0 + 1e-8);
                     }
                     if i > 0 && h > 0.0 {
-                        // Acceleration is continuous: it changes by no more than the jerk makes of it.
+                        // Acceleration is continuous: it changes by no more than the jerk allows.
                         assert!(
                             (now.a - before.a).abs() <= LIMITS.jerk * h * (1.0 + 1e-6) + 1e-9,
                             "{before:?} {now:?}"

@@ -1,21 +1,21 @@
-//! How much the joints can change the distance of two bodies.
+//! Bounds on the change of two bodies' distance by joint motion.
 //!
-//! Turning joint k by dq moves no point of what it carries by more than r |dq|, with r the greatest distance of such a point
-//! from the joint's axis. The distance of two bodies changes by no more than the motion of one as seen from the other. In any
-//! posture r is at most
+//! Rotating joint k by dq moves no point that it carries by more than r |dq|, with r the greatest distance of such a point from
+//! the joint's axis. The distance of two bodies changes by no more than the motion of one relative to the other. In any posture
+//! r is at most
 //!
 //! ```text
 //! L_k = greatest distance of a corner from the carried body's link origin + offsets (and slides) of the links in between
 //! ```
 //!
-//! and 1 for a sliding joint. About a given posture m, with the body's centre c and radius R and the joints j between k and
-//! the body away from m by t_j, less is known to be enough:
+//! and 1 for a sliding joint. About a given posture m, with the body's centre c and radius R and the joints j between k and the
+//! body displaced from m by t_j, a smaller bound holds:
 //!
 //! ```text
 //! r_k = |z_k x (c - o_k)| + R + sum over j of min(L_j, r_j) t_j,      |d(q) - d(m)| <= sum over k of min(L_k, r_k) t_k
 //! ```
 //!
-//! From one test of a posture follows so a whole neighbourhood without collision.
+//! One test of a posture thus proves a whole neighbourhood free.
 
 use crate::collision::kinematics::LinkPose;
 use crate::collision::{CollisionModel, Pair};
@@ -28,7 +28,7 @@ pub(super) struct Lever {
     pub joint: usize,
     /// L_k, m/rad or 1.
     pub length: f64,
-    /// Does it carry the second body?
+    /// True if it carries the second body.
     pub second: bool,
     slides: bool,
 }
@@ -40,7 +40,7 @@ struct Sphere {
     radius: f64,
 }
 
-/// By pair, the joints between the bodies: those that carry the first one from it upwards, then those of the second.
+/// The joints between the bodies of each pair: those that carry the first body, from it upwards, then those of the second.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Levers {
     all: Vec<Lever>,
@@ -77,19 +77,19 @@ impl Levers {
         &self.all[self.first[pair]..self.first[pair + 1]]
     }
 
-    /// Levers of all pairs.
+    /// Number of levers of all pairs.
     pub fn count(&self) -> usize {
         self.all.len()
     }
 
-    /// How much the distance of a pair can change in any posture when each joint moves by `travel`, m.
+    /// Greatest change of a pair's distance in any posture when each joint moves by `travel`, m.
     pub fn change(&self, pair: usize, travel: &[f64]) -> f64 {
-        // A lever beyond an endless slide is infinite.
+        // A lever beyond an unlimited slide is infinite.
         let moving = self.of(pair).iter().filter(|lever| travel[lever.joint] > 0.0);
         moving.map(|lever| lever.length * travel[lever.joint]).sum()
     }
 
-    /// For each lever of a pair the greatest distance of the carried body from the axis in a posture, into its part of `radii`.
+    /// Sets the part of a pair in `radii`: for each lever the greatest distance of the carried body from the axis in a posture.
     pub fn measure(&self, pair: usize, poses: &[LinkPose], radii: &mut [f64]) {
         let bodies = self.bodies[pair].map(|b| &self.spheres[b]);
         let centers = bodies.map(|s| poses[s.link].point(&s.center));
@@ -104,7 +104,7 @@ impl Levers {
         }
     }
 
-    /// How much the distance of a pair can change when each joint moves by `travel` from the posture of `radii`, m.
+    /// Greatest change of a pair's distance when each joint moves by `travel` from the posture of `radii`, m.
     pub fn change_from(&self, pair: usize, radii: &[f64], travel: &[f64]) -> f64 {
         let (mut change, mut moved, mut second) = (0.0, 0.0, false);
         for (lever, radius) in self.of(pair).iter().zip(&radii[self.first[pair]..]) {
@@ -124,7 +124,7 @@ impl Levers {
     }
 }
 
-/// For each joint how much the distance of any watched pair can change by it in any posture, m/rad, or 1 for a sliding one.
+/// For each joint the greatest change of any monitored pair's distance by it in any posture, m/rad, or 1 for a sliding joint.
 pub fn levers(model: &Model, collision: &CollisionModel) -> Vec<f64> {
     let mut greatest = vec![0.0f64; model.nj()];
     for lever in Levers::new(model, collision).all {
@@ -147,7 +147,7 @@ fn pair_levers(model: &Model, collision: &CollisionModel, pair: &Pair) -> Vec<Le
             if pair.joints.iter().any(|joint| joint.0 == j) {
                 all.push(Lever { joint: j, length: if slides { 1.0 } else { length }, second: k == 1, slides });
             }
-            // As seen from the next joint.
+            // Measured from the next joint.
             length += model.links[link.0].offset.norm();
             if slides {
                 length += joint.lower.abs().max(joint.upper.abs());
@@ -249,7 +249,7 @@ mod tests {
                 }
             }
         }
-        // A body can indeed move nearly as far as that.
+        // The bound is nearly attained.
         assert!(tightest > 0.9 && coarse > 0.7, "{tightest} {coarse}");
     }
 }

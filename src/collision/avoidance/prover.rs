@@ -1,16 +1,15 @@
-//! Proof that a motion comes nowhere nearer than the margin, at any time of it and not only at samples.
+//! Proves that a motion keeps the margin at all times, not only at samples.
 //!
-//! On an interval of time let m be the posture in its middle and t_k the greatest distance of joint k from there. By the
-//! levers L_k and r_k of [`super::bound`] a pair whose distance d at m obeys
+//! On a time interval let m be the posture in its middle and t_k the greatest distance of joint k from there. By the levers L_k
+//! and r_k of [`super::levers`] a pair whose distance d at m obeys
 //!
 //! ```text
 //! d > margin + sum over k of min(L_k, r_k) t_k
 //! ```
 //!
-//! stays farther apart than the margin all through the interval. Where that fails the interval is halved, for the pairs in
-//! question alone, until it holds, or d <= margin, or the sum is below [`RESOLUTION`], or [`MOST_POSTURES`] were tested: then the pair
-//! is taken as colliding.
-//! Whole levels of halves are looked at before smaller ones, so that a collision is soon found.
+//! keeps the margin throughout the interval. Where that fails, the interval is bisected for the remaining pairs alone, until it
+//! holds, or d <= margin, or the sum is below [`RESOLUTION`], or [`MOST_POSTURES`] were tested; then the pair counts as
+//! colliding. Bisection is breadth first, so that a collision is found early.
 
 use super::joint_path::JointPath;
 use super::levers::Levers;
@@ -18,27 +17,27 @@ use crate::collision::kinematics::{LinkPose, link_poses};
 use crate::collision::{CollisionModel, Detector};
 use crate::robot::Model;
 
-/// Motion within which a pair that is not proven to be clear of the margin counts as colliding, m.
+/// Motion within which a pair not proven to keep the margin counts as colliding, m.
 const RESOLUTION: f64 = 2e-4;
 
-/// Postures after which what is not proven counts as colliding.
+/// Number of tests after which a pair not yet proven counts as colliding.
 const MOST_POSTURES: usize = 256;
 
 struct Interval {
     from: f64,
     to: f64,
-    /// Its part of the pairs in question.
+    /// Its range of the remaining pairs.
     first: usize,
     last: usize,
 }
 
-/// Workspace. Nothing is allocated after construction.
+/// Workspace of the proof. Allocates nothing after construction.
 pub(super) struct Prover {
     poses: Vec<LinkPose>,
     posture: Vec<f64>,
     travel: Vec<f64>,
     radii: Vec<f64>,
-    /// Intervals of this level and the next, and the pairs in question in them.
+    /// Intervals of this level and the next, and their remaining pairs.
     level: Vec<Interval>,
     next: Vec<Interval>,
     pairs: Vec<usize>,
@@ -60,19 +59,19 @@ impl Prover {
         }
     }
 
-    /// Puts the robot into a posture for questions to `detector`.
+    /// Sets the robot's posture for queries to `detector`.
     pub fn set_posture(&mut self, model: &Model, collision: &CollisionModel, detector: &mut Detector, q: &[f64]) {
         link_poses(model, q, &mut self.poses);
         detector.set_poses(collision, &self.poses);
     }
 
-    /// Poses of the links where the robot was last put.
+    /// Link poses of the last posture.
     pub fn poses(&self) -> &[LinkPose] {
         &self.poses
     }
 
-    /// Are `pairs` proven to stay farther apart than `margin` along `paths` from `begin` on? If not, the first ones found
-    /// that are not come into `colliding`, ascending.
+    /// Proves that `pairs` stay farther apart than `margin` along `paths` from `begin` on. If not, the first failures found are in
+    /// `colliding`, ascending.
     #[allow(clippy::too_many_arguments)]
     pub fn prove(
         &mut self,

@@ -1,8 +1,8 @@
-//! Questions about one posture after another.
+//! Distance and collision queries for a sequence of postures.
 //!
-//! Two layers: first boxes along the axes, then the exact distance of the polyhedra. Coherence: each pair begins at the
-//! vertices of its last answer. It changes the time only: each answer proves itself ([`super::gjk`]), so it is the same
-//! from any start but for rounding.
+//! Two layers: first axis-aligned boxes, then the exact distance of the polyhedra. Coherence: each pair starts at the vertices of
+//! its last answer. This changes only the time: each answer carries its proof ([`super::gjk`]), so it is the same from any start
+//! up to rounding.
 
 use nalgebra::Vector3;
 
@@ -13,7 +13,7 @@ use super::support_mapping::SupportMapping;
 use crate::collision::CollisionModel;
 use crate::collision::kinematics::LinkPose;
 
-/// How near the bodies of a pair are.
+/// Distance of a pair of bodies.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Proximity {
     /// Index into [`CollisionModel::pairs`].
@@ -28,10 +28,10 @@ pub struct Proximity {
     pub on_b: Vector3<f64>,
 }
 
-/// Work done since it was last set to zero.
+/// Work done since the counters were reset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Counts {
-    /// Postures placed.
+    /// Postures set.
     pub postures: u64,
     /// Pairs of boxes compared.
     pub boxes: u64,
@@ -41,11 +41,11 @@ pub struct Counts {
     pub depths: u64,
 }
 
-/// Workspace: [`Detector::set_poses`] a posture, then ask. Nothing is allocated after construction. A posture that is not finite
-/// counts as a collision.
+/// Workspace: set a posture by [`Detector::set_poses`], then query. Nothing is allocated after construction. A posture that is
+/// not finite counts as a collision.
 ///
 /// # Panics
-/// Its functions may, when they are given another model than the one it was made for.
+/// May panic when given another model than the one it was built for.
 #[derive(Clone, Debug)]
 pub struct Detector {
     scene: PosedBodies,
@@ -53,11 +53,11 @@ pub struct Detector {
     epa: Epa,
     /// The pairs' bodies.
     pairs: Vec<[usize; 2]>,
-    /// Squares of the box gaps of the pairs, for the query at hand.
+    /// Squares of the box gaps of the pairs, for the current query.
     gaps: Vec<f32>,
-    /// The pair that was nearest when last asked: likely still so.
+    /// The nearest pair of the last query: probably nearest again.
     nearest: usize,
-    /// The pair that collided when last asked.
+    /// The colliding pair of the last query.
     hit: usize,
     found: Vec<Proximity>,
     colliding: Vec<usize>,
@@ -66,7 +66,7 @@ pub struct Detector {
 }
 
 impl Detector {
-    /// Room for a model's pairs.
+    /// For a model's pairs.
     pub fn new(model: &CollisionModel) -> Self {
         let n = model.pairs.len();
         Self {
@@ -83,14 +83,13 @@ impl Detector {
         }
     }
 
-    /// Forgets earlier answers, so that what follows does not depend on them, not even in the last bits.
+    /// Discards earlier answers, so that later ones do not depend on them, not even in the last bits.
     pub fn forget(&mut self) {
         self.warm.fill(Warm::COLD);
         (self.nearest, self.hit) = (0, 0);
     }
 
-    /// Moves the bodies to the posture that the next queries are about. `poses` has one entry per link of the robot, in any
-    /// frame they share.
+    /// Moves the bodies to the posture of the next queries. `poses` has one entry per link of the robot, in any shared frame.
     pub fn set_poses(&mut self, model: &CollisionModel, poses: &[LinkPose]) {
         self.counts.postures += 1;
         self.scene.set_poses(&model.bodies, poses);
@@ -101,7 +100,7 @@ impl Detector {
         self.found.clear();
         self.scene.move_vertices(&model.bodies);
         for pair in 0..model.pairs.len() {
-            // Nothing is farther than infinity.
+            // No distance exceeds infinity.
             let [a, b] = self.scene.moved(&model.bodies, self.pairs[pair]);
             let work = (&mut self.warm[pair], &mut self.epa, &mut self.counts);
             self.found.extend(exact(pair, &a, &b, f64::INFINITY, work));
@@ -119,7 +118,7 @@ impl Detector {
             }
         }
         self.counts.boxes += model.pairs.len() as u64;
-        // The likely ones first: the sooner a small distance is known, the fewer pairs are compared exactly.
+        // Probable pairs first: the sooner a small distance is known, the fewer pairs are compared exactly.
         let likely = [self.nearest, first];
         let mut best = None;
         let mut least = limit;
@@ -128,7 +127,7 @@ impl Detector {
             if f64::from(self.gaps[pair]) > reach * reach {
                 continue;
             }
-            // Not again.
+            // Each pair is compared once.
             self.gaps[pair] = f32::INFINITY;
             let [a, b] = self.scene.posed(&model.bodies, self.pairs[pair]);
             let work = (&mut self.warm[pair], &mut self.epa, &mut self.counts);
@@ -142,9 +141,9 @@ impl Detector {
         best
     }
 
-    /// Is any pair nearer than `margin`, m (0: does any overlap)? Stops at the first.
+    /// True if any pair is closer than `margin`, m (0: overlaps). Stops at the first.
     pub fn intersects(&mut self, model: &CollisionModel, margin: f64) -> bool {
-        // What collided last likely does again.
+        // The pair that collided last probably collides again.
         let (n, last) = (model.pairs.len(), self.hit);
         let hit =
             (last..n.min(last + 1)).chain((0..n).filter(|i| *i != last)).find(|&i| self.is_within(model, i, margin));
@@ -163,11 +162,11 @@ impl Detector {
         &self.colliding
     }
 
-    /// How near one pair is; exact, however far apart.
+    /// Proximity of one pair; exact at any distance.
     pub fn proximity(&mut self, model: &CollisionModel, pair: usize) -> Proximity {
         let [a, b] = self.scene.posed(&model.bodies, self.pairs[pair]);
         let work = (&mut self.warm[pair], &mut self.epa, &mut self.counts);
-        // Nothing is farther than infinity.
+        // No distance exceeds infinity.
         exact(pair, &a, &b, f64::INFINITY, work).expect("not beyond")
     }
 
@@ -188,7 +187,7 @@ impl Detector {
         }
     }
 
-    /// Is one pair nearer than `margin`, m? A pair that is not proven to be farther counts as nearer.
+    /// True if one pair is closer than `margin`, m. A pair that is not proven to be farther counts as closer.
     pub fn is_within(&mut self, model: &CollisionModel, pair: usize, margin: f64) -> bool {
         self.counts.boxes += 1;
         let bodies = self.pairs[pair];

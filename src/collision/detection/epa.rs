@@ -1,26 +1,24 @@
-//! How deep two overlapping convex polyhedra are in each other: the shortest translation that parts them.
+//! Penetration depth of two overlapping convex polyhedra: the shortest translation that separates them.
 //!
 //! ```text
 //! depth = min over unit n of h(n),   h(n) = max { n . x : x in A - B } = n . (s_A(n) - s_B(-n))
 //! ```
 //!
-//! A polytope inside `A - B` that holds the origin grows: its face nearest to the origin, at distance d with normal n, is
-//! pushed out to the vertex of `A - B` farthest along n, until there is none beyond it. At every step d is below the depth,
-//! and h(n) is above it, since moving A by -h(n) n parts the bodies. Where rounding ends the growth early the least h(n)
-//! met is given: an upper bound, and still a translation that parts them.
-//!
-//! Source: G. van den Bergen, Proximity Queries and Penetration Depth Computation on 3D Game Objects, GDC 2001.
+//! A polytope inside `A - B` that contains the origin grows: its face nearest to the origin, at distance d with normal n, is
+//! extended to the vertex of `A - B` farthest along n, until no vertex is beyond it. At every step d is at most the depth, and
+//! h(n) at least, since moving A by -h(n) n separates the bodies. Where rounding ends the growth early, the result is the least
+//! h(n) found: an upper bound, and still a translation that separates them. Source: [van den Bergen 2001].
 
 use nalgebra::Vector3;
 
 use super::simplex::Simplex;
 use super::support_mapping::SupportMapping;
 
-/// The bounds meet when they are this near, m.
+/// Gap between the bounds at convergence, m.
 const MEET: f64 = 1e-11;
-/// A face sees a vertex that is above its plane by more than this, m.
+/// A face is visible from a vertex above its plane by more than this, m.
 const ABOVE: f64 = 1e-13;
-/// Room for vertices, and for faces that were ever made.
+/// Capacity for vertices, and for all faces created.
 const MOST_VERTICES: usize = 256;
 const MOST_FACES: usize = 8 * MOST_VERTICES;
 
@@ -37,14 +35,14 @@ pub struct Epa {
 struct Face {
     corners: [u16; 3],
     normal: Vector3<f64>,
-    /// Of the plane from the origin, m.
+    /// Distance of the plane from the origin, m.
     distance: f64,
 }
 
-/// The answer.
+/// Depth with the deepest points.
 #[derive(Clone, Copy, Debug)]
 pub struct Depth {
-    /// Upper bound, m: the bodies part when A moves by `-depth * normal`.
+    /// Upper bound, m: the bodies separate when A moves by `-depth * normal`.
     pub depth: f64,
     /// Unit vector from A's inside outward.
     pub normal: Vector3<f64>,
@@ -66,7 +64,7 @@ impl Default for Epa {
 }
 
 impl Epa {
-    /// The depth of A in B, from a simplex of `A - B` that holds the origin.
+    /// The depth of A in B, from a simplex of `A - B` that contains the origin.
     pub fn depth(&mut self, a: &impl SupportMapping, b: &impl SupportMapping, simplex: &Simplex) -> Depth {
         self.w.clear();
         self.from.clear();
@@ -82,7 +80,7 @@ impl Epa {
             self.add(corners);
         }
         let mut best: Option<(f64, Face)> = None;
-        // The vertices of A and B outermost along the last normal: the next is not far.
+        // The outermost vertices of A and B along the last normal: the next ones are close.
         let [mut ia, mut ib] = self.from[0];
         while let Some(nearest) = self.nearest() {
             let face = self.faces[nearest];
@@ -117,7 +115,7 @@ impl Epa {
         Depth { depth, normal: face.normal, on_a, on_b: on_a - face.normal * depth }
     }
 
-    /// Makes a tetrahedron of the simplex that holds the origin; false when `A - B` is flat.
+    /// Extends the simplex to a tetrahedron that contains the origin; false when `A - B` is flat.
     fn complete(&mut self, a: &impl SupportMapping, b: &impl SupportMapping) -> bool {
         while self.w.len() < 4 {
             let first = self.w[0];
@@ -154,7 +152,7 @@ impl Epa {
         true
     }
 
-    /// Distance of a point from the point, line or plane through those there are, m.
+    /// Distance of a point from the point, line or plane through the given points, m.
     fn size(&self, w: &Vector3<f64>) -> f64 {
         let off = w - self.w[0];
         match self.w.len() {
@@ -181,8 +179,8 @@ impl Epa {
         self.faces.push(Face { corners, normal, distance });
     }
 
-    /// Takes the vertex in: faces that see it go, and new ones join it to the border of the hole. False when rounding has
-    /// left the hole without one closed border.
+    /// Adds the vertex: visible faces are removed, and new ones join it to the border of the hole. False when rounding has left the
+    /// hole without one closed border.
     fn grow(&mut self, w: Vector3<f64>, from: [u16; 2]) -> bool {
         self.horizon.clear();
         let mut i = 0;
@@ -194,7 +192,7 @@ impl Epa {
             }
             let [p, q, r] = face.corners;
             for edge in [[p, q], [q, r], [r, p]] {
-                // Between two faces that go there is no border.
+                // An edge between two removed faces is not part of the border.
                 match self.horizon.iter().position(|e| *e == [edge[1], edge[0]]) {
                     Some(at) => drop(self.horizon.swap_remove(at)),
                     None => self.horizon.push(edge),
@@ -227,7 +225,7 @@ fn across(along: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (x, along.cross(&x).normalize())
 }
 
-/// No depth at all: the bodies share one point.
+/// Zero depth: the bodies share one point.
 fn touching(a: &impl SupportMapping, from: &[u16; 2]) -> Depth {
     let at = a.vertex(from[0]);
     Depth { depth: 0.0, normal: Vector3::z(), on_a: at, on_b: at }

@@ -1,27 +1,26 @@
-//! Distance between two convex polyhedra.
+//! GJK distance between two convex polyhedra, with proven bounds.
 //!
 //! ```text
 //! d(A, B) = min |x|, x in A - B = { a - b };    v_k = the point nearest to 0 of the convex hull of W_k
 //! w_k = s_A(-v_k) - s_B(v_k);                   v_k . w_k / |v_k|  <=  d(A, B)  <=  |v_k|
 //! ```
 //!
-//! W_k holds at most four differences of vertices: those that v_(k-1) needs, and w_(k-1). Every step proves both bounds, so
-//! it stops when they meet, when the lower one is beyond what the caller cares for, or when the hull of W holds the
-//! origin. Coherence: the first W holds the vertices of the last answer for this pair, at their present places.
+//! W_k holds at most four differences of vertices: those that v_(k-1) needs, and w_(k-1). Every step proves both bounds, so it
+//! stops when they meet, when the lower one exceeds the caller's limit, or when the hull of W contains the origin. Coherence: the
+//! first W holds the vertices of the last answer for this pair, at their present positions.
 //!
-//! Source: E. G. Gilbert, D. W. Johnson, S. S. Keerthi, IEEE Journal of Robotics and Automation 4 (1988) 193; bounds and
-//! end by G. van den Bergen, Journal of Graphics Tools 4 (1999) 7.
+//! Sources: [Gilbert 1988]; bounds and termination by [van den Bergen 1999].
 
 use nalgebra::Vector3;
 
 use super::simplex::Simplex;
 use super::support_mapping::SupportMapping;
 
-/// The bounds meet when they are this near, m. Coordinates of about 1 m carry rounding errors of 1e-16 m.
+/// Gap between the bounds at convergence, m. Coordinates of about 1 m carry rounding errors of 1e-16 m.
 const MEET: f64 = 1e-12;
-/// Bodies nearer than this touch, m: the direction between them is lost in rounding.
+/// Bodies closer than this touch, m: rounding hides the direction between them.
 const TOUCH: f64 = 1e-12;
-/// Polyhedra end after finitely many steps; this many are never seen but in an endless loop of rounding errors.
+/// Polyhedra converge in finitely many steps; only a loop of rounding errors reaches this many.
 const MOST_STEPS: usize = 100;
 
 /// The vertices of the last answer for a pair.
@@ -33,7 +32,7 @@ pub struct Warm {
 }
 
 impl Warm {
-    /// Nothing known yet.
+    /// No answer yet.
     pub const COLD: Self = Warm { len: 0, a: [0; 4], b: [0; 4] };
 
     fn simplex(&self, a: &impl SupportMapping, b: &impl SupportMapping) -> Simplex {
@@ -50,21 +49,21 @@ impl Warm {
     }
 }
 
-/// What is known of a pair in the end.
+/// Result for a pair.
 #[derive(Clone, Copy, Debug)]
 pub enum Outcome {
     /// Apart.
     Apart {
         /// From B's nearest point to A's, m.
         v: Vector3<f64>,
-        /// The vertices that carry it, with their weights.
+        /// The vertices of the nearest points, with their weights.
         simplex: Simplex,
     },
-    /// Farther apart than the caller cares for.
+    /// Farther apart than the caller's limit.
     Beyond,
     /// Sharing at least a point, within [`TOUCH`].
     Overlap {
-        /// Holds the origin.
+        /// A simplex that contains the origin.
         simplex: Simplex,
     },
 }
@@ -91,7 +90,7 @@ pub fn nearest(a: &impl SupportMapping, b: &impl SupportMapping, v: &Vector3<f64
     Nearest { distance, normal: -v / distance, on_a, on_b }
 }
 
-/// The distance of A and B, or [`Outcome::Beyond`] as soon as it is proven to be above `beyond`, m (infinity: never).
+/// The distance of A and B, or [`Outcome::Beyond`] as soon as it is proven to exceed `beyond`, m (infinity: never).
 pub fn distance(a: &impl SupportMapping, b: &impl SupportMapping, warm: &mut Warm, beyond: f64) -> Outcome {
     let mut s = warm.simplex(a, b);
     let mut v = s.reduce();
@@ -117,7 +116,7 @@ pub fn distance(a: &impl SupportMapping, b: &impl SupportMapping, warm: &mut War
         let old = s;
         s.push(w, ia, ib);
         let next = s.reduce();
-        // Without progress the rest is rounding: the last answer with its proven bounds is the best there is.
+        // Without progress the rest is rounding: the last answer with its proven bounds is the best available.
         if next.norm_squared() >= square {
             s = old;
             break;

@@ -1,4 +1,4 @@
-//! Which bodies of a posture touch, and how far apart the others are.
+//! Collisions and distances of the bodies in a posture.
 
 mod axis_box;
 mod detector;

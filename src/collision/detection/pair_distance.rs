@@ -1,4 +1,4 @@
-//! One pair after another with whatever start the caller keeps: for searches that drop pairs as they go.
+//! Distances of single pairs, with starts kept by the caller: for searches that drop pairs as they proceed.
 
 use super::gjk::{self, Nearest, Outcome, Warm};
 use super::posed_bodies::PosedBodies;
@@ -10,7 +10,7 @@ use crate::collision::spatial::Body;
 pub struct PairDistance(PosedBodies);
 
 impl PairDistance {
-    /// Room for bodies.
+    /// For these bodies.
     pub fn new(bodies: &[Body]) -> Self {
         Self(PosedBodies::new(bodies))
     }
@@ -48,7 +48,7 @@ impl PairDistance {
         }
     }
 
-    /// How deep two overlapping bodies are in each other, m; `None` when they are apart.
+    /// Penetration depth of two overlapping bodies, m; `None` when they are apart.
     pub fn depth(&self, bodies: &[Body], pair: [usize; 2]) -> Option<f64> {
         let [a, b] = self.0.posed(bodies, pair);
         match gjk::distance(&a, &b, &mut Warm::COLD.clone(), 0.0) {

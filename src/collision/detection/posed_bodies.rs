@@ -7,7 +7,7 @@ use super::support_mapping::{PosedPolytope, TransformedPolytope};
 use crate::collision::kinematics::LinkPose;
 use crate::collision::spatial::Body;
 
-/// Poses, boxes and vertices of all bodies.
+/// Poses, boxes and vertices of all bodies in one posture.
 #[derive(Clone, Debug)]
 pub struct PosedBodies {
     poses: Vec<LinkPose>,
@@ -19,7 +19,7 @@ pub struct PosedBodies {
 }
 
 impl PosedBodies {
-    /// Room for bodies.
+    /// For these bodies.
     pub fn new(bodies: &[Body]) -> Self {
         let mut first = vec![0];
         first.extend(bodies.iter().scan(0, |sum, b| {
@@ -55,13 +55,13 @@ impl PosedBodies {
         self.boxes[i].gap_squared(&self.boxes[k])
     }
 
-    /// Two bodies by their poses.
+    /// Two bodies represented by their poses.
     #[inline]
     pub fn posed<'a>(&'a self, bodies: &'a [Body], pair: [usize; 2]) -> [PosedPolytope<'a>; 2] {
         pair.map(|i| PosedPolytope { polytope: &bodies[i].polytope, pose: &self.poses[i] })
     }
 
-    /// Two bodies by their vertices; [`Self::move_vertices`] comes first.
+    /// Two bodies represented by their transformed vertices; call [`Self::move_vertices`] first.
     #[inline]
     pub fn moved<'a>(&'a self, bodies: &'a [Body], pair: [usize; 2]) -> [TransformedPolytope<'a>; 2] {
         pair.map(|i| TransformedPolytope {
@@ -70,7 +70,7 @@ impl PosedBodies {
         })
     }
 
-    /// Moves the vertices of all bodies.
+    /// Transforms the vertices of all bodies.
     pub fn move_vertices(&mut self, bodies: &[Body]) {
         for (i, body) in bodies.iter().enumerate() {
             let pose = self.poses[i];

@@ -1,18 +1,17 @@
-//! The point of a simplex nearest to the origin, and the smallest face that holds it.
+//! The point of a simplex nearest to the origin, and the smallest face that contains it.
 //!
 //! ```text
 //! v = argmin |x|,  x = sum l_i w_i,  l_i >= 0,  sum l_i = 1;   kept: the w_i with l_i > 0
 //! ```
 //!
-//! Which feature of a triangle is nearest follows from the signs of its areas, and of a tetrahedron from those of its
-//! volumes, as in M. Montanari, N. Petrinic, E. Barbieri, ACM Transactions on Graphics 36 (2017) 30; the formulas for
-//! a triangle are those of C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5. Where an area or a volume is
-//! lost in rounding the features one dimension lower are compared by the distances themselves.
+//! The nearest feature of a triangle follows from the signs of its areas, that of a tetrahedron from those of its volumes
+//! [Montanari 2017]; the formulas for a triangle are those of [Ericson 2005, section 5.1.5]. Where rounding hides an area or a
+//! volume, the features one dimension lower are compared by their distances.
 
 use nalgebra::Vector3;
 
-/// A triangle is taken for a line where its area, and a tetrahedron for a triangle where its volume, is this part of the
-/// product of its edges: below it the signs are those of rounding errors.
+/// A triangle counts as a line where its area, and a tetrahedron as a triangle where its volume, is this part of the product of
+/// its edges: below it rounding decides the signs.
 const FLAT: f64 = 1e-13;
 
 /// At most four points of the difference `A - B` of two bodies, with the vertices they come from.
@@ -30,7 +29,7 @@ pub struct Simplex {
     pub l: [f64; 4],
 }
 
-/// A face of a simplex by the places of its points, and the weights of the nearest point.
+/// A face of a simplex by the indices of its points, and the weights of the nearest point.
 #[derive(Clone, Copy)]
 struct Face {
     len: usize,
@@ -49,13 +48,13 @@ impl Simplex {
         self.len = i + 1;
     }
 
-    /// Is this difference of vertices one of the points?
+    /// True if this difference of vertices is one of the points.
     pub fn holds(&self, a: u16, b: u16) -> bool {
         (0..self.len).any(|i| self.a[i] == a && self.b[i] == b)
     }
 
-    /// Keeps the smallest face that holds the point nearest to the origin and returns that point. Four points are left
-    /// only when the origin is inside.
+    /// Keeps the smallest face that contains the point nearest to the origin and returns that point. Four points remain only when
+    /// the origin is inside.
     pub fn reduce(&mut self) -> Vector3<f64> {
         let face = match self.len {
             1 => Face { len: 1, at: [0; 4], l: [1.0, 0.0, 0.0, 0.0] },
@@ -134,7 +133,7 @@ impl Simplex {
         let (e, f, g) = (q - p, r - p, s - p);
         let volume = e.dot(&f.cross(&g));
         let flat = volume.abs() <= FLAT * e.norm() * f.norm() * g.norm();
-        // Weight of each corner times the volume: the volume of the tetrahedron with the origin in that corner's place.
+        // Weight of each corner times the volume: the volume of the tetrahedron with the origin in place of that corner.
         let (m1, m2, m3) = (-p.dot(&f.cross(&g)), -p.dot(&g.cross(&e)), -p.dot(&e.cross(&f)));
         let parts = [volume - m1 - m2 - m3, m1, m2, m3];
         let outside = parts.map(|part| flat || part * volume < 0.0);

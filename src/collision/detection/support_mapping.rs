@@ -1,24 +1,24 @@
-//! A polyhedron in its place, in one of two ways: with its vertices moved there, which pays when many pairs ask for them, or
-//! with directions turned back into its own frame, which costs nothing beforehand.
+//! The support mapping of a polyhedron in a pose, in two forms: with transformed vertices, which pays when many pairs query them,
+//! or with directions rotated into its own frame, which costs nothing beforehand.
 
 use nalgebra::Vector3;
 
 use crate::collision::kinematics::LinkPose;
 use crate::collision::spatial::Polytope;
 
-/// What an algorithm asks of a body; everything in the frame shared by the bodies.
+/// Queries of the algorithms on a body, all in the frame shared by the bodies.
 pub trait SupportMapping {
     /// The outermost vertex in direction `d`, beginning the search at `start`.
     fn outermost(&self, d: &Vector3<f64>, start: u16) -> u16;
 
-    /// The place of a vertex, m.
+    /// Position of a vertex, m.
     fn vertex(&self, k: u16) -> Vector3<f64>;
 }
 
-/// With moved vertices.
+/// A polyhedron with transformed vertices.
 #[derive(Clone, Copy)]
 pub struct TransformedPolytope<'a> {
-    /// What it is.
+    /// The polyhedron.
     pub polytope: &'a Polytope,
     /// Its vertices in the shared frame, m.
     pub points: &'a [Vector3<f64>],
@@ -36,12 +36,12 @@ impl SupportMapping for TransformedPolytope<'_> {
     }
 }
 
-/// With a pose.
+/// A polyhedron with a pose.
 #[derive(Clone, Copy)]
 pub struct PosedPolytope<'a> {
-    /// What it is.
+    /// The polyhedron.
     pub polytope: &'a Polytope,
-    /// Of its frame in the shared one.
+    /// Pose of its frame in the shared one.
     pub pose: &'a LinkPose,
 }
 

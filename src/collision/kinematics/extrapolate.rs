@@ -1,17 +1,16 @@
-//! Where the joints will be if their accelerations last.
+//! Extrapolates joint positions under constant accelerations.
 //!
 //! ```text
 //! q'(s) = clamp(q' + q'' s, -v_max, v_max),   q(t) = clamp(q + integral of q'(s) ds from 0 to t, lower, upper)
 //! ```
 //!
-//! Without the caps that is `q + q' t + q'' t^2 / 2`. The paper caps by speed and range so that predictions stay within
-//! what the robot can do (section IV, "kinematics"). The clamped speed is a ramp between two constants, so its integral
-//! is exact.
+//! Without limits this is `q + q' t + q'' t^2 / 2`. The limits of speed and range keep predictions within the robot's abilities
+//! ([Hale 2008], section IV, "kinematics"). The clamped speed is a ramp between two constants, so its integral is exact.
 
 use crate::robot::Model;
 
-/// Joint positions (rad, m) after `t` s, from positions `q`, velocities `qd` and accelerations `qdd` that last. Speeds are
-/// capped by the joints' limits from the start, positions by their ranges in the end.
+/// Joint positions (rad, m) after `t` s, from positions `q`, velocities `qd` and constant accelerations `qdd`. Speeds are
+/// clamped to the joints' limits throughout, positions to their ranges at the end.
 ///
 /// # Panics
 /// When a slice is shorter than the model's joints.
@@ -27,7 +26,7 @@ pub(crate) fn capped_travel(v: f64, a: f64, limit: f64, t: f64) -> f64 {
     if a == 0.0 || !limit.is_finite() {
         return (v.clamp(-limit, limit)) * t + a * t * t / 2.0;
     }
-    // When the speed leaves the cap it starts beyond, and when it comes to the one it heads for.
+    // When the ramp enters and leaves the allowed speeds, for a speed that starts outside.
     let leaves = ((-limit * a.signum() - v) / a).clamp(0.0, t);
     let arrives = ((limit * a.signum() - v) / a).clamp(0.0, t);
     let ramp = arrives - leaves;
@@ -57,7 +56,7 @@ mod tests {
         // From -3, taken as -1: until the ramp passes -1 at 1 s, 1 down; to +1 at 2 s, nothing; then 1 up.
         assert_eq!(capped_travel(-3.0, 2.0, 1.0, 3.0), -1.0 + 0.0 + 1.0);
         assert_eq!(capped_travel(3.0, -2.0, 1.0, 3.0), 1.0 + 0.0 - 1.0);
-        // Never below the cap: faster than it, and driven on.
+        // Starts above the limit and accelerates further: the limit throughout.
         assert_eq!(capped_travel(5.0, 1.0, 2.0, 0.5), 1.0);
         assert_eq!(capped_travel(5.0, 0.0, 2.0, 0.5), 1.0);
         assert_eq!(capped_travel(-5.0, -1.0, 2.0, 0.5), -1.0);

@@ -1,4 +1,4 @@
-//! Poses of the links for given joint positions, and nothing else: a collision test needs no velocities and no inertias.
+//! Link poses for given joint positions, without velocities and inertias, which collision tests do not need.
 //!
 //! ```text
 //! R_i = R_p(i) R_i0 Rz(q_i),   p_i = p_p(i) + R_p(i) d_i          (revolute; prismatic adds z_i q_i to p_i)
@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::robot::{JointKind, Model};
 
-/// Where a link is.
+/// Pose of a link.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LinkPose {
     /// Orientation of the link's internal frame.
@@ -18,13 +18,13 @@ pub struct LinkPose {
 }
 
 impl LinkPose {
-    /// The frame itself.
+    /// The identity.
     pub const IDENTITY: Self = LinkPose {
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         origin: Vector3::new(0.0, 0.0, 0.0),
     };
 
-    /// A point of the link's internal frame.
+    /// Transforms a point of the link's internal frame.
     #[inline]
     pub fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * p + self.origin

@@ -1,4 +1,4 @@
-//! Where the links are, and where they will be.
+//! Poses of the links, and extrapolated joint positions.
 
 mod extrapolate;
 mod link_poses;

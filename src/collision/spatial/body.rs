@@ -17,30 +17,30 @@ pub struct Body {
     pub polytope: Polytope,
 }
 
-/// A link with collision shapes that is no body.
+/// A link with collision shapes that is not a body.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DroppedBody {
     /// The link.
     pub link: LinkId,
     /// Its name.
     pub name: String,
-    /// Why.
+    /// Reason.
     pub why: WhyBody,
 }
 
-/// Why a link is no body.
+/// Reason why a link is not a body.
 #[derive(Clone, PartialEq, Debug)]
 pub enum WhyBody {
-    /// The robot file lists the bodies, and not this link.
+    /// The robot file lists the bodies, without this link.
     NotListed,
-    /// Its hull stays inside the one of the named link: nothing can touch it without touching that one.
+    /// Its hull stays inside that of the named link: nothing can touch it without touching that link.
     Inside(String),
     /// Its shapes have no hull: they are flat, or have more than 65 535 corners.
     NoHull,
 }
 
 impl Body {
-    /// The body of a link; `None` when it has no collision shapes, an error when they have no hull.
+    /// The body of a link; `None` without collision shapes, an error when they have no hull.
     pub(super) fn new(link: &Link, id: LinkId, resolution: usize) -> Option<Result<Self, DroppedBody>> {
         if link.collisions.is_empty() {
             return None;

@@ -1,4 +1,4 @@
-//! Bodies inside others: nothing can touch them first.
+//! Removes bodies enclosed in other bodies: nothing can touch them first.
 
 use super::body::{Body, DroppedBody, WhyBody};
 use super::link_tree::joints_between;
@@ -6,12 +6,12 @@ use super::pair_search::Sampler;
 use crate::collision::kinematics::{LinkPose, link_poses};
 use crate::robot::Model;
 
-/// Postures looked at, beside home; a quarter of the joints is at either end of its range in each.
+/// Postures tested in addition to home; a quarter of the joints is at either end of its range in each.
 const POSTURES: usize = 200;
-/// A body may stick out by this much and still count as inside, m: rounding.
+/// A body may protrude by this much and still count as enclosed, m: rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Takes out bodies that are inside another one in all postures tried.
+/// Removes bodies that are inside another one in all postures tried.
 pub(super) fn drop_enclosed(model: &Model, bodies: Vec<Body>, seed: u64) -> (Vec<Body>, Vec<DroppedBody>) {
     let mut postures = vec![model.home.clone()];
     let mut sampler = Sampler::new(model, seed, "inner");
@@ -32,13 +32,13 @@ pub(super) fn drop_enclosed(model: &Model, bodies: Vec<Body>, seed: u64) -> (Vec
         })
     };
     let holds = |outer: &Body, inner: &Body| {
-        // Without a joint between them one posture tells all.
+        // Without a joint between them one posture is enough.
         let fixed = joints_between(model, inner.link, outer.link).is_empty();
         !poses.iter().take(if fixed { 1 } else { poses.len() }).any(|p| outside(inner, outer, p))
     };
     let mut dropped: Vec<Option<usize>> = vec![None; bodies.len()];
     for i in 0..bodies.len() {
-        // Of two equal bodies one stays.
+        // Of two equal bodies one remains.
         let outer = |o: &usize| *o != i && dropped[*o].is_none() && holds(&bodies[*o], &bodies[i]);
         dropped[i] = (0..bodies.len()).find(outer);
     }

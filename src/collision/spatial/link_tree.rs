@@ -1,8 +1,8 @@
-//! Ways through the tree of links.
+//! Paths through the tree of links.
 
 use crate::robot::{JointId, LinkId, Model};
 
-/// The joints between two links, in ascending order: those whose positions say where the one is as seen from the other.
+/// The joints between two links, in ascending order: those on which their relative pose depends.
 pub(super) fn joints_between(model: &Model, a: LinkId, b: LinkId) -> Vec<JointId> {
     let (mut a, mut b) = (a.0, b.0);
     let mut joints = Vec::new();
@@ -17,7 +17,7 @@ pub(super) fn joints_between(model: &Model, a: LinkId, b: LinkId) -> Vec<JointId
     joints
 }
 
-/// For every link the nearest one above it (or itself) for which `is_body` says so.
+/// For every link the nearest link that satisfies `is_body`, itself or above it.
 pub(super) fn carriers(model: &Model, is_body: impl Fn(LinkId) -> bool) -> Vec<Option<LinkId>> {
     let mut carriers: Vec<Option<LinkId>> = Vec::with_capacity(model.links.len());
     for (i, link) in model.links.iter().enumerate() {

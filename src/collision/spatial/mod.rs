@@ -1,4 +1,4 @@
-//! The robot as convex bodies, and which pairs of them can meet.
+//! The robot as convex bodies, and the pairs of them that can meet.
 
 mod body;
 mod enclosed_bodies;

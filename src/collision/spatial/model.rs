@@ -1,4 +1,4 @@
-//! The bodies of a robot and the pairs of them that are watched.
+//! The collision model of a robot: its bodies and the pairs of them that are monitored.
 
 use super::body::{Body, DroppedBody, WhyBody};
 use super::enclosed_bodies::drop_enclosed;
@@ -8,7 +8,7 @@ use crate::collision::detection::PairDistance;
 use crate::collision::kinematics::{LinkPose, link_poses};
 use crate::robot::{JointId, LinkId, Model, SelfCollision};
 
-/// Two bodies that are watched.
+/// A monitored pair of bodies.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Pair {
     /// Indices into [`CollisionModel::bodies`], ascending.
@@ -17,46 +17,45 @@ pub struct Pair {
     pub joints: Vec<JointId>,
 }
 
-/// Two bodies that are not.
+/// A pair of bodies that is not monitored.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DroppedPair {
     /// Indices into [`CollisionModel::bodies`], ascending.
     pub bodies: [usize; 2],
-    /// Why.
+    /// Reason.
     pub why: WhyPair,
 }
 
-/// Why a pair is not watched.
+/// Reason why a pair is not monitored.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum WhyPair {
-    /// The robot file says so.
+    /// The robot file excludes it.
     Ignored,
-    /// One hangs on the other, by a joint or through links without bodies.
+    /// The bodies are connected by a joint, or through links without bodies.
     Adjacent,
-    /// They overlap at home, by this depth, m.
+    /// They overlap in the home posture, by this depth, m.
     OverlapAtHome(f64),
     /// They cannot meet within the joint ranges: this is the least distance found, m.
     CannotMeet(f64),
 }
 
-/// A robot for collision tests: immutable, shared by all threads.
+/// Collision model of a robot: immutable, shared by all threads.
 #[derive(Clone, Debug)]
 pub struct CollisionModel {
     /// Convex bodies, at most one per link, in the links' order.
     pub bodies: Vec<Body>,
-    /// Watched pairs.
+    /// Monitored pairs.
     pub pairs: Vec<Pair>,
-    /// Links with shapes that are no bodies.
+    /// Links with shapes that are not bodies.
     pub dropped_bodies: Vec<DroppedBody>,
-    /// Pairs that are not watched.
+    /// Pairs that are not monitored.
     pub dropped_pairs: Vec<DroppedPair>,
-    /// How the pairs that cannot meet were found.
+    /// Parameters of the search for pairs that cannot meet.
     pub search: Search,
 }
 
 impl CollisionModel {
-    /// Bodies and pairs of a robot. The pairs that cannot meet are searched for by random postures; the answer depends on
-    /// nothing but the arguments.
+    /// Bodies and pairs of a robot. Random postures show which pairs cannot meet; the result depends only on the arguments.
     pub fn new(model: &Model, settings: &SelfCollision) -> Self {
         Self::searched(model, settings, Search::default())
     }
@@ -92,8 +91,7 @@ impl CollisionModel {
         this
     }
 
-    /// Bodies of a robot and every pair of them but adjacent and ignored ones: without looking at any posture, except for
-    /// bodies inside others.
+    /// Bodies of a robot and every pair of them except adjacent and ignored ones. Tests no postures, except for enclosed bodies.
     pub fn every_pair(model: &Model, settings: &SelfCollision) -> Self {
         let (bodies, dropped_bodies) = bodies(model, settings);
         let carriers = carriers(model, |link| bodies.iter().any(|b| b.link == link));
@@ -128,7 +126,7 @@ impl CollisionModel {
         this
     }
 
-    /// Triangles of all bodies.
+    /// Number of triangles of all bodies.
     pub fn triangles(&self) -> usize {
         self.bodies.iter().map(|b| b.polytope.triangles.len()).sum()
     }
@@ -151,7 +149,7 @@ fn bodies(model: &Model, settings: &SelfCollision) -> (Vec<Body>, Vec<DroppedBod
             Err(why) => dropped.push(why),
         }
     }
-    // What the robot file lists is watched, inside another body or not.
+    // Bodies listed in the robot file are monitored even inside another body.
     if settings.bodies.is_none() {
         let (kept, inner) = drop_enclosed(model, bodies, Search::default().seed);
         bodies = kept;
@@ -161,7 +159,7 @@ fn bodies(model: &Model, settings: &SelfCollision) -> (Vec<Body>, Vec<DroppedBod
     (bodies, dropped)
 }
 
-/// For every pair how deep it overlaps at home, m.
+/// Depth of overlap of every pair in the home posture, m.
 fn depths_at_home(model: &Model, bodies: &[Body], pairs: &[[usize; 2]]) -> Vec<Option<f64>> {
     let mut poses = vec![LinkPose::IDENTITY; model.links.len()];
     link_poses(model, &model.home, &mut poses);

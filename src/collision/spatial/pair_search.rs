@@ -1,15 +1,14 @@
-//! Which pairs of bodies can meet within the joint ranges, by trying.
+//! Searches for the pairs of bodies that can meet within the joint ranges, by random postures and descents.
 //!
-//! Postures are drawn at random, each joint uniformly over its range, but in one of four at its lower end and in one of four
-//! at its upper one, since bodies far apart come nearest at the ends. From the nearest posture found for a pair, and from
-//! further random ones, descents follow along the gradient of the distance d with normal n from a, A's nearest point, to b,
-//! B's, within the ranges:
+//! Each joint is drawn uniformly over its range, but in one of four postures at its lower end and in one of four at its upper
+//! end, since bodies far apart are closest at the ends. From the closest posture of a pair, and from further random ones,
+//! descents follow the gradient of the distance d with normal n from a, A's nearest point, to b, B's, within the ranges:
 //!
 //! ```text
 //! dd/dq_k = n . (z_k x (b - o_k))  for a joint above B,   - n . (z_k x (a - o_k))  for one above A      (sliding: n . z_k)
 //! ```
 //!
-//! A pair that never comes within [`Search::margin`] is taken as unable to meet. That is evidence, not proof.
+//! A pair that never comes within [`Search::margin`] counts as unable to meet. This is evidence, not proof.
 
 use super::body::Body;
 use super::link_tree::joints_between;
@@ -18,18 +17,18 @@ use crate::collision::kinematics::{LinkPose, link_pose, link_poses};
 use crate::random::Stream;
 use crate::robot::{JointId, JointKind, LinkId, Model};
 
-/// How hard is tried.
+/// Effort of the search.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Search {
     /// Random postures.
     pub postures: usize,
-    /// Descents for each pair left.
+    /// Descents for each remaining pair.
     pub descents: usize,
     /// Steps in each.
     pub steps: usize,
-    /// Pairs that come this near can meet, m.
+    /// Pairs that come this close can meet, m.
     pub margin: f64,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -39,7 +38,7 @@ impl Default for Search {
     }
 }
 
-/// The least distance found for each pair of bodies, m; for a pair that comes within the margin, the first one below it.
+/// The least distance found for each pair of bodies, m; for a pair that comes within the margin, the first below it.
 pub(super) fn closest_found(model: &Model, bodies: &[Body], pairs: &[[usize; 2]], search: &Search) -> Vec<f64> {
     let mut sampler = Sampler::new(model, search.seed, "reach");
     let mut descent =
@@ -58,7 +57,7 @@ pub(super) fn closest_found(model: &Model, bodies: &[Body], pairs: &[[usize; 2]]
         }
     }
     for f in found.iter_mut().filter(|f| f.distance > search.margin) {
-        // What is above both stays where it is: any place will do.
+        // Links above both bodies do not matter: their poses are arbitrary.
         descent.poses.fill(LinkPose::IDENTITY);
         let way = Way::new(model, f.bodies.map(|b| bodies[b].link));
         for k in 0..search.descents {
@@ -119,7 +118,7 @@ impl Descent<'_> {
         self.near.points(self.bodies, f.bodies, &mut f.warm)
     }
 
-    /// Is the pair nearer than found so far? Then that is the new distance.
+    /// Keeps the distance of the pair if it is the least so far; true if it is.
     fn improves(&mut self, f: &mut Found) -> bool {
         match self.near.below(self.bodies, f.bodies, &mut f.warm, f.distance) {
             Some(distance) => {
@@ -131,7 +130,7 @@ impl Descent<'_> {
     }
 }
 
-/// Moves the joints between the two bodies to bring them nearer, beginning at `q`.
+/// Moves the joints between the two bodies from `q` on to bring them closer.
 fn descend(descent: &mut Descent, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec<f64>, way: &Way, search: &Search) {
     let mut next = q.clone();
     let Some(mut here) = descent.nearest_points(f, way, &q) else { return f.distance = 0.0 };
@@ -141,7 +140,7 @@ fn descend(descent: &mut Descent, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec
         if f.distance <= search.margin || step < 1e-4 {
             return;
         }
-        // Each joint's part of its range, the steepest by `step` of it.
+        // Each joint moves in proportion to its range, the steepest by `step` of it.
         let slopes = way.joints.iter().zip(&way.sign).map(|(joint, sign)| {
             let pose = &descent.poses[joint.0 + 1];
             let (z, point) = (pose.rotation.column(2).into_owned(), if *sign > 0.0 { here.on_b } else { here.on_a });
@@ -172,7 +171,7 @@ fn descend(descent: &mut Descent, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec
             }
             Some(_) => {
                 step *= 0.4;
-                // The poses are those of the posture it stays in.
+                // The poses are those of the final posture.
                 descent.place_way(way, &q);
             }
         }
@@ -188,7 +187,7 @@ pub(super) struct Sampler {
 impl Sampler {
     pub(super) fn new(model: &Model, seed: u64, purpose: &str) -> Self {
         let ranges = model.joints.iter().zip(&model.home).map(|(joint, home)| {
-            // A joint that turns without end is anywhere within a turn; one that slides without end, within a metre of home.
+            // A continuous joint is drawn within one turn; an unlimited sliding joint, within a metre of home.
             let reach = if joint.kind == JointKind::Prismatic { 1.0 } else { std::f64::consts::PI };
             let end = |limit: f64, otherwise: f64| if limit.is_finite() { limit } else { otherwise };
             [end(joint.lower, home - reach), end(joint.upper, home + reach)]

@@ -1,24 +1,23 @@
-//! A convex polyhedron with what the queries ask of it: the outermost vertex in a direction, and a box around it.
+//! A convex polyhedron with its support mapping (the outermost vertex in a direction) and an oriented box around it.
 //!
 //! ```text
 //! support(d) = argmax_k d . p_k
 //! ```
 //!
-//! A linear function on a convex body has no summit but the highest, so climbing from vertex to neighbour finds it, the
-//! sooner the nearer it begins. A table of directions to begin at was tried and gained nothing over the last answer.
-//! Source: G. van den Bergen, Collision Detection in Interactive 3D Environments, 2004, section 4.3.4 (after Dobkin and
-//! Kirkpatrick; Cameron's enhanced GJK, 1997).
+//! A linear function on a convex body has no local maximum but the global one, so climbing from vertex to neighbour finds it,
+//! faster from a closer start. A table of start directions gained nothing over the last answer. Source: [van den Bergen 2004,
+//! section 4.3.4] (after Dobkin and Kirkpatrick; [Cameron 1997]).
 
 use nalgebra::{Point3, Vector3};
 
 use super::oriented_box::OrientedBox;
 use crate::geometry::convex_hull_3d;
 
-/// Neighbouring faces whose normals differ by less than this angle, rad, are one face. A climb that stops at the border of
-/// such a face is at most this angle times the size of the body below the summit: 1e-10 m for a body of 1 m.
+/// Neighbouring faces whose normals differ by less than this angle, rad, count as one face. A climb that stops at the border of
+/// such a face is at most this angle times the size of the body below the maximum: 1e-10 m for a body of 1 m.
 const COPLANAR: f64 = 1e-10;
 
-/// A convex polyhedron, in the frame its vertices are given in.
+/// A convex polyhedron, in the frame of its vertices.
 #[derive(Clone, Debug)]
 pub struct Polytope {
     /// Vertices, m.
@@ -74,7 +73,7 @@ impl Polytope {
         &self.around[self.first[k] as usize..self.first[k + 1] as usize]
     }
 
-    /// Is the point (in the body's frame) not outside, by more than `margin`, m?
+    /// True if the point (in the body's frame) is inside, or outside by at most `margin`, m.
     pub fn contains(&self, point: &Vector3<f64>, margin: f64) -> bool {
         self.triangles.iter().all(|t| {
             let [a, b, c] = t.map(|k| self.vertices[k as usize]);
@@ -84,8 +83,8 @@ impl Polytope {
     }
 }
 
-/// Neighbours along the edges of the polyhedron: the diagonals that cut its flat faces into triangles are left out, except
-/// at vertices that are no corners (in the middle of a face or of an edge), where a climb would be stuck without them.
+/// Neighbours along the edges of the polyhedron. Diagonals of flat faces are left out, except at vertices that are not corners
+/// (inside a face or an edge), where a climb would stop without them.
 fn neighbours(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u16>) {
     // Every edge twice, once from each of its triangles, by its lower and upper vertex.
     let mut edges: Vec<([u32; 2], Vector3<f64>)> = Vec::with_capacity(3 * triangles.len());

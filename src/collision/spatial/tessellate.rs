@@ -1,8 +1,8 @@
-//! Shapes as points whose convex hull holds the shape.
+//! Tessellates shapes to points whose convex hull contains the shape.
 //!
-//! A circle of radius r becomes a regular polygon of n corners around it, at r / cos(pi / n), so nothing of the shape sticks
-//! out; a sphere becomes n meridians and 2 ceil(n / 4) bands of equal latitude, moved outward until every face clears it.
-//! What the polyhedron has too much is at most, relative to the radius:
+//! A circle of radius r becomes a regular polygon of n corners around it, at r / cos(pi / n), so that it contains the shape. A
+//! sphere becomes n meridians and 2 ceil(n / 4) bands of equal latitude, moved outward until every face clears it. The excess
+//! of the polyhedron is at most, relative to the radius:
 //!
 //! ```text
 //! cylinder: 1 / cos(pi / n) - 1;    sphere: about 1 / cos^2(pi / n) - 1       (n = 16: 2 and 4 %)
@@ -14,7 +14,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::robot::{Geometry, Shape};
 
-/// Points of a shape in the frame its pose is given in, m; `n` corners to a circle, at least 3.
+/// Points of a shape in the frame of its pose, m; `n` corners to a circle, at least 3.
 pub(super) fn points(shape: &Shape, n: usize) -> Vec<Vector3<f64>> {
     let own: Vec<Vector3<f64>> = match &shape.geometry {
         Geometry::Box(size) => (0..8).map(|k| corner(&(size / 2.0), k)).collect(),
@@ -39,7 +39,7 @@ fn ring(radius: f64, z: f64, n: usize) -> impl Iterator<Item = Vector3<f64>> {
     })
 }
 
-/// Two half balls, `length` apart along z.
+/// Two hemispheres, `length` apart along z.
 fn ball(radius: f64, length: f64, n: usize) -> Vec<Vector3<f64>> {
     let bands = n.div_ceil(4);
     let latitude = |k: usize| PI / 2.0 * k as f64 / bands as f64;
@@ -54,7 +54,7 @@ fn ball(radius: f64, length: f64, n: usize) -> Vec<Vector3<f64>> {
         (x0 * z1 - x1 * z0).abs() / (x1 - x0).hypot(z1 - z0)
     };
     let least = (0..bands).map(clearance).fold(f64::INFINITY, f64::min);
-    // Between the two equators stands a prism, when they are apart.
+    // A prism connects the two equators when they are apart.
     let least = least.min((PI / n as f64).cos());
     let outer = radius / least;
     let half = length / 2.0;

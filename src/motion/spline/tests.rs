@@ -88,8 +88,8 @@ fn the_ends_are_as_said() {
     assert!((first[0] - end[0]).abs() < 1e-11 * scale && (first[1] - end[1]).abs() < 1e-10 * scale);
 }
 
-/// No other curve through the knots with the same ends has less jerk: curves with other knot derivatives, all of them
-/// quintics, which are the least between given ends. The excess is exactly quadratic, so it is found both ways alike.
+/// No other curve through the knots with the same ends has less jerk: tested against curves with other knot derivatives, all of
+/// them quintics, which are the least between given ends. The excess is exactly quadratic, so both signs agree.
 #[test]
 fn the_jerk_is_least() {
     for (spline, ends) in all().into_iter().zip([Ends::Natural, Ends::Clamped, Ends::Periodic]) {
@@ -111,7 +111,7 @@ fn the_jerk_is_least() {
                 };
                 let (plus, minus) = (moved(1.0), moved(-1.0));
                 assert!(plus > 0.0 && minus > 0.0, "{ends:?} {i}: {plus} {minus}");
-                // The slope of the jerk there is zero but for the cancellation of `least`.
+                // The slope of the jerk there is zero except for the cancellation of `least`.
                 assert!((plus - minus).abs() < 1e-11 * (least + plus), "{ends:?} {i}: {plus} {minus}");
             }
         }
@@ -143,8 +143,8 @@ fn natural_ends_reproduce_parabolas_and_mirrors_are_mirrored() {
     }
 }
 
-/// Sampling a smooth function ever more densely the error falls with the sixth power of the interval: at clamped ends where
-/// the function is at rest without acceleration, and on a circle.
+/// Sampling a smooth function ever more densely, the error falls with the sixth power of the interval: at clamped ends where
+/// the function is at rest without acceleration, and on a periodic curve.
 #[test]
 fn the_error_is_of_order_six() {
     type Function = fn(f64) -> f64;
@@ -202,7 +202,7 @@ fn extremes_are_those_of_a_dense_look() {
         let [low, high] = spline.extremes();
         let dense = || (0..=28_000).map(|k| at(&spline, 0.2 + 1e-4 * f64::from(k)).q);
         let (least, most) = (dense().fold(f64::MAX, f64::min), dense().fold(f64::MIN, f64::max));
-        // A look every 1e-4 s misses an extreme by a (5e-5)^2 / 2, a being some 20.
+        // A sample every 1e-4 s misses an extreme by a (5e-5)^2 / 2, a being some 20.
         assert!(low.1 <= least + 1e-15 && least - low.1 < 1e-7 && high.1 >= most - 1e-15 && high.1 - most < 1e-7);
         // The time is rounded when the knot's is added, the rate is some 10.
         assert!((at(&spline, low.0).q - low.1).abs() < 1e-14 && (at(&spline, high.0).q - high.1).abs() < 1e-14);

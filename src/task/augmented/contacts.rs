@@ -1,4 +1,4 @@
-//! What the floor does to the soles: forces on the vertices, which of them are in contact, zero-moment point.
+//! Forces of the floor on the sole vertices, the vertices in contact, and the zero-moment point.
 //!
 //! ```text
 //! F = sum f_s,  M = sum m_s + (p_s - o) x f_s     zmp = o + (-M_y, M_x, 0) / F_z     in the floor's axes, o on the floor
@@ -12,9 +12,9 @@ use crate::geometry::Plane;
 use crate::task::Sensed;
 use nalgebra::{Vector2, Vector3};
 
-/// A vertex that bears less than this many newtons bears nothing: rounding of a solve.
+/// A vertex under a force below this many newtons bears no load: rounding of a solve.
 pub(super) const NOTHING: f64 = 1e-9;
-/// A sole whose sensor reads less than this part of the robot's weight is taken to be in the air.
+/// A sole whose sensor reads less than this part of the robot's weight counts as in the air.
 pub const LIGHT: f64 = 0.02;
 
 /// A vertex on the floor.
@@ -31,8 +31,8 @@ pub struct ContactPoint {
 }
 
 impl Augmented {
-    /// Forces as the floor's simulation has them; where a sensor knows the resultants alone they are split
-    /// ([`super::split`]), and the vertices that bear load of soles that bear 2 % of the weight count as in contact.
+    /// Uses the vertex forces of the simulated floor. Where a sensor measures only the resultants, these are split
+    /// ([`super::load_split`]); then vertices that bear load count as in contact, on soles that bear 2 % of the weight.
     pub(super) fn find_contacts(&mut self, sensed: &Sensed, floor: &Plane) {
         self.contacts.clear();
         let light = LIGHT * body::whole(&self.workspace).mass * self.gravity.norm();

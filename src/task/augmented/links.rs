@@ -1,4 +1,4 @@
-//! Where links and frames fixed in them are.
+//! Poses, velocities and Jacobians of links and of frames fixed in them.
 
 use super::Augmented;
 use crate::dynamics::{Motion, jacobian};
@@ -18,7 +18,7 @@ impl Augmented {
         Isometry3::from_parts(Translation3::from(self.workspace.position + at.origin), turn) * frame
     }
 
-    /// Velocity of the link's point now at the world point `point`, m/s, and the link's angular velocity, rad/s.
+    /// Velocity of the link's point that is now at the world point `point`, m/s, and the link's angular velocity, rad/s.
     pub fn twist(&self, link: LinkId, point: &Vector3<f64>) -> Motion {
         jacobian::link_twist(&self.workspace, link, point)
     }

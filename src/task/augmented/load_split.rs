@@ -1,13 +1,13 @@
-//! How a sole's resultant is shared by its vertices, where a sensor knows no more.
+//! Splits a sole's resultant over its vertices where the sensor measures only the resultant.
 //!
 //! ```text
 //! min sum N_i^2   with   sum N_i = F_z,  sum N_i (x_i, y_i) = F_z c,  N_i >= 0        c the centre of pressure
 //! ```
 //!
-//! The rule of the floor's own simulation for a face at rest ([`crate::contact::model::pressure`]): the split of a load over
-//! more than three vertices is indeterminate, and this one is the most even. Tangential forces are proportional to the
-//! normal ones times the translation and rotation that carry the rest of the wrench. A centre of pressure that errors of
-//! the sensor put outside the sole is moved to the nearest point of its outline, whose two ends then share the load.
+//! The simulated floor uses the same rule for a face at rest ([`crate::contact::model::pressure`]). The split of a load over
+//! more than three vertices is indeterminate; this one is the most even. Tangential forces are proportional to the normal
+//! ones times the translation and rotation that balance the rest of the wrench. If sensor errors put the centre of pressure
+//! outside the sole, it moves to the nearest point of the outline, and the two ends of that side share the load.
 
 use super::contacts::NOTHING;
 use super::soles::SoleData;
@@ -37,7 +37,7 @@ impl Splitter {
         }
     }
 
-    /// Fills the vertex forces of sole `s`, which is where `data` says.
+    /// Fills the vertex forces of sole `s` at the positions in `data`.
     pub fn split(&mut self, s: usize, data: &mut SoleData, load: &SoleLoad, floor: &Plane) {
         let sole = &mut self.soles[s];
         for (v, at) in sole.vertices.iter_mut().zip(&data.vertices) {
@@ -72,7 +72,7 @@ fn problem(sole: &Sole) -> SoleProblem {
     }
 }
 
-/// Gives the load to the two ends of the side that is nearest to `cop`, as its nearest point wants it.
+/// Gives the load to the two ends of the side nearest to `cop`, so that its centre of pressure is the nearest point.
 fn on_outline(sole: &SoleProblem, load: f64, cop: Vector2<f64>, normal: &mut [f64]) {
     let k = normal.len();
     let mut best = (f64::INFINITY, 0, 0.0);

@@ -5,7 +5,7 @@
 //! base    c = R^T (com - p),  c' = J_b q'     so   J_b = R^T J restricted to the joints,
 //! ```
 //!
-//! because the base's own motion moves com, p and R together and leaves c alone.
+//! because the base's own motion moves com, p and R together and leaves c unchanged.
 
 use super::Augmented;
 use crate::dynamics::{body, jacobian};
@@ -22,7 +22,7 @@ impl Augmented {
         jacobian::center_of_mass(&self.workspace, &mut self.com_jacobian);
     }
 
-    /// Needs the world's.
+    /// Needs the Jacobian in world axes.
     pub(super) fn find_com_jacobian_base(&mut self) {
         let base = &self.workspace.links[0].rotation;
         let nb = (self.com_jacobian.len() - self.com_jacobian_base.len()) / 3;

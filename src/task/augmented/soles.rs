@@ -1,4 +1,4 @@
-//! Soles: where they are, how they move with the velocities.
+//! Positions and Jacobians of the soles.
 
 use super::Augmented;
 use crate::dynamics::jacobian;

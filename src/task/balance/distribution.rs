@@ -1,16 +1,15 @@
-//! Splits a wanted wrench on the body over contact points, optimally and within their friction cones.
+//! Distributes a desired wrench on the body over contact points: least squares within the friction cones.
 //!
 //! ```text
 //! minimise  1/2 sum |f_i|^2   subject to   sum f_i = F,   sum r_i x f_i = N,   f_i in K_i                          (1)
 //! K_i = { f : f_n >= 0, |f_t| <= mu f_n }    about the normal n_i of the contact
 //! ```
 //!
-//! **Inside all cones** the answer is the pseudo-inverse, in closed form: with `G_i = (1; [r_i]x)` and
-//! `y = (sum G_i G_i^T)^-1 (F, N)`, `f_i = G_i^T y`, which is an affine field over the points. This is the least-norm
-//! distribution at the wanted centre of pressure of S.-H. Hyon, J. G. Hale, G. Cheng, Full-body compliant human-humanoid
-//! interaction: balancing in the presence of unknown external forces, IEEE Trans. Robotics 23(5), 2007, section III.
+//! **Inside all cones** the solution is the pseudo-inverse, in closed form: with `G_i = (1; [r_i]x)` and
+//! `y = (sum G_i G_i^T)^-1 (F, N)`, `f_i = G_i^T y`, an affine field over the points. This is the least-norm distribution at
+//! the desired centre of pressure of [Hyon 2007, section III].
 //!
-//! **Otherwise** (1) is solved by its dual, in six unknowns however many contacts there are: its minimiser has the form
+//! **Otherwise** (1) is solved by its dual, in six unknowns for any number of contacts: its minimiser has the form
 //! `f_i = P_i(G_i^T y)`, P_i the projection on K_i, and y maximises a concave function with the gradient
 //! `w - sum G_i P_i(G_i^T y)`, w = (F, N). Each step of the method of multipliers
 //!
@@ -18,12 +17,11 @@
 //! y_k+1 = argmin  1/2 sum |P_i(G_i^T y)|^2 - w . y + eps/2 |y - y_k|^2                                             (2)
 //! ```
 //!
-//! is smooth once, strongly convex, and solved by Newton's method with the derivative of P_i (a semi-smooth Newton
-//! method) and a line search. If no forces in the cones make w, the same steps lead to the wrench nearest to it (A. Chiche,
-//! J. Ch. Gilbert, How the augmented Lagrangian algorithm can deal with an infeasible convex quadratic optimization problem,
-//! J. Convex Analysis 23, 2016). Nearest is meant in the norm of [`Measure`]: moments over a length smaller than the height
-//! of the centre of mass, so that a push past the edge of the soles is answered with less horizontal force, not with a
-//! moment that would turn the body over.
+//! is once continuously differentiable, strongly convex, and solved by Newton's method with the derivative of P_i (a
+//! semi-smooth Newton method) and a line search. If no forces in the cones add up to w, the same steps lead to the nearest
+//! feasible wrench [Chiche 2016], in the norm of [`Measure`]. It divides moments by a length smaller than the height of the
+//! centre of mass, so that a push past the edge of the soles reduces the horizontal force rather than adding a moment that
+//! would tip the body over.
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -36,10 +34,10 @@ pub struct Wrench {
     pub moment: Vector3<f64>,
 }
 
-/// How the distance between the wanted wrench and one that cannot be had is measured.
+/// Norm of the difference between the desired wrench and an infeasible one's substitute.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Measure {
-    /// A force to compare with, N: the robot's weight. Above zero.
+    /// Reference force, N: the robot's weight. Above zero.
     pub force: f64,
     /// A moment of this length times a force counts as much as the force, m. Above zero.
     pub length: f64,
@@ -47,23 +45,23 @@ pub struct Measure {
     pub up: Vector3<f64>,
 }
 
-/// How much more a missing vertical force counts: without it a robot rather jumps than gives way.
+/// Weight of a missing vertical force: without it the robot would jump rather than yield.
 pub const VERTICAL: f64 = 10.0;
 
-/// Weights eps of the first steps of (2), relative to the number of contacts: the early ones lead the later ones near.
+/// Weights eps of the first steps of (2), relative to the number of contacts: the early steps bring the later ones close.
 const WEIGHTS: [f64; 2] = [1e-1, 1e-3];
-/// That of all further steps. Each leaves about this part of what the one before has missed.
+/// Weight of all further steps. Each reduces the remaining error to about this part.
 const LAST_WEIGHT: f64 = 1e-5;
-/// Most of these further steps; two to four are usual.
+/// Limit on these further steps; two to four are usual.
 const LAST_STEPS: usize = 8;
-/// Newton steps for one step of (2): convergence takes about ten.
+/// Limit on Newton steps for one step of (2): convergence takes about ten.
 const NEWTON_STEPS: usize = 40;
-/// Part of a Newton step below which it is given up: rounding has the last word.
+/// Smallest part of a Newton step that is tried: below it rounding dominates.
 const SHORTEST: f64 = 1e-8;
-/// What is left of w, relative to it, that counts as rounding.
+/// Remainder of w, relative to it, that counts as rounding.
 const ROUNDING: f64 = 1e-15;
 
-/// The contacts of one instant and their forces. Allocated once; `add` within the capacity allocates nothing.
+/// The contacts of one instant and their forces. `add` within the capacity allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Distribution {
     contacts: Vec<Contact>,
@@ -82,13 +80,13 @@ impl Distribution {
         Distribution { contacts: Vec::with_capacity(capacity), forces: Vec::with_capacity(capacity) }
     }
 
-    /// Forgets all contacts.
+    /// Removes all contacts.
     pub fn clear(&mut self) {
         self.contacts.clear();
         self.forces.clear();
     }
 
-    /// A contact at `arm` from the reference point (m) with the unit normal `normal`, which points to the robot.
+    /// Adds a contact at `arm` from the reference point (m) with the unit normal `normal` towards the robot.
     pub fn add(&mut self, arm: Vector3<f64>, normal: Vector3<f64>) {
         self.contacts.push(Contact { arm, normal });
         self.forces.push(Vector3::zeros());
@@ -99,14 +97,14 @@ impl Distribution {
         &self.forces
     }
 
-    /// Finds the forces; returns what they add up to, which is `wanted` if the cones of coefficient `friction` allow.
-    pub fn solve(&mut self, wanted: &Wrench, friction: f64, measure: &Measure) -> Wrench {
+    /// Finds the forces; returns their sum, which is `desired` if the cones of coefficient `friction` allow it.
+    pub fn solve(&mut self, desired: &Wrench, friction: f64, measure: &Measure) -> Wrench {
         let map = Map {
             lift: Matrix3::identity() + measure.up * measure.up.transpose() * (VERTICAL - 1.0),
             length: measure.length,
         };
-        let force = map.lift * wanted.force;
-        let moment = wanted.moment / measure.length;
+        let force = map.lift * desired.force;
+        let moment = desired.moment / measure.length;
         let w = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z) / measure.force;
         if !self.unbounded(&map, &w, friction) {
             self.bounded(&map, &w, friction);
@@ -117,7 +115,7 @@ impl Distribution {
         self.sum()
     }
 
-    /// What the forces add up to.
+    /// Sum of the forces.
     fn sum(&self) -> Wrench {
         let mut sum = Wrench { force: Vector3::zeros(), moment: Vector3::zeros() };
         for (contact, f) in self.contacts.iter().zip(&self.forces) {
@@ -127,7 +125,7 @@ impl Distribution {
         sum
     }
 
-    /// The closed form; false if it leaves a cone, or if the contacts cannot make every wrench.
+    /// The closed form; false if it leaves a cone, or if the contacts cannot produce every wrench.
     fn unbounded(&mut self, map: &Map, w: &Vector6<f64>, friction: f64) -> bool {
         let mut gram = Matrix6::zeros();
         for contact in &self.contacts {
@@ -141,7 +139,7 @@ impl Distribution {
             return false;
         }
         let mut y = Vector6::zeros();
-        // The second round takes off the rounding of the first.
+        // The second round removes the rounding of the first.
         for _ in 0..2 {
             let mut rest = *w;
             for contact in &self.contacts {
@@ -173,7 +171,7 @@ impl Distribution {
                 rest -= map.wrench(&contact.arm, f);
             }
             let left = rest.norm() / size;
-            // Either all is there, or no more comes: w cannot be had.
+            // Either w is reached, or progress has stopped: w is infeasible.
             if left <= ROUNDING || (weight == LAST_WEIGHT && left > 0.5 * missing) {
                 return;
             }
@@ -196,7 +194,7 @@ impl Distribution {
             let better = loop {
                 let next = y + step * length;
                 let (v, g) = self.dual(map, w, friction, &next, centre, eps);
-                // Where rounding hides the value's decrease the gradient has to tell.
+                // Where rounding hides the decrease of the value, the gradient decides.
                 let hidden = (v - value).abs() <= 8.0 * f64::EPSILON * value.abs();
                 if v <= value + 1e-4 * length * slope || (hidden && g.norm() < gradient.norm()) {
                     break Some((next, v, g));
@@ -272,7 +270,7 @@ impl Map {
     }
 }
 
-/// The point of the cone of coefficient `friction` about `normal` that is nearest to `x`, and the derivative of that.
+/// Nearest point to `x` of the cone of coefficient `friction` about `normal`, and its derivative.
 fn project(x: &Vector3<f64>, normal: &Vector3<f64>, friction: f64) -> (Vector3<f64>, Matrix3<f64>) {
     let up = x.dot(normal);
     let tangent = x - normal * up;

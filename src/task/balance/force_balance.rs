@@ -1,23 +1,22 @@
-//! `balance` with `control = "force"`, and `gravity-compensation`: efforts that make the floor hold the robot up.
+//! `balance` with `control = "force"`, and `gravity-compensation`: joint efforts for which the floor supports the robot.
 //!
 //! ```text
-//! F   = m (kp (c_ref - c) + kd (c_ref' - c') - g)          wanted force of the floor on the robot            (1)
-//! N   = I (kp turn(R, R_ref) - kd omega)                   wanted moment of it about the centre of mass      (2)
+//! F   = m (kp (c_ref - c) + kd (c_ref' - c') - g)          desired force of the floor on the robot           (1)
+//! N   = I (kp turn(R, R_ref) - kd omega)                   desired moment of it about the centre of mass     (2)
 //! f_i : sum f_i = F, sum (p_i - c) x f_i = N, in the friction cones, of least norm  (see distribution)      (3)
 //! tau = sum (J_c - J_i)^T f_i                              efforts                                           (4)
-//!       + D (kp slack(q_ref - q) + kd slack(q_ref') - kd q')                                                 (5)
+//!       + D (kp P(q_ref - q) + kd P(q_ref') - kd q')                                                       (5)
 //! ```
 //!
 //! c centre of mass, R and omega orientation and angular velocity of the base, I the inertia of the whole about c, p_i the
 //! vertices of the soles, J_c and J_i the Jacobians of c and p_i (columns of the joints), D the diagonal of the mass matrix
-//! at the start, `slack` what moves nothing that is held (see there). Source of (1), (3), (4) and of the damping in (5):
-//! S.-H. Hyon, J. G. Hale, G. Cheng, Full-body compliant human-humanoid interaction: balancing in the presence of unknown
-//! external forces, IEEE Trans. Robotics 23(5), 2007: neither forces nor external disturbances are measured, there is no
-//! inverse of kinematics or dynamics, and what (1) leaves open is settled by damping. (2) and the springs of (5) are added.
+//! at the start, P the projection on motions that move no held quantity ([`super::null_space_motion`]). Source of (1), (3),
+//! (4) and of the damping in (5): [Hyon 2007]. Neither forces nor disturbances are measured, kinematics and dynamics are not
+//! inverted, and damping settles the motions that (1) leaves free. (2) and the springs of (5) are additions.
 //!
-//! **Why it holds.** Gravity's generalised force is `m J_c^T g`, so (4) with `F = m (f_u - g)` reads
+//! **Why it balances.** Gravity's generalised force is `m J_c^T g`, so (4) with `F = m (f_u - g)` reads
 //! `tau = h + m J_c^T f_u - sum J_i^T f_i` on the joints, h the bias of the robot at rest. The rows of the base say
-//! `0 = h + m J_c^T f_u + (0, N) - sum J_i^T f_i`, which is what the split (3) fulfils. If nothing is wanted (`f_u` = 0, N = 0) efforts and
+//! `0 = h + m J_c^T f_u + (0, N) - sum J_i^T f_i`, which the distribution (3) fulfils. With `f_u` = 0 and N = 0 efforts and
 //! contact forces f_i together are an exact equilibrium. Where the cones do not allow F and N, (4) is taken with the forces
 //! that they do allow, and stays consistent.
 
@@ -39,10 +38,10 @@ pub struct Gains {
     pub kd: f64,
 }
 
-/// What a user may choose.
+/// Settings of the task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// How long it lasts, s; infinity: to the end of the run.
+    /// Duration, s; infinity: to the end of the run.
     pub duration: f64,
     /// Centre of mass, equation (1).
     pub com: Gains,
@@ -50,19 +49,19 @@ pub struct Settings {
     pub orientation: Gains,
     /// Joints, (5).
     pub joints: Gains,
-    /// Of the reference of the centre of mass from its default, world, m.
+    /// Offset of the reference of the centre of mass from its default, world, m.
     pub offset: Vector3<f64>,
     /// Time in which the reference moves there, s.
     pub approach: f64,
     /// Friction coefficient of (3).
     pub friction: f64,
-    /// How far inside the soles the forces of (3) stay, from 0, the edge, to 1, the middle.
+    /// Distance of the forces of (3) from the edge of the soles, from 0, the edge, to 1, the middle.
     pub margin: f64,
-    /// Do only those vertices carry that the floor held at the tick before?
+    /// True if only vertices in contact at the tick before bear load.
     pub sensed: bool,
 }
 
-/// New values at a time of the run; what is none stays.
+/// New values at a time of the run; none leaves a value unchanged.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
     /// See [`Settings`].
@@ -73,7 +72,7 @@ pub struct Change {
     pub joints: Option<Gains>,
     /// See [`Settings`].
     pub offset: Option<Vector3<f64>>,
-    /// Of this move of the reference and of later ones.
+    /// For this move of the reference and later ones.
     pub approach: Option<f64>,
     /// See [`Settings`].
     pub friction: Option<f64>,
@@ -81,32 +80,32 @@ pub struct Change {
     pub margin: Option<f64>,
 }
 
-/// See the module.
+/// Task that balances under force control.
 pub struct ForceBalance {
     name: &'static str,
     settings: Settings,
     stance: Stance,
     split: Distribution,
-    slack: NullSpaceMotion,
+    null_space: NullSpaceMotion,
     /// Inertia that each joint moves at the start, D.
     inertia: Vec<f64>,
     joints: Vec<JointId>,
     start: f64,
-    /// Of the reference of the centre of mass from the centre of the soles, m.
+    /// Reference of the centre of mass relative to the centre of the soles, m.
     reference: ReferenceTrajectory<3>,
-    /// Times of the changes, s, and what they bring.
+    /// Times of the changes, s, and their values.
     times: Vec<f64>,
     changes: Vec<Change>,
     orientation: UnitQuaternion<f64>,
     /// Generalised force and joint motion, nv.
     effort: Vec<f64>,
     motion: Vec<f64>,
-    /// Where it wants the centre of mass, and the zero-moment point of the forces (3).
+    /// Desired centre of mass, and the zero-moment point of the forces (3).
     points: [PointOfInterest; 2],
 }
 
 impl ForceBalance {
-    /// A robot on `soles` (none: it must have a fixed base) which is called `name` in messages; `changes` by ascending time.
+    /// A robot on `soles` (none: it must have a fixed base); `name` appears in messages; `changes` by ascending time.
     pub fn new(
         name: &'static str,
         model: &Model,
@@ -121,7 +120,7 @@ impl ForceBalance {
         ForceBalance {
             name,
             split: Distribution::new(vertices),
-            slack: NullSpaceMotion::new(0, &[], 0),
+            null_space: NullSpaceMotion::new(0, &[], 0),
             inertia: vec![0.0; model.nj()],
             joints: (0..model.nj()).filter(driven).map(JointId).collect(),
             start: 0.0,
@@ -137,24 +136,24 @@ impl ForceBalance {
         }
     }
 
-    /// Contact forces it counts on, N, one for each foothold.
+    /// Planned contact forces, N, one for each foothold.
     pub fn forces(&self) -> &[Vector3<f64>] {
         self.split.forces()
     }
 
-    /// Where it counts on them.
+    /// Points of the planned contact forces.
     pub fn stance(&self) -> &Stance {
         &self.stance
     }
 
-    fn place(&mut self, context: &Context) {
+    fn update_stance(&mut self, context: &Context) {
         let sensed = (self.settings.sensed && context.time > self.start).then_some(context.sensed);
         let up = upwards(&context.gravity);
-        self.stance.place(context.model, &context.data.workspace, self.settings.margin, sensed, &up);
+        self.stance.update(context.model, &context.data.workspace, self.settings.margin, sensed, &up);
     }
 
     /// Equations (1) and (2).
-    fn wanted(&self, context: &Context) -> Wrench {
+    fn desired(&self, context: &Context) -> Wrench {
         let Settings { com, orientation, .. } = &self.settings;
         let data = context.data;
         let whole = body::whole(&data.workspace);
@@ -173,10 +172,10 @@ impl ForceBalance {
         Wrench { force: acceleration * whole.mass, moment }
     }
 
-    /// Equation (3): the force on the whole.
-    fn share(&mut self, context: &Context, wanted: &Wrench) -> Vector3<f64> {
+    /// Equation (3); returns the total force.
+    fn distribute(&mut self, context: &Context, desired: &Wrench) -> Vector3<f64> {
         if context.model.nb() == 0 {
-            return wanted.force;
+            return desired.force;
         }
         self.split.clear();
         for hold in &self.stance.footholds {
@@ -188,11 +187,11 @@ impl ForceBalance {
         let reach = self.stance.footholds.iter().map(|h| (h.point - centre).norm_squared()).sum::<f64>()
             / self.stance.footholds.len().max(1) as f64;
         let measure = Measure { force: weight, length: reach.sqrt().max(1e-3), up: upwards(&context.gravity) };
-        self.split.solve(wanted, self.settings.friction, &measure).force
+        self.split.solve(desired, self.settings.friction, &measure).force
     }
 
-    /// Puts the points to where they are now; a centre of mass that nothing draws back is wanted nowhere.
-    fn show(&mut self, context: &Context) {
+    /// Updates the points shown; without a spring the centre of mass has no desired position.
+    fn update_points(&mut self, context: &Context) {
         let com = self.stance.centre + self.reference.at(context.time).0;
         self.points[0].position = (self.settings.com.kp > 0.0).then_some(com);
         let up = upwards(&context.gravity);
@@ -206,7 +205,7 @@ impl ForceBalance {
     }
 
     /// Equation (4), into `effort`.
-    fn carry(&mut self, context: &Context, total: &Vector3<f64>) {
+    fn set_support_efforts(&mut self, context: &Context, total: &Vector3<f64>) {
         let data = context.data;
         for (effort, column) in self.effort.iter_mut().zip(data.com_jacobian.chunks_exact(3)) {
             *effort = Vector3::from_column_slice(column).dot(total);
@@ -218,7 +217,7 @@ impl ForceBalance {
     }
 
     /// Equation (5), added to `effort`.
-    fn settle(&mut self, context: &Context, command: &Command) {
+    fn add_joint_control(&mut self, context: &Context, command: &Command) {
         let (nb, gains) = (context.model.nb(), self.settings.joints);
         if gains.kp > 0.0 {
             self.motion.fill(0.0);
@@ -226,8 +225,8 @@ impl ForceBalance {
                 self.motion[nb + j] =
                     gains.kp * (command.position[j] - context.q()[j]) + gains.kd * command.velocity[j];
             }
-            self.hold(context);
-            self.slack.project(&mut self.motion);
+            self.constrain(context);
+            self.null_space.project(&mut self.motion);
             for &JointId(j) in &self.joints {
                 self.effort[nb + j] += self.inertia[j] * self.motion[nb + j];
             }
@@ -237,29 +236,35 @@ impl ForceBalance {
         }
     }
 
-    /// What the springs of the joints must not move.
-    fn hold(&mut self, context: &Context) {
+    /// Constrains the motions that the springs of the joints must not cause.
+    fn constrain(&mut self, context: &Context) {
         let (model, data) = (context.model, context.data);
         let ws = &data.workspace;
-        self.slack.clear();
+        self.null_space.clear();
         for &SoleId(s) in self.stance.soles() {
             let sole = &model.soles[s];
-            hold_link(&mut self.slack, ws, sole.link, &ws.point(sole.link, &sole.vertices[0]), sole.vertices.len() > 1);
+            hold_link(
+                &mut self.null_space,
+                ws,
+                sole.link,
+                &ws.point(sole.link, &sole.vertices[0]),
+                sole.vertices.len() > 1,
+            );
         }
         if self.settings.com.kp > 0.0 {
-            (0..3).for_each(|axis| self.slack.hold(|k| data.com_jacobian[3 * k + axis]));
+            (0..3).for_each(|axis| self.null_space.constrain(|k| data.com_jacobian[3 * k + axis]));
         }
         if self.settings.orientation.kp > 0.0 && model.nb() == 6 {
-            (0..3).for_each(|axis| self.slack.hold(|k| if k == 3 + axis { 1.0 } else { 0.0 }));
+            (0..3).for_each(|axis| self.null_space.constrain(|k| if k == 3 + axis { 1.0 } else { 0.0 }));
         }
     }
 }
 
-/// Holds a point of a link where it is, and its orientation if `turning`.
-fn hold_link(slack: &mut NullSpaceMotion, ws: &Workspace, link: LinkId, point: &Vector3<f64>, turning: bool) {
+/// Holds the position of a point of a link, and its orientation if `turning`.
+fn hold_link(null_space: &mut NullSpaceMotion, ws: &Workspace, link: LinkId, point: &Vector3<f64>, turning: bool) {
     let chain = ws.support(link);
     for axis in 0..if turning { 6 } else { 3 } {
-        slack.hold(|k| {
+        null_space.constrain(|k| {
             if chain.binary_search(&k).is_err() {
                 return 0.0;
             }
@@ -279,12 +284,12 @@ impl Task for ForceBalance {
         for j in 0..nj {
             self.inertia[j] = ws.mass.get(nb + j, nb + j);
         }
-        // Joints that it does not drive stay where they are: they would cost more than all others together.
+        // Joints that it does not drive stay in place: moving one would cost more than all others together.
         let mut weights = vec![1e6 * self.inertia.iter().fold(0.0, |m: f64, x| m.max(*x)); nj];
         self.joints.iter().for_each(|j| weights[j.0] = self.inertia[j.0]);
-        self.slack = NullSpaceMotion::new(nb, &weights, 6 * self.stance.soles().len() + 6);
+        self.null_space = NullSpaceMotion::new(nb, &weights, 6 * self.stance.soles().len() + 6);
         self.start = context.start;
-        self.place(context);
+        self.update_stance(context);
         let now = context.data.com - self.stance.centre;
         let up = upwards(&context.gravity);
         let stable = self.stance.stable_point(model, &context.data.workspace, &up) - self.stance.centre;
@@ -297,19 +302,19 @@ impl Task for ForceBalance {
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         if has_elapsed(context.time - self.start, self.settings.duration) {
-            // Servos hold what they find; modes and efforts go back by themselves.
+            // Servos hold the present posture; the server restores modes and efforts.
             for &JointId(j) in &self.joints {
                 command.position[j] = context.q()[j];
                 command.velocity[j] = 0.0;
             }
             return Ok(Status::Done);
         }
-        self.place(context);
-        let wanted = self.wanted(context);
-        let total = self.share(context, &wanted);
-        self.show(context);
-        self.carry(context, &total);
-        self.settle(context, command);
+        self.update_stance(context);
+        let desired = self.desired(context);
+        let total = self.distribute(context, &desired);
+        self.update_points(context);
+        self.set_support_efforts(context, &total);
+        self.add_joint_control(context, command);
         let nb = context.model.nb();
         for &JointId(j) in &self.joints {
             command.mode[j] = DriveMode::Force;

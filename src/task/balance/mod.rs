@@ -1,4 +1,4 @@
-//! `balance`: keep the centre of mass above the soles. One file per way of control.
+//! `balance`: keeps the centre of mass above the soles, under force control or position control.
 
 pub mod distribution;
 pub mod force_balance;

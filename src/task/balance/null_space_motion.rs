@@ -1,24 +1,23 @@
-//! The part of a joint motion that moves neither what is held nor the soles.
+//! Null-space motion: the part of a joint motion that moves neither the soles nor the controlled quantities.
 //!
 //! ```text
 //! minimise  sum w_k (v_k - e_k)^2   subject to   A v = 0
 //! ```
 //!
-//! over all velocities v, those of the base costing nothing. e is the joint motion wished for, A the Jacobians of what has to
-//! stay: the soles, and the centre of mass and the orientation of the base where they are controlled. In the coordinates
-//! `sqrt(w) v` the answer is the orthogonal projection on the null space of A; its base is made by the modified
-//! Gram-Schmidt process (Bjorck, Numerical Methods for Least Squares Problems, SIAM 1996, section 2.4) twice over, and
-//! rows that depend on earlier ones drop out.
+//! over all velocities v, those of the base at no cost. e is the preferred joint motion, A the Jacobians of what must not move:
+//! the soles, and the centre of mass and the orientation of the base where they are controlled. In the coordinates
+//! `sqrt(w) v` the solution is the orthogonal projection on the null space of A. An orthonormal basis of the rows comes from
+//! the modified Gram-Schmidt process, applied twice [Bjorck 1996, section 2.4]; dependent rows drop out.
 //!
 //! With w the joints' inertias, an effort `w k v` of the result does no work on any motion that keeps the soles in place and
-//! is orthogonal, in that metric, to the slack: it cannot push the centre of mass from where it is wanted.
+//! is orthogonal, in that metric, to the null space: it cannot displace the controlled centre of mass.
 
-/// A row shorter than this part of what it was before the earlier rows were taken out depends on them.
+/// A row that shrinks below this part of its norm when the earlier rows are removed depends on them.
 const DEPENDENT: f64 = 1e-9;
-/// What moving the base costs beside joints of unit weight. It should cost nothing; the answer is off by about this.
+/// Cost of moving the base relative to joints of unit weight. Ideally 0; the result is off by about this.
 const FREE: f64 = 1e-8;
 
-/// Scratch for one robot.
+/// Projector on the null space, with scratch for one robot.
 #[derive(Clone, Debug)]
 pub struct NullSpaceMotion {
     nv: usize,
@@ -38,13 +37,13 @@ impl NullSpaceMotion {
         NullSpaceMotion { nv: scale.len(), rows: vec![0.0; rows * scale.len()], scale, used: 0 }
     }
 
-    /// Forgets all constraints.
+    /// Removes all constraints.
     pub fn clear(&mut self) {
         self.used = 0;
     }
 
     /// Adds the constraint `sum row(k) v_k = 0`.
-    pub fn hold(&mut self, row: impl Fn(usize) -> f64) {
+    pub fn constrain(&mut self, row: impl Fn(usize) -> f64) {
         let (done, rest) = self.rows.split_at_mut(self.used * self.nv);
         let Some(new) = rest.get_mut(..self.nv) else { return };
         for (k, (x, s)) in new.iter_mut().zip(&self.scale).enumerate() {
@@ -52,7 +51,7 @@ impl NullSpaceMotion {
         }
         let before = norm(new);
         for _ in 0..2 {
-            done.chunks_exact(self.nv).for_each(|q| take_out(q, new));
+            done.chunks_exact(self.nv).for_each(|q| remove_along(q, new));
         }
         let after = norm(new);
         if after > DEPENDENT * before {
@@ -65,7 +64,7 @@ impl NullSpaceMotion {
     pub fn project(&self, motion: &mut [f64]) {
         motion.iter_mut().zip(&self.scale).for_each(|(m, s)| *m *= s);
         for _ in 0..2 {
-            self.rows[..self.used * self.nv].chunks_exact(self.nv).for_each(|q| take_out(q, motion));
+            self.rows[..self.used * self.nv].chunks_exact(self.nv).for_each(|q| remove_along(q, motion));
         }
         motion.iter_mut().zip(&self.scale).for_each(|(m, s)| *m /= s);
     }
@@ -75,8 +74,8 @@ fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Takes the part along the unit vector `q` out of `x`.
-fn take_out(q: &[f64], x: &mut [f64]) {
+/// Removes the part along the unit vector `q` from `x`.
+fn remove_along(q: &[f64], x: &mut [f64]) {
     let along: f64 = q.iter().zip(x.iter()).map(|(q, x)| q * x).sum();
     x.iter_mut().zip(q).for_each(|(x, q)| *x -= along * q);
 }

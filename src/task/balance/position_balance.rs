@@ -7,17 +7,16 @@
 //! dq = z + W J^T (J W J^T + mu 1)^-1 (x - J z),   J = [J_soles; J_com,xy],   x = [0; r + u - c_plan],   z = k_q (q_0 - q) dt
 //! ```
 //!
-//! The joints are asked for a posture q of the plan in which the soles stay where they are and the centre of mass stands at
-//! r + u; joints that this leaves free return to the posture q_0 they started from, and W weighs who moves. r lies above
-//! the point of optimal stability of the soles' common hull, carried along with the soles. At rest d = e, so either integral
-//! brings the sensed centre of mass to r whatever sag the servos have; under a lasting push only d tells how far to lean.
+//! The commanded posture q of the plan keeps the soles in place and the centre of mass at r + u. Joints that this leaves free
+//! return to their initial posture q_0, and W weighs the joints' shares. r lies above the point of optimal stability of the
+//! soles' common hull, carried along with the soles. At rest d = e, so either integral brings the sensed centre of mass to r
+//! whatever the servos' sag; under a lasting push only d shows how far to lean.
 //!
-//! The zero-moment point first goes the wrong way when the centre of mass is accelerated, p = c - c'' h/g, so k_z has to stay
+//! An accelerated centre of mass first moves the zero-moment point the wrong way, p = c - c'' h/g. k_z therefore has to stay
 //! well below sqrt(g/h): by default it is at most a third of that, and k_d at least 3.6 1/s times h/g.
 //!
-//! Sources: Sugihara, Nakamura and Inoue, Realtime humanoid motion generation through ZMP manipulation based on inverted
-//! pendulum control, ICRA 2002 (the centre of mass resolved by its Jacobian, feet kept); the paper of this program's platform, section
-//! II.B (centre-of-mass feedback of position-actuated robots).
+//! Sources: [Sugihara 2002] (the centre of mass resolved by its Jacobian, feet kept); [Hale 2008], section II.B
+//! (centre-of-mass feedback of position-actuated robots).
 
 use super::reference_trajectory::ReferenceTrajectory;
 use crate::geometry::{convex_hull, stable_point};
@@ -27,13 +26,13 @@ use crate::task::kinematic::{Goal, InverseKinematics, PlannedRobot, Unknowns, fe
 use crate::task::{Command, Context, Needs, PointOfInterest, Status, Task, TaskResult, has_elapsed};
 use nalgebra::{Vector2, Vector3};
 
-/// Default k_z as a part of sqrt(g/h), the rate of the inverted pendulum that the robot is, and greatest, 1/s. HOAP-2 has 6 1/s,
-/// robots of a person's size 3.5 1/s.
+/// Default k_z as a part of sqrt(g/h), the rate of the robot as an inverted pendulum, and its maximum, 1/s. HOAP-2 has 6 1/s,
+/// robots of human size 3.5 1/s.
 const LEANING: (f64, f64) = (1.0 / 3.0, 2.0);
-/// Default k_d over h/g, 1/s, and least, s.
+/// Default k_d over h/g, 1/s, and its minimum, s.
 const DAMPING: (f64, f64) = (3.6, 0.1);
 
-/// What it is asked to be.
+/// Settings of the task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Length, s; may be infinite.
@@ -50,17 +49,17 @@ pub struct Settings {
     pub reach: f64,
     /// k_q, 1/s.
     pub posture: f64,
-    /// Time in which all of it comes into force, s.
+    /// Time in which the control fades in, s.
     pub approach: f64,
     /// Displacement of r from its default, world axes, m.
     pub offset: Vector2<f64>,
     /// W of each joint.
     pub mobility: Vec<f64>,
-    /// Are joints given efforts against gravity besides positions?
+    /// True if joints get efforts against gravity in addition to positions.
     pub feed_forward: bool,
 }
 
-/// New values at a time of the run; what is none stays.
+/// New values at a time of the run; none leaves a value unchanged.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
     /// k_p, m per m.
@@ -79,10 +78,10 @@ pub struct Change {
     pub approach: Option<f64>,
 }
 
-/// See the module.
+/// Task that balances under position control.
 pub struct PositionBalance {
     settings: Settings,
-    /// k_d and k_z in force.
+    /// Present k_d and k_z.
     damping: f64,
     leaning: f64,
     soles: Vec<SoleId>,
@@ -97,23 +96,23 @@ pub struct PositionBalance {
     started: f64,
     before: f64,
     posture: Vec<f64>,
-    /// r relative to the mean of the soles, from where the centre of mass stood in the plan.
+    /// r relative to the mean of the soles, starting at the planned centre of mass.
     reference: ReferenceTrajectory<2>,
-    /// Times of the changes, s, and what they bring.
+    /// Times of the changes, s, and their values.
     times: Vec<f64>,
     changes: Vec<Change>,
-    /// Does it ever ask for the zero-moment point?
+    /// True if it ever reads the zero-moment point.
     leans: bool,
-    /// Time in which all of it comes into force, s.
+    /// Time in which the control fades in, s.
     rise: f64,
     /// w.
     memory: Vector2<f64>,
-    /// Where it wants the centre of mass, r at the height of the plan, and the zero-moment point, r on the ground.
+    /// Desired centre of mass, r at the height of the plan, and desired zero-moment point, r on the ground.
     points: [PointOfInterest; 2],
 }
 
 impl PositionBalance {
-    /// For a robot that [`planned_robot::check`] has let through, on these soles, at least one; `changes` by ascending time.
+    /// For a robot that [`planned_robot::check`] accepts, on these soles, at least one; `changes` by ascending time.
     pub fn new(model: &Model, soles: Vec<SoleId>, settings: Settings, changes: Vec<(f64, Change)>) -> Self {
         let (times, changes): (Vec<f64>, Vec<Change>) = changes.into_iter().unzip();
         let leans = |leaning: Option<f64>| leaning != Some(0.0);
@@ -147,7 +146,7 @@ impl PositionBalance {
         }
     }
 
-    /// Point of optimal stability under the plan, horizontal, world.
+    /// Point of optimal stability of the plan, horizontal, world.
     fn find_reference(&mut self, context: &Context) -> Vector2<f64> {
         self.hull.clear();
         for sole in self.soles.iter().map(|s| &context.model.soles[s.0]) {
@@ -198,11 +197,11 @@ impl Task for PositionBalance {
         let period = context.time - self.before;
         self.before = context.time;
         let progress = minimum_jerk(t, self.rise).0;
-        let wanted = self.reference.at(context.time).0;
+        let desired = self.reference.at(context.time).0;
         let here = self.sensed_support(context);
-        let error = wanted - (context.data.com.xy() - here);
-        let load = context.data.zmp.map_or(Vector2::zeros(), |p| wanted - (p.xy() - here));
-        // On its edges a sole hides where the load is, and what is integrated then is missing when it lies flat again.
+        let error = desired - (context.data.com.xy() - here);
+        let load = context.data.zmp.map_or(Vector2::zeros(), |p| desired - (p.xy() - here));
+        // While a sole stands on its edge the load position is unknown; an integral taken then would be wrong once it is flat.
         let flat = self.soles.iter().all(|s| context.sensed.soles[s.0].clamped.iter().all(|c| *c));
         if flat {
             self.memory += (error * s.integral + load * self.leaning) * (period * progress);
@@ -210,10 +209,10 @@ impl Task for PositionBalance {
         self.memory = self.memory.map(|x| x.clamp(-s.reach, s.reach));
         let reply = error * s.proportional - context.data.com_velocity.xy() * self.damping;
         let displacement = (self.memory + reply * progress).map(|x| x.clamp(-s.reach, s.reach));
-        let (com, ground) = (here + wanted, self.ground(context));
+        let (com, ground) = (here + desired, self.ground(context));
         self.points[0].position = Some(Vector3::new(com.x, com.y, self.planned.com().z));
         self.points[1].position = Some(Vector3::new(com.x, com.y, ground));
-        let planned = self.planned.support().xy() + wanted + displacement;
+        let planned = self.planned.support().xy() + desired + displacement;
         self.goal.com.x = planned.x;
         self.goal.com.y = planned.y;
 
@@ -232,8 +231,8 @@ impl Task for PositionBalance {
         } else {
             self.planned.update(model);
         }
-        // No velocity is asked for: that of the plan holds the acceleration of the centre of mass times k_d, which the
-        // servos' damping would close into a loop of its own, unstable at the control rate.
+        // The velocity command stays zero: the plan's velocity contains the acceleration of the centre of mass times k_d, which the
+        // servos' damping would close into a loop that is unstable at the control rate.
         for &j in &self.joints {
             command.position[j] = self.planned.state.joints[j];
             command.velocity[j] = 0.0;

@@ -1,4 +1,4 @@
-//! A reference that is sent to a new place, also while it is still on its way: every order adds a minimum-jerk path, so that
+//! A reference that moves to new goals, also while it is still moving: every new goal adds a minimum-jerk move, so that
 //! neither the reference nor its velocity jumps.
 //!
 //! ```text
@@ -8,7 +8,7 @@
 use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::SVector;
 
-/// One path.
+/// One minimum-jerk move.
 #[derive(Clone, Copy, Debug)]
 struct Leg<const N: usize> {
     start: f64,
@@ -16,7 +16,7 @@ struct Leg<const N: usize> {
     way: SVector<f64, N>,
 }
 
-/// See the module. Times in s.
+/// A sum of minimum-jerk moves. Times in s.
 #[derive(Clone, Debug)]
 pub struct ReferenceTrajectory<const N: usize> {
     from: SVector<f64, N>,
@@ -24,23 +24,23 @@ pub struct ReferenceTrajectory<const N: usize> {
 }
 
 impl<const N: usize> ReferenceTrajectory<N> {
-    /// At the origin, with room for so many paths.
+    /// At the origin, with room for so many moves.
     pub fn new(paths: usize) -> Self {
         ReferenceTrajectory { from: SVector::zeros(), legs: Vec::with_capacity(paths) }
     }
 
-    /// Forgets all paths: the reference is at `from`.
+    /// Removes all moves: the reference rests at `from`.
     pub fn begin(&mut self, from: SVector<f64, N>) {
         self.from = from;
         self.legs.clear();
     }
 
-    /// Moves the goal on by `way` from `start` within `duration` seconds (0: at once).
+    /// Shifts the goal by `way` from `start` on within `duration` seconds (0: at once).
     pub fn add(&mut self, start: f64, duration: f64, way: SVector<f64, N>) {
         self.legs.push(Leg { start, duration, way });
     }
 
-    /// Place and velocity at a time.
+    /// Position and velocity at a time.
     pub fn at(&self, time: f64) -> (SVector<f64, N>, SVector<f64, N>) {
         let mut sum = (self.from, SVector::zeros());
         for leg in &self.legs {
@@ -70,7 +70,7 @@ mod tests {
         let h = 1e-6;
         for t in [1.5, 2.2, 2.9] {
             let slope = (course.at(t + h).0 - course.at(t - h).0) / (2.0 * h);
-            // The polynomial's terms reach 10, times ways of 4: roundings of 9e-15 at both ends, over 2 h.
+            // The polynomial's terms reach 10, times displacements of 4: roundings of 9e-15 at both ends, over 2 h.
             assert!((slope - course.at(t).1).norm() < 1e-8, "{t}");
         }
     }

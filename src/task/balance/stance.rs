@@ -1,4 +1,4 @@
-//! The vertices of the soles that a robot stands on, as its own kinematics has them.
+//! The sole vertices that a robot stands on, from its own kinematics.
 
 use crate::dynamics::{State, Workspace};
 use crate::geometry::{Plane, convex_hull, stable_point};
@@ -6,24 +6,24 @@ use crate::robot::{Model, SoleId};
 use crate::task::Sensed;
 use nalgebra::{Rotation3, Vector3};
 
-/// One vertex that may carry.
+/// One vertex that may bear load.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Foothold {
     /// Its sole.
     pub sole: SoleId,
-    /// Where contact forces may act there, world, m.
+    /// Point of contact forces, world, m.
     pub point: Vector3<f64>,
     /// Unit normal of the sole towards the robot, world.
     pub normal: Vector3<f64>,
 }
 
-/// What carries at one instant.
+/// The vertices that may bear load at one instant.
 #[derive(Clone, Debug)]
 pub struct Stance {
     soles: Vec<SoleId>,
-    /// The vertices that may carry.
+    /// The vertices that may bear load.
     pub footholds: Vec<Foothold>,
-    /// Mean of all vertices of the soles, whether they carry or not, world, m.
+    /// Mean of all vertices of the soles, loaded or not, world, m.
     pub centre: Vector3<f64>,
 }
 
@@ -39,9 +39,9 @@ impl Stance {
         &self.soles
     }
 
-    /// Places the vertices at the kinematics `ws`, drawn towards the middle of their sole by the part `margin` of their
-    /// distance from it. With `sensed` only those that the floor held. `up` is the normal of soles that have none.
-    pub fn place(&mut self, model: &Model, ws: &Workspace, margin: f64, sensed: Option<&Sensed>, up: &Vector3<f64>) {
+    /// Updates the vertices to the kinematics `ws`, moved towards the middle of their sole by the part `margin` of their
+    /// distance from it. With `sensed` only vertices in contact count. `up` is the normal of soles that have none.
+    pub fn update(&mut self, model: &Model, ws: &Workspace, margin: f64, sensed: Option<&Sensed>, up: &Vector3<f64>) {
         self.footholds.clear();
         let (mut sum, mut count) = (Vector3::zeros(), 0.0);
         for &id in &self.soles {
@@ -61,8 +61,8 @@ impl Stance {
         self.centre = if count > 0.0 { sum / count } else { ws.position };
     }
 
-    /// The point of optimal stability of all vertices of the soles as seen along `up`, at the height of the centre, world, m.
-    /// Needs [`place`](Self::place). Allocates.
+    /// Point of optimal stability of all vertices of the soles seen along `up`, at the height of the centre, world, m.
+    /// Needs [`update`](Self::update). Allocates.
     pub fn stable_point(&self, model: &Model, ws: &Workspace, up: &Vector3<f64>) -> Vector3<f64> {
         let axes = Rotation3::rotation_between(&Vector3::z(), up).unwrap_or_else(Rotation3::identity);
         let level = Plane { rotation: axes.into_inner(), point: self.centre };
@@ -85,7 +85,7 @@ pub fn upwards(gravity: &Vector3<f64>) -> Vector3<f64> {
     gravity.try_normalize(0.0).map_or(Vector3::z(), |g| -g)
 }
 
-/// Rotation vector (world, rad) that turns the base of `state` to `wanted`.
-pub fn turn_to(state: &State, wanted: &nalgebra::UnitQuaternion<f64>) -> Vector3<f64> {
-    (wanted * state.rotation.inverse()).scaled_axis()
+/// Rotation vector (world, rad) that turns the base of `state` to `desired`.
+pub fn turn_to(state: &State, desired: &nalgebra::UnitQuaternion<f64>) -> Vector3<f64> {
+    (desired * state.rotation.inverse()).scaled_axis()
 }

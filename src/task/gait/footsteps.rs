@@ -1,4 +1,4 @@
-//! Where the feet go and when, and the zero-moment point between them.
+//! The footstep plan: positions and times of the feet, and the zero-moment point between them.
 //!
 //! ```text
 //! time    wait      step 1                step 2                      end
@@ -6,21 +6,21 @@
 //!         S         d    | S - d          d    | S - d                d, then wait
 //! ```
 //!
-//! with S the step time and d the time of double support. Footfall i (1 to n) of a walk with step length L comes down at
-//! `i L` ahead of where its foot's pair stood at the start, the last one beside the other foot at `(n - 1) L`; L = 0 steps in
-//! place. The swinging foot goes along
+//! with S the step time and d the time of double support. Footfall i (1 to n) of a walk with step length L lands `i L` ahead
+//! of the initial position of its pair of feet, the last one level with the other foot at `(n - 1) L`; L = 0 steps in place.
+//! The swinging foot moves along
 //!
 //! ```text
 //! p(s) = p0 + (p1 - p0) (10 s^3 - 15 s^4 + 6 s^5),     z(s) = z0 + (z1 - z0) (same) + H 64 s^3 (1 - s)^3
 //! ```
 //!
-//! which lifts off and lands without velocity or acceleration and clears the floor by H half way. The zero-moment point
-//! rests under the standing foot's centroid and crosses over in double support along the same quintic.
+//! which lifts off and lands without velocity or acceleration and clears the floor by H at half the swing. The zero-moment
+//! point rests under the standing foot's centroid and moves across in double support along the same quintic.
 
 use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::{Vector2, Vector3};
 
-/// What a walk is asked to be.
+/// Parameters of a walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stride {
     /// Number of footfalls n.
@@ -47,21 +47,21 @@ struct Fall {
     to: Vector3<f64>,
 }
 
-/// The plan of a walk from two soles at given places.
+/// The plan of a walk from two soles at given positions.
 #[derive(Clone, Debug)]
 pub struct Footsteps {
     stride: Stride,
     start: [Vector3<f64>; 2],
-    /// Those that begin in time.
+    /// Footfalls that begin before the end of the plan.
     falls: Vec<Fall>,
 }
 
 impl Footsteps {
-    /// Soles whose centroids are at `start` (m), walking along the unit vector `ahead`. Where they are is asked up to `until`
+    /// Soles whose centroids are at `start` (m), walking along the unit vector `ahead`. The plan is evaluated up to `until`
     /// seconds only.
     pub fn new(stride: Stride, start: [Vector3<f64>; 2], ahead: Vector3<f64>, until: f64) -> Self {
         let mut places = start;
-        // The step under way at the end and the one that it crosses over to.
+        // The step in progress at the end and the one after it.
         let begun = ((until - stride.wait).max(0.0) / stride.time).ceil() as usize;
         let known = stride.steps.min(begun.saturating_add(2));
         let mut falls = Vec::with_capacity(known);
@@ -75,19 +75,19 @@ impl Footsteps {
         Footsteps { stride, start, falls }
     }
 
-    /// How long it all takes, s.
+    /// Duration of the walk, s.
     pub fn duration(&self) -> f64 {
         2.0 * self.stride.wait + self.stride.steps as f64 * self.stride.time + self.stride.double_support
     }
 
-    /// Step under way at time `t` and the time since it began; those before the first and after the last are `None`.
+    /// Step in progress at time `t` and the time since it began; `None` before the first and after the last.
     fn step(&self, t: f64) -> Option<(usize, f64)> {
         let since = t - self.stride.wait;
         let i = (since / self.stride.time).floor();
         (since >= 0.0 && i < self.falls.len() as f64).then_some((i as usize, since - i * self.stride.time))
     }
 
-    /// Place (m) and velocity (m/s) of a sole's centroid.
+    /// Position (m) and velocity (m/s) of a sole's centroid.
     pub fn sole(&self, foot: usize, t: f64) -> (Vector3<f64>, Vector3<f64>) {
         let (current, since) = match self.step(t) {
             Some((i, since)) => (i, since),
@@ -107,7 +107,7 @@ impl Footsteps {
         (landed.map_or(self.start[foot], |f| f.to), Vector3::zeros())
     }
 
-    /// Where a sole's centroid is to come down in the step under way, or stands, m.
+    /// Landing position of a sole's centroid in the step in progress, or its present position, m.
     pub fn landing(&self, foot: usize, t: f64) -> Vector3<f64> {
         let begun = match self.step(t) {
             Some((i, _)) => i + 1,
@@ -117,11 +117,11 @@ impl Footsteps {
         self.falls[..begun].iter().rev().find(|f| f.foot == foot).map_or(self.start[foot], |f| f.to)
     }
 
-    /// Zero-moment point asked for, m.
+    /// Reference of the zero-moment point, m.
     pub fn zmp(&self, t: f64) -> Vector2<f64> {
         let both = |t: f64| (self.sole(0, t).0.xy() + self.sole(1, t).0.xy()) / 2.0;
         let start = |i: usize| self.stride.wait + i as f64 * self.stride.time;
-        // Under the foot that stands in step i; between the feet before the first and after the last.
+        // Under the standing foot of step i; between the feet before the first and after the last.
         let target = |i: Option<usize>| match i.and_then(|i| Some((i, self.falls.get(i)?))) {
             Some((i, fall)) => self.sole(1 - fall.foot, start(i)).0.xy(),
             None if i == Some(self.falls.len()) => both(start(self.falls.len())),

@@ -1,4 +1,4 @@
-//! How a biped walks: where its feet go, where its zero-moment point is to be, and how the centre of mass then moves.
+//! Gait of a biped: the footstep plan with its zero-moment point, and the resulting centre-of-mass motion.
 
 pub mod footsteps;
 pub mod preview;

@@ -1,4 +1,4 @@
-//! The centre of mass that makes the zero-moment point follow a reference: preview control of the cart-table model.
+//! Preview control of the cart-table model: the centre-of-mass motion whose zero-moment point follows a reference.
 //!
 //! ```text
 //! x = (c, c', c''),   x(k+1) = A x(k) + b u(k),   p(k) = C x(k),   C = (1, 0, -h/g)
@@ -14,16 +14,14 @@
 //! G_p(j) = (R + b~^T P b~)^-1 b~^T (A_c^T)^(j-1) P (-1, 0, 0, 0)^T
 //! ```
 //!
-//! Source: Kajita et al., Biped walking pattern generation by using preview control of zero-moment point, ICRA 2003,
-//! equations 11 to 15; the gains after Katayama et al., Design of an optimal controller for a discrete-time system
-//! subject to previewable demand, Int. J. Control 41 (1985).
+//! Sources: [Kajita 2003, equations 11 to 15]; the gains after [Katayama 1985].
 //!
 //! Symbols: c centre of mass in one horizontal direction, p zero-moment point, h its height over the floor, g gravity.
 
 use crate::linalg::riccati;
 use nalgebra::{Matrix3, Matrix4, RowVector3, Vector3, Vector4};
 
-/// Weight of the jerk's change against that of the error, `R / Q`, m^2 over (m/s^3)^2; Kajita's.
+/// Weight of the jerk's change against that of the error, `R / Q`, m^2 over (m/s^3)^2 [Kajita 2003].
 pub const JERK_WEIGHT: f64 = 1e-6;
 
 /// Gains for one height and period.
@@ -43,7 +41,7 @@ pub struct Preview {
     pub riccati: riccati::Solution,
 }
 
-/// State at the start of a period and the jerk that is kept through it.
+/// State at the start of a period and the jerk held through it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// c, c', c''.
@@ -61,8 +59,8 @@ impl Sample {
 }
 
 impl Preview {
-    /// Gains for a centre of mass `height` m above the floor under `gravity` m/s^2 (its size), decisions every `period`
-    /// seconds, and a look `horizon` seconds ahead. `None` when no gains exist for such numbers.
+    /// Gains for a centre of mass `height` m above the floor under `gravity` m/s^2 (its magnitude), with samples every
+    /// `period` seconds and a preview of `horizon` seconds. `None` when no gains exist.
     pub fn new(height: f64, gravity: f64, period: f64, horizon: f64) -> Option<Self> {
         let (lag, t) = (height / gravity, period);
         let (a, b, c) = cart_table(lag, t);
@@ -99,10 +97,10 @@ impl Preview {
         x[0] - self.lag * x[2]
     }
 
-    /// Motion from rest at `reference[0]`, so many samples, at most one per entry; the last entry goes on for ever.
+    /// Motion from rest at `reference[0]`: `count` samples, at most one per entry; the last entry continues indefinitely.
     pub fn follow(&self, reference: &[f64], count: usize) -> Vec<Sample> {
         let (Some(first), Some(last)) = (reference.first(), reference.last()) else { return Vec::new() };
-        // Relative to the start, so that what the horizon cuts off does not pull from rest.
+        // Relative to the start, so that cutting the preview off at the horizon has no effect at rest.
         let wanted = |k: usize| reference.get(k).unwrap_or(last) - first;
         let (mut x, mut sum) = (Vector3::zeros(), 0.0);
         let count = count.min(reference.len());

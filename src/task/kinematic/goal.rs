@@ -1,4 +1,4 @@
-//! Where a planned is to be.
+//! Goal of the planned robot: soles, centre of mass and root.
 
 use crate::dynamics::Motion;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
@@ -14,7 +14,7 @@ pub struct Goal {
     pub root: UnitQuaternion<f64>,
 }
 
-/// How fast the targets move.
+/// Velocities of the targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rates {
     /// For each sole the velocity of its centroid (m/s) and its angular velocity (rad/s), world axes.

@@ -1,18 +1,16 @@
-//! Sole poses, centre of mass and root orientation to joint positions and velocities.
+//! Whole-body inverse kinematics: from sole poses, centre of mass and root orientation to joint positions and velocities.
 //!
 //! ```text
-//! e(q) = [ sole places and turns; centre of mass; root turn ]  (goal less planned, turns as rotation vectors)
+//! e(q) = [ sole positions and rotations; centre of mass; root rotation ]  (goal less plan, rotations as rotation vectors)
 //! dv   = z + W J^T (J W J^T + mu 1)^-1 (e - J z),   q := q (+) dv        until |e| is small
 //! ```
 //!
 //! with J = -de/dv over the base's six velocities and the joints used, W the mobilities of these velocities, z a preferred
-//! motion (only its part that leaves the goal alone survives) and mu a damping that vanishes with the error, so that the
-//! iteration is Newton's near the goal and bounded far from it. Sources: Nakamura and Hanafusa, InverseKinematics kinematic solutions
-//! with singularity robustness, J. Dyn. Sys. Meas. Control 108 (1986), equation 21 (damping); Sugihara, Solvability-unconcerned
-//! inverse kinematics by the Levenberg-Marquardt method, IEEE T-RO 27 (2011), equation 19 (damping by the error).
+//! motion (only its part in the goal's null space survives) and mu a damping that vanishes with the error, so that the
+//! iteration is Newton's near the goal and bounded far from it. Sources: [Nakamura 1986, equation 21] (damping),
+//! [Sugihara 2011, equation 19] (damping by the error).
 //!
-//! The base's velocities are unknowns like the joints': what soles and centre of mass ask of the root comes out of the
-//! same equations.
+//! The base's velocities are unknowns like those of the joints: the motion of the root follows from the same equations.
 
 use super::{Goal, PlannedRobot, Rates};
 use crate::dynamics::{Motion, crba, jacobian};
@@ -20,25 +18,25 @@ use crate::linalg::cholesky::Symmetric;
 use crate::robot::Model;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-/// Greatest error left, m and rad.
+/// Greatest remaining error at convergence, m and rad.
 const CLOSE: f64 = 1e-11;
-/// Steps before it is given up.
+/// Limit on iterations.
 const MOST_STEPS: usize = 40;
 /// Longest step of any unknown, m or rad.
 const LONGEST: f64 = 0.2;
-/// Times that joints are locked anew in one step.
+/// Limit on rounds of locking joints in one step.
 const MOST_LOCKED: usize = 4;
-/// Damping per squared error, and the least.
+/// Damping per squared error, and its minimum.
 const DAMPING: (f64, f64) = (1e-2, 1e-14);
 
-/// What may move, and which parts of the goal count.
+/// The joints that move, and the parts of the goal that count.
 #[derive(Clone, Debug)]
 pub struct Unknowns {
-    /// Mobility W of each joint, 0 for joints that stay.
+    /// Mobility W of each joint, 0 for fixed joints.
     pub mobility: Vec<f64>,
     /// Axes of the centre of mass that count: 3, or 2 for the horizontal ones.
     pub com_axes: usize,
-    /// Does the root's orientation count?
+    /// True if the root's orientation counts.
     pub root: bool,
 }
 
@@ -46,9 +44,9 @@ pub struct Unknowns {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unreachable {
     /// Too far for the legs.
-    #[error("the legs do not reach: {error:.3e} m or rad are left of the posture asked for")]
+    #[error("the legs do not reach the goal: {error:.3e} m or rad are left")]
     TooFar {
-        /// Greatest error left.
+        /// Greatest remaining error.
         error: f64,
     },
     /// A joint would leave its range.
@@ -71,7 +69,7 @@ pub struct InverseKinematics {
     unknowns: Unknowns,
     /// Index into `v` and mobility of each unknown.
     columns: Vec<(usize, f64)>,
-    /// W with nothing for those that are locked.
+    /// W with 0 for locked unknowns.
     weights: Vec<f64>,
     rows: usize,
     /// J, row-major, `rows` x unknowns.
@@ -81,9 +79,9 @@ pub struct InverseKinematics {
     error: Vec<f64>,
     /// Motion of all velocities, length nv.
     motion: Vec<f64>,
-    /// Preferred motion z, length nv; zero unless set. What [`InverseKinematics::advance`] locks is overwritten.
+    /// Preferred motion z, length nv; zero unless set. [`InverseKinematics::advance`] overwrites the entries of locked joints.
     pub preferred: Vec<f64>,
-    /// Unknowns that make their preferred motion and no other.
+    /// Unknowns that follow only their preferred motion.
     locked: Vec<bool>,
 }
 
@@ -111,7 +109,7 @@ impl InverseKinematics {
         }
     }
 
-    /// With the leg joints alone, equally mobile, and all of the goal.
+    /// Uses the leg joints alone, equally mobile, and all of the goal.
     pub fn of_legs(model: &Model, planned: &PlannedRobot) -> Self {
         let mut mobility = vec![0.0; model.nj()];
         super::planned_robot::leg_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
@@ -123,10 +121,10 @@ impl InverseKinematics {
         self.unknowns.mobility.iter().enumerate().filter(|(_, w)| **w > 0.0).map(|(j, _)| j)
     }
 
-    /// Moves the planned to the goal and gives it the velocity that follows the goal's rates.
+    /// Moves the plan to the goal and sets its velocity to that of the goal's rates.
     ///
     /// # Errors
-    /// [`Unreachable`]; the planned is then somewhere between.
+    /// [`Unreachable`]; the plan is then in an intermediate posture.
     pub fn solve(
         &mut self,
         model: &Model,
@@ -154,9 +152,8 @@ impl InverseKinematics {
         Err(Unreachable::TooFar { error: left })
     }
 
-    /// One step towards the goal within `period` seconds, without going on until it is there: the error that is left is of
-    /// the square of the step. Joints stop at their limits and the others take over. The planned's velocity is that of the
-    /// step.
+    /// Takes one step towards the goal within `period` seconds, without iteration: the remaining error is of the square of the
+    /// step. Joints stop at their limits and the others take over. The plan's velocity is that of the step.
     pub fn advance(&mut self, model: &Model, planned: &mut PlannedRobot, goal: &Goal, period: f64) {
         planned.update(model);
         self.assemble(model, planned);
@@ -171,14 +168,14 @@ impl InverseKinematics {
         self.locked.fill(false);
         planned.state.displace(&self.motion);
         for (joint, q) in model.joints.iter().zip(&mut planned.state.joints) {
-            // Beyond its limit by rounding, or because too many others are at theirs.
+            // Beyond its limit by rounding, or because too many other joints are at theirs.
             *q = q.max(joint.lower).min(joint.upper);
         }
         planned.state.v.iter_mut().zip(&self.motion).for_each(|(v, d)| *v = d / period);
         planned.update(model);
     }
 
-    /// Lets joints that the motion takes beyond a limit go just there; was there any?
+    /// Locks joints that the motion takes beyond a limit at the limit; true if there are any.
     fn lock(&mut self, model: &Model, planned: &PlannedRobot) -> bool {
         let nb = model.nb();
         let mut any = false;
@@ -194,7 +191,7 @@ impl InverseKinematics {
         any
     }
 
-    /// One velocity step: sets the planned's velocity so that its goal moves with `rates`.
+    /// One velocity step: sets the plan's velocity so that its goal moves with `rates`.
     pub fn follow(&mut self, model: &Model, planned: &mut PlannedRobot, rates: &Rates) {
         self.assemble(model, planned);
         self.fill(planned, |s| rates.soles[s], rates.com, rates.root);
@@ -202,7 +199,7 @@ impl InverseKinematics {
         planned.state.v.copy_from_slice(&self.motion);
     }
 
-    /// Are all joints used within their ranges?
+    /// Checks that all joints used are within their ranges.
     ///
     /// # Errors
     /// The first that is not.
@@ -236,7 +233,7 @@ impl InverseKinematics {
         self.error.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
     }
 
-    /// Puts the parts of the right-hand side in order.
+    /// Assembles the right-hand side.
     fn fill(&mut self, planned: &PlannedRobot, sole: impl Fn(usize) -> Motion, com: Vector3<f64>, root: Vector3<f64>) {
         let mut at = 0;
         let mut put = |x: &[f64]| {
@@ -256,7 +253,7 @@ impl InverseKinematics {
         }
     }
 
-    /// J at the planned.
+    /// Assembles J.
     fn assemble(&mut self, model: &Model, planned: &mut PlannedRobot) {
         crba::mass_matrix(model, &mut planned.ws);
         jacobian::center_of_mass(&planned.ws, &mut self.com_jacobian);

@@ -1,7 +1,7 @@
-//! Whole-body inverse kinematics for tasks that plan with positions.
+//! Whole-body inverse kinematics for tasks that plan positions.
 //!
-//! A task keeps a [`PlannedRobot`]: the robot as it wants it, a state and workspace of its own. [`InverseKinematics`] moves the planned until
-//! its soles, its centre of mass and its root are where the task's [`Goal`] says. Nothing here allocates after `new`.
+//! A task keeps a [`PlannedRobot`], a state and workspace of its own. [`InverseKinematics`] moves it until its soles, centre of
+//! mass and root meet the task's [`Goal`]. Nothing here allocates after `new`.
 
 pub mod feed_forward;
 pub mod goal;

@@ -1,4 +1,4 @@
-//! The robot as a task plans it.
+//! The robot as planned by a task: a state with its kinematics and soles.
 
 use super::Goal;
 use crate::dynamics::{State, Workspace, body, kinematics};
@@ -6,16 +6,16 @@ use crate::robot::{Base, DriveMode, LinkId, Model, SoleId};
 use crate::task::{Command, Context};
 use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 
-/// Why a robot cannot be planned with soles and a centre of mass.
+/// Why a robot cannot be planned by its soles and centre of mass.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotPlannable {
-    /// The base cannot move.
+    /// The base is fixed.
     #[error("the robot `{0}` has a fixed base")]
     FixedBase(String),
-    /// Nothing to stand on.
+    /// There is no sole to stand on.
     #[error("the robot `{0}` has no sole")]
     NoSole(String),
-    /// Wants exactly two feet.
+    /// The task requires two feet on separate legs.
     #[error("the robot `{robot}` has {soles} soles, not 2 on legs of their own")]
     NotTwoFeet {
         /// Its name.
@@ -23,12 +23,12 @@ pub enum NotPlannable {
         /// Its soles.
         soles: usize,
     },
-    /// A joint that has to follow positions does not.
+    /// A joint that must follow positions does not.
     #[error("the joint `{0}` does not follow positions: its drive has another mode than `position`")]
     NotDriven(String),
 }
 
-/// A sole as something to be placed.
+/// A sole as a target of inverse kinematics.
 #[derive(Clone, Debug)]
 pub struct Foot {
     /// Its number in the model.
@@ -37,11 +37,11 @@ pub struct Foot {
     pub link: LinkId,
     /// Centroid of its vertices in the link's internal frame, m.
     pub center: Vector3<f64>,
-    /// Does its orientation count: has it more than one vertex?
+    /// True if its orientation counts: it has more than one vertex.
     pub flat: bool,
 }
 
-/// A state with its kinematics.
+/// A planned state with its kinematics.
 #[derive(Clone, Debug)]
 pub struct PlannedRobot {
     /// Configuration and velocity.
@@ -52,8 +52,8 @@ pub struct PlannedRobot {
     pub feet: Vec<Foot>,
 }
 
-/// Joints that move some sole, but not all of several: the legs. Whatever carries all soles alike (a waist above the
-/// legs of a robot whose root is its torso) is not among them.
+/// Joints that move some sole, but not all of several: the legs. Joints that carry all soles alike (a waist above the legs of
+/// a robot whose root is its torso) are not among them.
 pub fn leg_joints(model: &Model) -> Vec<usize> {
     let ws = Workspace::new(model);
     let nb = model.nb();
@@ -62,7 +62,7 @@ pub fn leg_joints(model: &Model) -> Vec<usize> {
     (0..model.nj()).filter(|&j| (1..=most).contains(&moves(j))).collect()
 }
 
-/// Joints that move some sole, legs and what carries them.
+/// Joints that move some sole: the legs and the joints that carry them.
 pub fn carrying_joints(model: &Model) -> Vec<usize> {
     let ws = Workspace::new(model);
     let nb = model.nb();
@@ -70,7 +70,7 @@ pub fn carrying_joints(model: &Model) -> Vec<usize> {
     (0..model.nj()).filter(|&j| carries(j)).collect()
 }
 
-/// Can a robot be planned at all?
+/// Checks that a robot can be planned.
 ///
 /// # Errors
 /// A fixed base or no sole.
@@ -84,7 +84,7 @@ pub fn check(model: &Model) -> Result<(), NotPlannable> {
     Ok(())
 }
 
-/// Has it two soles, each moved by joints of its own?
+/// Checks for two soles, each moved by joints of its own.
 ///
 /// # Errors
 /// As [`check`], and any other number.
@@ -95,7 +95,7 @@ pub fn check_biped(model: &Model) -> Result<(), NotPlannable> {
     apart.then_some(()).ok_or_else(failure)
 }
 
-/// Do the joints of a command follow positions?
+/// Checks that the joints of a command follow positions.
 ///
 /// # Errors
 /// The first that does not.
@@ -125,13 +125,13 @@ impl PlannedRobot {
         PlannedRobot { state: State::home(model), ws: Workspace::new(model), feet }
     }
 
-    /// Brings the kinematics to `state`.
+    /// Updates the kinematics to `state`.
     pub fn update(&mut self, model: &Model) {
         kinematics::update(model, &self.state, &mut self.ws);
     }
 
-    /// At rest, with the joints where they are asked to be and the soles, on average, where the estimated state has them:
-    /// the robot as it would stand without sag.
+    /// Sets the plan to rest, with the joints at their commanded positions and the soles, on average, where the estimated state
+    /// has them: the posture of the robot without sag.
     pub fn stand_as_commanded(&mut self, context: &Context, command: &Command) {
         let model = context.model;
         self.state.copy_from(context.state);
@@ -160,7 +160,7 @@ impl PlannedRobot {
         (place, UnitQuaternion::from_scaled_axis(mean) * first)
     }
 
-    /// Where a sole is: centroid and orientation of its link.
+    /// Pose of a sole: its centroid and the orientation of its link.
     pub fn sole(&self, s: usize) -> Isometry3<f64> {
         let foot = &self.feet[s];
         let rotation = Rotation3::from_matrix_unchecked(self.ws.links[foot.link.0].rotation);
@@ -186,13 +186,13 @@ impl PlannedRobot {
         (0..n).map(|s| self.sole(s).translation.vector).sum::<Vector3<f64>>() / n as f64
     }
 
-    /// Turned about the world's z axis only: the heading that an orientation has.
+    /// The heading of an orientation: its rotation about the world's z axis only.
     pub fn upright(rotation: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         let forward = rotation * Vector3::x();
         UnitQuaternion::from_axis_angle(&Vector3::z_axis(), forward.y.atan2(forward.x))
     }
 
-    /// The goal that it is at.
+    /// The goal met by the present plan.
     pub fn goal(&self) -> Goal {
         Goal { soles: (0..self.feet.len()).map(|s| self.sole(s)).collect(), com: self.com(), root: self.state.rotation }
     }

@@ -1,4 +1,4 @@
-//! From a goal to the joints of a command: what tasks share that plan with positions.
+//! From a goal to joint commands: shared by the tasks that plan positions.
 
 use super::{Goal, InverseKinematics, NotPlannable, PlannedRobot, Rates, Unreachable, feed_forward, planned_robot};
 use crate::motion::minimum_jerk::minimum_jerk;
@@ -6,18 +6,18 @@ use crate::robot::Model;
 use crate::task::{Command, Context};
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
-/// A planned on two legs or more, its goal, and the solver between them.
+/// The planned robot, its goal, and the inverse kinematics between them.
 #[derive(Clone, Debug)]
 pub struct PosturePlanner {
-    /// The robot as planned.
+    /// The planned robot.
     pub planned: PlannedRobot,
-    /// Where it is to be.
+    /// Its goal.
     pub goal: Goal,
-    /// How fast that moves.
+    /// Velocity of the goal.
     pub rates: Rates,
     inverse: InverseKinematics,
     joints: Vec<usize>,
-    /// Joints that are given efforts: all that carry.
+    /// Joints that get efforts: all that carry a sole.
     carrying: Vec<usize>,
     efforts: Vec<f64>,
     /// Centre of mass and root at the start.
@@ -25,7 +25,7 @@ pub struct PosturePlanner {
 }
 
 impl PosturePlanner {
-    /// For a robot that [`planned_robot::check`] has let through; moves its leg joints.
+    /// For a robot that [`planned_robot::check`] accepts; moves its leg joints.
     pub fn new(model: &Model) -> Self {
         let planned = PlannedRobot::new(model);
         let inverse = InverseKinematics::of_legs(model, &planned);
@@ -45,7 +45,7 @@ impl PosturePlanner {
         }
     }
 
-    /// Takes over from a command: the goal is where the planned stands.
+    /// Starts from a command: the goal is the present plan.
     ///
     /// # Errors
     /// A leg joint does not follow positions.
@@ -58,8 +58,8 @@ impl PosturePlanner {
         Ok(())
     }
 
-    /// Moves the goal's centre of mass and root from where they began to `com` and `root`, `t` seconds into a minimum-jerk
-    /// move of `duration` seconds.
+    /// Moves the goal's centre of mass and root from their start to `com` and `root`, `t` seconds into a minimum-jerk move of
+    /// `duration` seconds.
     pub fn approach(&mut self, t: f64, duration: f64, com: Vector3<f64>, root: UnitQuaternion<f64>) {
         let (progress, rate) = minimum_jerk(t, duration);
         let way = com - self.from.0;
@@ -70,7 +70,7 @@ impl PosturePlanner {
         self.rates.root = turn * rate;
     }
 
-    /// Writes the joints that meet the goal now; those that it does not move are taken as they are asked for.
+    /// Writes the joint positions that meet the goal; joints that it does not move keep their commands.
     ///
     /// # Errors
     /// [`Unreachable`]; the command is then unchanged.
@@ -89,8 +89,8 @@ impl PosturePlanner {
         Ok(())
     }
 
-    /// Brings the joints that carry over from the efforts that they are given so far to those of the motion, as far as `part`:
-    /// see [`feed_forward`]. After [`PosturePlanner::write_joints`].
+    /// Blends the efforts of the carrying joints from their commands to those of the motion by the factor `part`; see
+    /// [`feed_forward`]. Call after [`PosturePlanner::write_joints`].
     pub fn add_feed_forward(
         &mut self,
         context: &Context,
