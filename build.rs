@@ -1,9 +1,9 @@
-//! Names the build, so that records can say which one made them: a hash of the sources, equal wherever these are. It needs no
-//! version control and no clock, so builds stay reproducible.
+//! Names the build by a hash of its sources, which records store. It needs no version control and no clock, so builds are
+//! reproducible and equal sources have equal names everywhere.
 
 use std::path::{Path, PathBuf};
 
-/// 64-bit FNV-1a: enough to tell builds apart, and nothing to compile first.
+/// 64-bit FNV-1a: distinguishes builds and needs no dependency.
 struct Fnv(u64);
 
 impl Fnv {
@@ -21,14 +21,14 @@ fn main() {
         println!("cargo:rerun-if-changed={name}");
         gather(&root.join(name), &mut files);
     }
-    // Folders list their files in an order of their own.
+    // The order in which a folder lists its files depends on the system.
     let mut named: Vec<(String, PathBuf)> = files.into_iter().map(|path| (name_of(&path, &root), path)).collect();
     named.sort();
     let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
     for (name, path) in named {
         let bytes = std::fs::read(&path).unwrap_or_default();
         hash.eat(name.as_bytes());
-        // Lengths keep the end of one file from being the beginning of the next.
+        // With the length, no two different lists of files give the same bytes.
         hash.eat(&(bytes.len() as u64).to_le_bytes());
         hash.eat(&bytes);
     }

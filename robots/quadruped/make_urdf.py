@@ -6,7 +6,7 @@
 Axes of every link at zero: x forward, y left, z up; each link's frame sits on its joint; the legs hang straight down.
 """
 
-# Lengths, m. Hip-roll axes: HIP_X ahead and behind, HIP_Y beside the middle of the body. Each leg stands SPREAD further
+# Lengths, m. Hip-roll axes: HIP_X ahead and behind, HIP_Y left and right of the middle of the body. Each leg stands SPREAD further
 # out; thigh and shank are LEG long.
 HIP_X, HIP_Y, SPREAD, LEG = 0.20, 0.07, 0.075, 0.22
 
