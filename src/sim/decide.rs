@@ -5,17 +5,15 @@ use super::error::Stop;
 use super::project::anchor;
 use super::report::{Observer, Outcome};
 use super::simulation::Simulation;
+use crate::contact::hybrid::impact;
 use crate::contact::methods::method::Question;
-use crate::contact::model::problem::Level;
 use crate::contact::model::state::{MAX_SOLES, Mode, SoleState, States};
-use crate::contact::search::judge::{Rules, TOUCHING};
+use crate::contact::search::judge::Rules;
 use crate::contact::search::select::Selection;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector2;
 
 /// Rounds of choosing and settling at one instant.
 const SETTLE: usize = 4;
-/// Depth, in distance tolerances, down to which a vertex may still be said to arrive at the floor.
-const REACH: f64 = 100.0;
 /// How far from zero a slowing vertex may be led past it, relative to the speed up to which its direction is held.
 const MISS: f64 = 0.1;
 /// Acceleration, relative to gravity, from which on it may be friction's; less is that of motions, however slow.
@@ -116,18 +114,10 @@ impl Simulation {
         (0..plant.problem.soles.len()).map(of_sole).fold(0.0, f64::max)
     }
 
-    /// Does an unclamped vertex touch the floor and approach it, or come faster than v_t within d of it?
+    /// Does a vertex hit the floor?
     fn hits(&self) -> bool {
-        let tol = &self.tolerances;
-        self.plant.problem.soles.iter().enumerate().any(|(s, sole)| {
-            let k = sole.vertices.len();
-            let approaches = |i: usize| {
-                let v = &sole.vertices[i];
-                v.height <= tol.distance && v.velocity.z < -tol.velocity - tol.rest
-                    || v.height <= TOUCHING && v.height >= -REACH * tol.distance && v.velocity.z < -tol.rest
-            };
-            !self.is_imposed(s) && (0..k).any(|i| !self.plant.states[s].clamps(i, k) && approaches(i))
-        })
+        let plant = &self.plant;
+        impact::is_due(&plant.problem, &plant.states, &self.tolerances, |s| self.is_imposed(s))
     }
 
     pub(super) fn rules(&self) -> Rules {
@@ -168,27 +158,7 @@ impl Simulation {
         let tol = self.tolerances;
         let forced = self.forced(self.plant.state.time);
         let plant = &mut self.plant;
-        let p = &mut plant.problem;
-        p.level = Level::Velocity;
-        p.b.copy_from_slice(&plant.reduced.velocity);
-        let mut fastest: f64 = 0.0;
-        for (s, sole) in p.soles.iter_mut().enumerate() {
-            let mut approach: f64 = 0.0;
-            for v in &mut sole.vertices {
-                v.bias = Vector3::zeros();
-                v.moving = false;
-                v.direction = Vector2::zeros();
-                v.near = v.height <= tol.distance;
-                if v.near {
-                    approach = approach.max(-v.velocity.z);
-                }
-            }
-            fastest = fastest.max(approach);
-            // Normal velocity after = -e times before, on the whole sole; at rest speeds the floor takes it all.
-            let e = if approach > tol.velocity { self.contact.restitution } else { 0.0 };
-            let m = &plant.reduced.velocity[6 * s..6 * s + 6];
-            sole.target = Vector3::new(m[2], m[3], m[4]) * -e;
-        }
+        let fastest = impact::set_impact(&mut plant.problem, &plant.reduced.velocity, &tol, self.contact.restitution);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
         let question = Question { rules: &rules, event: true, allowed: &allowed };
         self.freeze(observer, &question, &forced);
@@ -268,24 +238,7 @@ impl Simulation {
         let least = tol.rest > self.contact.tolerances.rest;
         let plant = &mut self.plant;
         let p = &mut plant.problem;
-        p.level = Level::Velocity;
-        p.b.copy_from_slice(&plant.reduced.velocity);
-        for (s, sole) in p.soles.iter_mut().enumerate() {
-            let approach = sole.vertices.iter().map(|v| -v.velocity.z).fold(0.0, f64::max);
-            let e = if approach > tol.velocity { bounce } else { 0.0 };
-            let m = &plant.reduced.velocity[6 * s..6 * s + 6];
-            sole.target = Vector3::new(m[2], m[3], m[4]) * -e;
-            sole.vertices.iter_mut().for_each(|v| v.bias = Vector3::zeros());
-        }
-        // A sole about to slip from rest loses what is left of its old motion, or friction would oppose that instead.
-        let mut states = plant.states;
-        for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| plant.states[*s].is_dynamic()) {
-            let k = sole.vertices.len();
-            let rests = |i: usize| sole.vertices[i].velocity.xy().norm() <= 10.0 * tol.rest;
-            if (0..k).all(|i| !plant.states[s].clamps(i, k) || rests(i)) {
-                states[s] = SoleState::fixed(states[s].pattern);
-            }
-        }
+        let states = impact::set_rest(p, &plant.reduced.velocity, &plant.states, &tol, bounce);
         if least {
             // Friction of feet that slide on would be that of impulses of either sign, and could give energy.
             let vertices = p.soles.iter_mut().flat_map(|sole| &mut sole.vertices);
@@ -297,12 +250,7 @@ impl Simulation {
                 sole.vertices.iter_mut().zip(directions).for_each(|(v, d)| v.direction = *d);
             }
         }
-        let mut change: f64 = 0.0;
-        for (s, sole) in p.soles.iter().enumerate() {
-            for (i, v) in sole.vertices.iter().enumerate() {
-                change = change.max((p.vertex_motion(&self.projection.motion, s, i) - v.velocity).norm());
-            }
-        }
+        let change = impact::greatest_change(p, &self.projection.motion);
         let jump = plant.kick(&self.projection.wrench);
         self.take(jump);
         change

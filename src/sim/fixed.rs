@@ -10,9 +10,10 @@
 //! enter the floor, `v+_n >= -gap / dt`. First order in dt.
 
 use super::error::Stop;
-use super::project::fit_plane;
+
 use super::report::Observer;
 use super::simulation::Simulation;
+use crate::contact::hybrid::projection::fit_plane;
 use crate::contact::methods::method::{Manner, Question};
 use crate::contact::model::problem::Level;
 use crate::contact::model::state::SoleState;

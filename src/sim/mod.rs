@@ -7,7 +7,6 @@ mod comply;
 mod damp;
 mod decide;
 mod direction;
-mod drive;
 pub mod error;
 pub mod estimate;
 mod explicit;

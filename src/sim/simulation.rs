@@ -21,16 +21,12 @@ use crate::contact::methods::method::{self, Manner};
 use crate::contact::model::problem::{Problem, Tolerances};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::MAX_SOLES;
-use crate::contact::search::judge::TOUCHING;
 use crate::contact::selection_record::SelectionRecord;
 use crate::geometry::stable_point::Edge;
 use crate::integrate::StepControl;
 use crate::task::TaskServer;
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Most that an unclamped touching vertex may accelerate into the floor where events are located, m/s^2.
-const SINKING: f64 = 1e-3;
 
 enum Stepper {
     Explicit(Box<Explicit>),
@@ -147,10 +143,7 @@ impl Simulation {
         };
         let mut tolerances = setup.contact.tolerances;
         if setup.contact.locate && plant.method.locates_events() {
-            // Every vertex meets the floor in an event of its own, so none has to be clamped above it.
-            tolerances.distance = tolerances.distance.min(TOUCHING);
-            // Nor does one have to be let into it: what a vertex may accelerate downwards only covers rounding.
-            tolerances.acceleration = tolerances.acceleration.min(SINKING);
+            tolerances = tolerances.with_located_events();
         }
         let sensors = Sensors::new(&plant, setup.sensors, setup.imu, setup.tasks.period(), setup.seed);
         let estimator = Estimator::new(&setup.estimator, &model, setup.imu, setup.gravity);

@@ -11,11 +11,10 @@
 //! matrix is singular and larger.
 
 use crate::contact::methods::exact::covering;
-use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, SoleState, States};
 use crate::contact::search::candidate::wrench_at;
-use crate::contact::search::judge::TOUCHING;
 use nalgebra::{Matrix3, Vector3};
 
 /// Part of the greatest normal impulse below which a point carries nothing.
@@ -59,11 +58,7 @@ impl Points {
         self.list.clear();
         for (s, sole) in p.soles.iter().enumerate() {
             for (i, v) in sole.vertices.iter().enumerate() {
-                let meets = match p.level {
-                    Level::Velocity => v.near,
-                    Level::Acceleration => v.height <= TOUCHING,
-                };
-                if meets {
+                if v.meets_floor(p.level) {
                     let target = sole.vertex_target(i).min(push_out);
                     self.list.push(Point { sole: s, vertex: i, r: v.r, bias: v.bias, target, mu: v.mu_k });
                 }

@@ -41,6 +41,20 @@ impl Default for Tolerances {
     }
 }
 
+/// Height up to which a vertex touches the floor, m: rounding of positions of a few metres, far below any tolerance.
+pub const TOUCHING: f64 = 1e-10;
+
+/// Most that an unclamped touching vertex may accelerate into the floor where events are located, m/s^2.
+const SINKING: f64 = 1e-3;
+
+impl Tolerances {
+    /// The tolerances of methods whose events are located. Every vertex meets the floor in an event of its own, so none has
+    /// to be clamped above it. What a vertex may accelerate downwards only covers rounding.
+    pub fn with_located_events(self) -> Self {
+        Tolerances { distance: self.distance.min(TOUCHING), acceleration: self.acceleration.min(SINKING), ..self }
+    }
+}
+
 /// One vertex of a sole.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Vertex {
@@ -63,6 +77,26 @@ pub struct Vertex {
     pub moving: bool,
     /// At the velocity level: may this vertex meet the floor (in this impact, or before the end of this step)?
     pub near: bool,
+}
+
+impl Vertex {
+    /// Is it no higher above the floor than d?
+    pub fn is_near(&self, tol: &Tolerances) -> bool {
+        self.height <= tol.distance
+    }
+
+    /// Is it in the tolerance band, near the floor and with a normal velocity of at most v_t?
+    pub fn is_in_band(&self, tol: &Tolerances) -> bool {
+        self.is_near(tol) && self.velocity.z.abs() <= tol.velocity
+    }
+
+    /// Does it meet the floor at the problem's level: touch it, or come near it in this impact or step?
+    pub fn meets_floor(&self, level: Level) -> bool {
+        match level {
+            Level::Velocity => self.near,
+            Level::Acceleration => self.height <= TOUCHING,
+        }
+    }
 }
 
 impl Default for Vertex {

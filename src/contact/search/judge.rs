@@ -7,7 +7,7 @@
 //! approach at all beyond rounding.
 
 use crate::contact::model::friction_capacity::{self, Slip};
-use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
+use crate::contact::model::problem::{Level, Problem, SoleProblem, TOUCHING, Tolerances, Vertex};
 use crate::contact::model::sole_group;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
@@ -105,8 +105,6 @@ pub struct Rules {
     pub hops: bool,
 }
 
-/// Height up to which a vertex touches the floor, m: rounding of positions of a few metres, far below any tolerance.
-pub const TOUCHING: f64 = 1e-10;
 /// Suspect for its normal load.
 pub const SUSPECT_NORMAL: u8 = 1;
 /// Suspect for its friction load.

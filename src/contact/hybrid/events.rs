@@ -1,0 +1,213 @@
+//! Event functions of the contact states in force: positive while the states stay true. Event location finds the instants
+//! at which one reaches zero.
+//!
+//! | function | event when it reaches zero |
+//! |---|---|
+//! | height of an unclamped vertex above the floor | touch-down |
+//! | the same vertex while it lies within the tolerance band: room below and approach speed | entering the floor |
+//! | normal margin of a clamped pattern | lift-off, or the centre of pressure leaves it |
+//! | friction margin of a static pattern or a pivot | slip onset |
+//! | sliding velocity along the reference direction | stick, or reversal |
+//! | height of a vertex over a compliant floor, or its depth | entering or leaving it |
+//! | distance of a sliding vertex to the border of its friction region | other friction |
+
+use crate::contact::methods::penalty;
+use crate::contact::model::problem::{Problem, TOUCHING, Tolerances};
+use crate::contact::model::solution::Solution;
+use crate::contact::model::state::{MAX_SOLES, Mode, SoleState, States};
+use crate::contact::search::judge::{CLEAR, SUSPECT_FRICTION, SUSPECT_NORMAL, margin};
+use nalgebra::Vector2;
+
+/// What event functions depend on: the contact problem, the states in force and their solution.
+#[derive(Clone, Copy)]
+pub(crate) struct ContactInForce<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// The states.
+    pub states: &'a States,
+    /// Their solution, with vertex forces.
+    pub solution: &'a Solution,
+    /// Reference directions of the sliding vertices of each sole, unit vectors in the floor.
+    pub directions: &'a [Vec<Vector2<f64>>],
+    /// Tolerances.
+    pub tolerances: &'a Tolerances,
+    /// Do forces follow heights and velocities by a compliant law?
+    pub is_compliant: bool,
+    /// Regions of different friction; none where friction is uniform.
+    pub regions: Option<&'a dyn FrictionBorders>,
+    /// Is the state of a sole imposed? It ends by the clock then, not by an event.
+    pub is_imposed: &'a dyn Fn(usize) -> bool,
+}
+
+/// Regions of the floor with different friction, as event functions use them.
+pub(crate) trait FrictionBorders {
+    /// Vertex `i` of sole `s` projected onto the world's x and y, m.
+    fn seen_from_above(&self, s: usize, i: usize) -> Vector2<f64>;
+    /// Distance of the vertex to the border of its region, m; negative beyond it.
+    fn border(&self, s: usize, i: usize) -> f64;
+    /// Part of the straight way from `from` to where the vertex is now after which it is likely to be beyond the border;
+    /// none if it stays inside.
+    fn crossing(&self, s: usize, i: usize, from: &Vector2<f64>) -> Option<f64>;
+}
+
+/// Most event functions at once.
+pub(crate) const MAX_FUNCTIONS: usize = 512;
+
+#[derive(Clone, Copy, Debug)]
+enum Function {
+    Height(usize, usize),
+    /// With the depth to which the vertex may go, m: d, or twice its present depth.
+    Band(usize, usize, f64),
+    /// With whether the vertex is in the compliant floor.
+    Surface(usize, usize, bool),
+    Normal(usize),
+    Friction(usize),
+    /// With the speed to which the vertex may slide backwards, m/s.
+    Slide(usize, usize, f64),
+    Border(usize, usize, Vector2<f64>),
+}
+
+/// The event functions of one step.
+pub(crate) struct EventFunctions {
+    functions: Vec<Function>,
+    /// Functions negative from the start, because no valid state was found: left out until the end of the step.
+    overlooked: Vec<usize>,
+}
+
+impl EventFunctions {
+    /// Room for all functions of any step.
+    pub fn new() -> Self {
+        EventFunctions { functions: Vec::with_capacity(MAX_FUNCTIONS), overlooked: Vec::with_capacity(MAX_FUNCTIONS) }
+    }
+
+    /// Selects the functions of a step from the states and vertices at its start.
+    pub fn begin(&mut self, now: &ContactInForce) {
+        self.functions.clear();
+        self.overlooked.clear();
+        let p = now.problem;
+        if now.is_compliant {
+            for (s, sole) in p.soles.iter().enumerate() {
+                let function = |(i, v)| Function::Surface(s, i, penalty::is_inside(v));
+                self.functions.extend(sole.vertices.iter().enumerate().map(function));
+            }
+            return;
+        }
+        for (s, sole) in p.soles.iter().enumerate() {
+            let state = now.states[s];
+            let k = sole.vertices.len();
+            let ends_by_event = !(now.is_imposed)(s);
+            for (i, v) in sole.vertices.iter().enumerate() {
+                if !state.clamps(i, k) {
+                    let depth = now.tolerances.distance.max(-2.0 * v.height);
+                    let function =
+                        if v.height > TOUCHING { Function::Height(s, i) } else { Function::Band(s, i, depth) };
+                    self.functions.extend(ends_by_event.then_some(function));
+                } else if state.is_dynamic() && state.mode != Mode::Pivoting(i as u8) {
+                    self.functions.push(Function::Slide(s, i, 0.0));
+                    if let Some(regions) = now.regions {
+                        self.functions.push(Function::Border(s, i, regions.seen_from_above(s, i)));
+                    }
+                }
+            }
+            if ends_by_event && state != SoleState::FREE {
+                self.functions.push(Function::Normal(s));
+                if state.mode != Mode::Sliding {
+                    self.functions.push(Function::Friction(s));
+                }
+            }
+        }
+    }
+
+    /// How many functions the step has.
+    pub fn len(&self) -> usize {
+        self.functions.len()
+    }
+
+    /// Leaves out the functions that are negative already at the start of the step, and returns whether there is any. A
+    /// vertex that slides backwards slower than `rest`, m/s, may do so up to that speed: it has just been selected to slip,
+    /// from a speed of zero but for rounding, and another selection would only put it back to rest.
+    pub fn overlook(&mut self, start: &mut [f64], rest: f64) -> bool {
+        for (i, (item, g)) in self.functions.iter_mut().zip(start).enumerate().filter(|(_, (_, g))| **g < 0.0) {
+            match item {
+                Function::Slide(_, _, allowed) if *g > -rest => {
+                    *allowed = rest;
+                    *g += rest;
+                }
+                _ => {
+                    self.overlooked.push(i);
+                    *g = 1.0;
+                }
+            }
+        }
+        !self.overlooked.is_empty()
+    }
+
+    /// Values at the present evaluation, into a slice of length [`len`](Self::len).
+    pub fn fill(&self, now: &ContactInForce, out: &mut [f64]) {
+        let (p, tol) = (now.problem, now.tolerances);
+        let mut margins = [None; MAX_SOLES];
+        let mut of = |s: usize| *margins[s].get_or_insert_with(|| margin(p, now.states, s, now.solution));
+        for (item, g) in self.functions.iter().zip(out.iter_mut()) {
+            *g = match *item {
+                Function::Height(s, i) => p.soles[s].vertices[i].height,
+                Function::Band(s, i, depth) => {
+                    let v = &p.soles[s].vertices[i];
+                    (v.height + depth).min(v.velocity.z + tol.velocity)
+                }
+                Function::Surface(s, i, inside) => {
+                    let height = p.soles[s].vertices[i].height;
+                    penalty::SURFACE + if inside { -height } else { height }
+                }
+                Function::Normal(s) => of(s).normal,
+                Function::Friction(s) => of(s).friction,
+                Function::Slide(s, i, allowed) => {
+                    p.soles[s].vertices[i].velocity.xy().dot(&now.directions[s][i]) + allowed
+                }
+                Function::Border(s, i, _) => now.regions.map_or(f64::INFINITY, |regions| regions.border(s, i)),
+            };
+        }
+        self.overlooked.iter().for_each(|&i| out[i] = 1.0);
+    }
+
+    /// Has a sliding vertex crossed a border and come back within the step that ends at the present evaluation? Then
+    /// returns the part of the step after which it is likely to be beyond the border.
+    pub fn passed_over(&self, now: &ContactInForce, values: &[f64]) -> Option<f64> {
+        let regions = now.regions?;
+        let part = self.functions.iter().zip(values).filter_map(|(function, g)| match function {
+            Function::Border(s, i, from) if *g >= 0.0 => regions.crossing(*s, *i, from),
+            _ => None,
+        });
+        part.min_by(f64::total_cmp)
+    }
+
+    /// Marks the soles whose load reached its limit, from values of which some are negative.
+    pub fn suspects(&self, values: &[f64], suspect: &mut [u8; MAX_SOLES]) {
+        suspect.fill(0);
+        let fired =
+            |kind: fn(&Function) -> bool| self.functions.iter().zip(values).any(|(item, g)| kind(item) && *g < 0.0);
+        // Several soles may reach their limit together; rounding decides which of them fires.
+        let normal = if fired(|i| matches!(i, Function::Normal(_))) { CLEAR } else { 0.0 };
+        let friction = if fired(|i| matches!(i, Function::Friction(_))) { CLEAR } else { 0.0 };
+        for (item, g) in self.functions.iter().zip(values) {
+            match *item {
+                Function::Normal(s) if *g < normal => suspect[s] |= SUSPECT_NORMAL,
+                Function::Friction(s) if *g < friction => suspect[s] |= SUSPECT_FRICTION,
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Does an unclamped vertex in the tolerance band accelerate into the floor by more than a_t?
+pub(crate) fn sinks(now: &ContactInForce) -> bool {
+    let (p, tol) = (now.problem, now.tolerances);
+    p.soles.iter().enumerate().any(|(s, sole)| {
+        let k = sole.vertices.len();
+        sole.vertices.iter().enumerate().any(|(i, v)| {
+            !(now.is_imposed)(s)
+                && !now.states[s].clamps(i, k)
+                && v.is_in_band(tol)
+                && p.vertex_motion(&now.solution.motion, s, i).z < -tol.acceleration
+        })
+    })
+}
