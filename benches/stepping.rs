@@ -46,7 +46,7 @@ fn swaying(method: &str, integrator: &str) -> Simulation {
     sim
 }
 
-/// Accelerations and contact wrenches with the states held: what an integrator asks again and again.
+/// Accelerations and contact wrenches with the states held: the evaluations of an integrator.
 #[divan::bench]
 fn right_hand_side(bencher: Bencher) {
     let sim = swaying("exact", ADAPTIVE);

@@ -31,7 +31,7 @@ fn setup() -> Setup {
     assemble::setup(&run, &robot).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Times a tenth of a second of a run that goes on.
+/// Times a tenth of a second of a continuing run.
 fn each(bencher: Bencher, setup: Setup, observer: &mut dyn Observer) {
     let mut sim = Simulation::new(setup).expect("the physics can do it");
     sim.begin(observer).expect("it begins");
@@ -46,7 +46,7 @@ fn each(bencher: Bencher, setup: Setup, observer: &mut dyn Observer) {
     super::each(bencher, || advance(&mut sim));
 }
 
-/// A log in this folder, and whoever else takes it.
+/// A log in this folder, and other outlets.
 fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn Outlet>>) -> LogWriter {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.urdf");
     let urdf = std::fs::read_to_string(file).expect("our own robot");
@@ -66,7 +66,7 @@ fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn Outlet>>) ->
     LogWriter::open(path.as_deref(), outlet, &setup.model, &header).expect("a log can be written")
 }
 
-/// Nobody watches, nothing is written.
+/// No client, no log file.
 #[divan::bench]
 fn nothing(bencher: Bencher) {
     each(bencher, Setup { log_rate: 0.0, ..setup() }, &mut Blind);
@@ -89,12 +89,12 @@ mod live {
 
     #[derive(Debug, Clone, Copy, PartialEq)]
     enum Client {
-        Nobody,
+        Absent,
         Reads,
         NeverReads,
     }
 
-    const CLIENTS: [Client; 3] = [Client::Nobody, Client::Reads, Client::NeverReads];
+    const CLIENTS: [Client; 3] = [Client::Absent, Client::Reads, Client::NeverReads];
 
     /// Subscribes to twenty topics, which are all.
     fn connect(at: SocketAddr) -> TcpStream {
@@ -102,8 +102,8 @@ mod live {
         let request = "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
             Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\
             Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n";
-        let wanted: Vec<String> = (0..20).map(|n| format!("{{\"id\":{n},\"channelId\":{n}}}")).collect();
-        let text = format!("{{\"op\":\"subscribe\",\"subscriptions\":[{}]}}", wanted.join(","));
+        let subscriptions: Vec<String> = (0..20).map(|n| format!("{{\"id\":{n},\"channelId\":{n}}}")).collect();
+        let text = format!("{{\"op\":\"subscribe\",\"subscriptions\":[{}]}}", subscriptions.join(","));
         let mut frame = vec![0x81, 0xfe];
         frame.extend((text.len() as u16).to_be_bytes());
         // Masked with zeros.
@@ -117,7 +117,7 @@ mod live {
         let setup = setup();
         let server = stiction::live::Live::start("127.0.0.1:0".parse().expect("an address")).expect("it listens");
         let mut log = log(&setup, folder, Some(server.outlet()));
-        let stream = (client != Client::Nobody).then(|| connect(server.address()));
+        let stream = (client != Client::Absent).then(|| connect(server.address()));
         let came = server.wait(Duration::from_secs(if stream.is_some() { 60 } else { 0 }), &AtomicBool::new(false));
         assert_eq!(came, stream.is_some());
         let reader = stream.as_ref().filter(|_| client == Client::Reads).map(|stream| {
@@ -129,8 +129,8 @@ mod live {
         });
         each(bencher, setup, &mut log);
         drop(log);
-        let told = server.settle();
-        eprint!(" [{told}] ");
+        let received = server.settle();
+        eprint!(" [{received}] ");
         drop(server);
         reader.into_iter().for_each(|reader| reader.join().expect("it reads"));
     }

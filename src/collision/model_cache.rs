@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_model_for_robots_that_look_the_same() {
+    fn equal_robots_share_a_model() {
         let robot = crate::robot::load(std::path::Path::new("robots/block/block.toml")).expect("our own robot");
         let first = shared_model(&robot.model, &robot.self_collision);
         let mut heavier = robot.model.clone();

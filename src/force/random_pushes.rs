@@ -51,7 +51,7 @@ struct Push {
     name: String,
     wrench: Wrench,
     /// True once it is reported, or was over when this model took effect.
-    told: bool,
+    reported: bool,
 }
 
 /// A series of random pushes.
@@ -62,7 +62,7 @@ pub struct RandomPushes {
     longest: f64,
     corners: Vec<f64>,
     /// Number of pushes that have begun and are reported.
-    told: usize,
+    reported: usize,
 }
 
 /// Greatest number of pushes of one entry.
@@ -73,7 +73,7 @@ impl RandomPushes {
     pub fn draw(from: &Distribution, stream: &mut Stream) -> Self {
         let pushes: Vec<Push> = instants(from, stream).into_iter().map(|at| from.push(at, stream)).collect();
         let corners = pushes.iter().flat_map(|p| p.wrench.profile.corners().iter().copied()).collect();
-        RandomPushes { pushes, longest: from.duration[1], corners, told: 0 }
+        RandomPushes { pushes, longest: from.duration[1], corners, reported: 0 }
     }
 }
 
@@ -112,16 +112,16 @@ impl Distribution {
             axes: None,
             profile: Profile::new(self.shape, at, duration),
         };
-        Push { at, end: at + duration, name: name.clone(), wrench, told: false }
+        Push { at, end: at + duration, name: name.clone(), wrench, reported: false }
     }
 }
 
 impl Force for RandomPushes {
     fn continue_from(&mut self, former: &dyn Any, time: f64) {
         let Some(former) = former.downcast_ref::<RandomPushes>() else { return };
-        let known = &former.pushes[..former.told];
+        let known = &former.pushes[..former.reported];
         for push in &mut self.pushes {
-            push.told = push.end <= time || known.iter().any(|other| other.at == push.at);
+            push.reported = push.end <= time || known.iter().any(|other| other.at == push.at);
         }
     }
 
@@ -135,12 +135,12 @@ impl Force for RandomPushes {
     }
 
     fn pass(&mut self, context: &ForceContext, report: &mut ReportEvent) {
-        while let Some(push) = self.pushes.get_mut(self.told).filter(|p| p.at <= context.time) {
-            if !std::mem::replace(&mut push.told, true) {
+        while let Some(push) = self.pushes.get_mut(self.reported).filter(|p| p.at <= context.time) {
+            if !std::mem::replace(&mut push.reported, true) {
                 let [x, y, z] = push.wrench.force.into();
                 report("push", &push.name, format!("({x:.3}, {y:.3}, {z:.3}) N for {:.4} s", push.end - push.at));
             }
-            self.told += 1;
+            self.reported += 1;
         }
     }
 
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn draws_are_spread_as_they_should() {
+    fn draws_have_their_distributions() {
         let n = 4000;
         let from = distribution(Count::Number(n), false);
         let drawn = RandomPushes::draw(&from, &mut Stream::new(7, &["force", "0"]));

@@ -106,8 +106,8 @@ impl Force for Spring {
         }
         let Hold { link, stiffness, damping, rest_length, .. } = self.hold;
         let point = self.point(context);
-        let (place, velocity) = self.anchor.at(context.time, context.within);
-        let d = place - point;
+        let (anchor, velocity) = self.anchor.at(context.time, context.within);
+        let d = anchor - point;
         let length = d.norm();
         let elastic = match rest_length {
             0.0 => d * stiffness,

@@ -197,9 +197,9 @@ mod tests {
         assert_eq!(names, ["Hips.Yposition", "Hips.Zrotation", "Arm.Xrotation"]);
         let values = |i: usize| motion.tracks[i].knots.iter().map(|k| k.value).collect::<Vec<_>>();
         assert_eq!(values(0), [10.0, 11.0, 12.0]);
-        for (got, wanted) in values(2).into_iter().zip([170.0f64, 190.0, 270.0]) {
+        for (got, expected) in values(2).into_iter().zip([170.0f64, 190.0, 270.0]) {
             // Roundings of angles of some 5 rad.
-            assert!((got - wanted.to_radians()).abs() < 1e-14);
+            assert!((got - expected.to_radians()).abs() < 1e-14);
         }
         assert_eq!(motion.span(), Some((0.0, 1.0)));
     }

@@ -89,7 +89,7 @@ fn header_names(text: &str, header: Range<usize>) -> Result<Vec<(String, Range<u
         names.push((name.to_owned(), span));
     }
     if names.is_empty() {
-        return Err(MotionError::new(first, "there is no column beside the time"));
+        return Err(MotionError::new(first, "there is no column apart from the time"));
     }
     Ok(names)
 }
@@ -163,7 +163,7 @@ mod tests {
         let cases = [
             ("", "", "is empty"),
             ("a,b\n0,1\n", "a", "must be `time`"),
-            ("time\n0\n", "time", "no column beside"),
+            ("time\n0\n", "time", "no column apart from"),
             ("time,a,\n0,1,2\n", "", "has no name"),
             ("time,a,joint.a.position_rad\n0,1,2\n", "joint.a.position_rad", "two columns of `a`"),
             ("time,joint.a.effort_Nm\n0,1\n", "joint.a.effort_Nm", "not `effort_Nm`"),
@@ -175,9 +175,9 @@ mod tests {
             ("time,a\n1,1\n1.0,1\n", "1.0", "after that of the line before, 1, not 1"),
             ("time,a\n1,\n", "a", "holds no number"),
         ];
-        for (text, span, words) in cases {
+        for (text, span, expected) in cases {
             let error = read(text).unwrap_err();
-            assert!(error.message.contains(words), "{text}: {error}");
+            assert!(error.message.contains(expected), "{text}: {error}");
             assert_eq!(&text[error.span.clone()], span, "{text}: {error}");
         }
     }

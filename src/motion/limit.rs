@@ -138,21 +138,21 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_met_half_way() {
+    fn a_jump_is_split_evenly() {
         let mut x: Vec<f64> = (0..21).map(|i| if i < 10 { 0.0 } else { 1.0 }).collect();
         let limited = speed(&mut x, 0.25);
         // The jump is between samples 9 and 10. The envelopes are 0.25 (i - 9) and 1 - 0.25 (10 - i), each in [0, 1]; all numbers
         // are exact.
-        let wanted =
+        let expected =
             |i: usize| 0.5 * ((0.25 * (i as f64 - 9.0)).clamp(0.0, 1.0) + (0.25 * (i as f64 - 6.0)).clamp(0.0, 1.0));
-        assert!(x.iter().enumerate().all(|(i, x)| *x == wanted(i)), "{x:?}");
+        assert!(x.iter().enumerate().all(|(i, x)| *x == expected(i)), "{x:?}");
         assert_eq!(limited, Limited { distance: 0.375, samples: 6 });
     }
 
     /// The smallest greatest distance that any motion within the speed can have is half the greatest excess of a difference
     /// of two samples over what the speed allows between them.
     #[test]
-    fn nothing_within_the_speed_is_nearer() {
+    fn the_limited_stream_is_nearest_within_the_speed() {
         let x = noise(200);
         for step in [0.01, 0.1, 0.5, 3.0] {
             let mut limited = x.clone();
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_within_is_not_touched() {
+    fn motions_within_the_limits_are_unchanged() {
         let slow: Vec<f64> = (0..50).map(|i| (0.1 * f64::from(i)).sin()).collect();
         let mut x = slow.clone();
         assert_eq!(range(&mut x, -1.0, 1.0), Limited::default());

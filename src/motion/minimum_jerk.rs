@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn rate_and_integral_belong_to_the_value() {
+    fn rate_and_integral_match_the_value() {
         let mut transition = SmoothTransition::constant(2.0, 1.0);
         assert_eq!((transition.value(5.0), transition.rate(5.0), transition.integral(5.0)), (2.0, 0.0, 8.0));
         transition.change(-1.0, 5.0, 0.8);

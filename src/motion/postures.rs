@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_joint_has_the_postures_that_name_it() {
+    fn a_joint_moves_through_the_postures_that_name_it() {
         let text =
             "[[posture]]\nat = 0\njoints = { a = 1, b = \"90 deg\" }\n[[posture]]\nat = 0.5\njoints = { b = 0.25 }\n";
         let motion = read(text).unwrap();
@@ -116,9 +116,9 @@ mod tests {
             ("[[posture]]\nat = 1\njoint = { a = 1 }", "joint", "unknown field `joint`"),
             ("[[posture]]\nat = \n", "", ""),
         ];
-        for (text, span, words) in cases {
+        for (text, span, expected) in cases {
             let error = read(text).unwrap_err();
-            assert!(error.message.contains(words), "{text}: {error}");
+            assert!(error.message.contains(expected), "{text}: {error}");
             assert_eq!(text.get(error.span.clone()).unwrap_or("?").trim(), span, "{text}: {error}");
         }
     }

@@ -332,7 +332,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn matrices_are_turned_and_rows_counted() {
+    fn matrices_are_transposed_and_rows_counted() {
         let mut out = [0.0; 6];
         turned(2, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], &mut out);
         assert_eq!(out, [1.0, 3.0, 5.0, 2.0, 4.0, 6.0]);

@@ -45,13 +45,13 @@ impl ScriptError {
             digits.parse().ok()
         };
         let caller = || trace.lines().find_map(called);
-        if let Some((_, words)) = text.strip_prefix("prelude:").and_then(|rest| rest.split_once(": ")) {
-            return Self::new(file, caller(), words);
+        if let Some((_, message)) = text.strip_prefix("prelude:").and_then(|rest| rest.split_once(": ")) {
+            return Self::new(file, caller(), message);
         }
-        let placed = text.strip_prefix(file).and_then(|rest| rest.strip_prefix(':'));
-        let split = placed.and_then(|rest| rest.split_once(':'));
-        match split.map(|(line, words)| (line.parse().ok(), words)) {
-            Some((line @ Some(_), words)) => Self::new(file, line, words.trim_start()),
+        let located = text.strip_prefix(file).and_then(|rest| rest.strip_prefix(':'));
+        let split = located.and_then(|rest| rest.split_once(':'));
+        match split.map(|(line, message)| (line.parse().ok(), message)) {
+            Some((line @ Some(_), message)) => Self::new(file, line, message.trim_start()),
             _ if text.contains("not enough memory") => Self::new(file, None, super::sandbox::out_of_memory()),
             _ => Self::new(file, caller(), text),
         }

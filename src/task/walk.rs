@@ -141,15 +141,15 @@ impl Task for Walk {
             acceleration = Vector3::new(x[2], y[2], 0.0) * moving;
             zmp = Vector2::new(x[0], y[0]) - acceleration.xy() * plan.lag;
             for s in 0..2 {
-                let (place, velocity) = plan.footsteps.sole(s, since);
-                self.planner.goal.soles[s].translation.vector = place;
+                let (position, velocity) = plan.footsteps.sole(s, since);
+                self.planner.goal.soles[s].translation.vector = position;
                 self.planner.rates.soles[s] = Motion::new(velocity, Vector3::zeros());
             }
         }
         let reference = plan.footsteps.zmp(since.max(0.0));
         let (ground, feet) = (plan.ground, [0, 1].map(|s| plan.footsteps.landing(s, since)));
-        let places = [self.planner.goal.com, Vector3::new(reference.x, reference.y, ground), feet[0], feet[1]];
-        self.points.iter_mut().zip(places).for_each(|(point, at)| point.position = Some(at));
+        let positions = [self.planner.goal.com, Vector3::new(reference.x, reference.y, ground), feet[0], feet[1]];
+        self.points.iter_mut().zip(positions).for_each(|(point, at)| point.position = Some(at));
         self.planner.write_joints(context, command)?;
         if self.feed_forward {
             let part = minimum_jerk(t, self.settle).0;

@@ -36,7 +36,7 @@ fn answers_depend_on_nothing_but_the_posture() {
     let robot = cbi();
     let model = CollisionModel::new(&robot.model, &robot.self_collision);
     let mut poses = vec![LinkPose::IDENTITY; robot.model.links.len()];
-    // One that remembers and is asked everything in turn, and one that forgets each time.
+    // A detector that keeps its answers through all queries, and one that discards them each time.
     let (mut warm, mut cold) = (Detector::new(&model), Detector::new(&model));
     let mut motion = Motion::new(&robot.model, 1);
     let (mut free, mut hit) = (0, 0);

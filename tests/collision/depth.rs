@@ -18,7 +18,7 @@ fn depth_and_sign_are_those_of_the_separating_axis_theorem() {
         let axes = na.into_iter().chain(nb).chain(crosses);
         let best = axes.flat_map(|n| [n, -n]).map(|n| apart_along(&n, &a, &b)).fold(f64::NEG_INFINITY, f64::max);
         let found = single(&m, &poses).distance;
-        // The theorem's axes tell a distance only where faces face each other, but always whether there is one.
+        // The theorem's axes give the distance only between parallel faces, but always show whether there is one.
         if best < 0.0 {
             overlapping += 1;
             // Edges at less than 1e-6 rad are left out above; rounding of both sides.

@@ -65,7 +65,7 @@ fn blocks_side_by_side_are_apart_by_the_gap_between_them() {
 }
 
 #[test]
-fn a_corner_over_a_face_is_its_height_above_it() {
+fn a_corner_above_a_face_is_its_height_apart() {
     // A cube on its corner: the corner is half the space diagonal below the centre.
     let (to, up) = (Vector3::new(1.0, 1.0, 1.0).normalize(), Vector3::z());
     let turn = Rotation3::rotation_between(&to, &-up).unwrap().into_inner();

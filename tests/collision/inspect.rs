@@ -1,10 +1,10 @@
-//! What `runner inspect` tells of bodies and pairs.
+//! Bodies and pairs in the output of `runner inspect`.
 
 use super::cbi;
 use stiction::collision::{CollisionModel, inspect};
 
 #[test]
-fn bodies_triangles_pairs_and_reasons_are_told() {
+fn inspect_lists_bodies_triangles_pairs_and_reasons() {
     let mut robot = cbi();
     let link = |name: &str| robot.model.link(name).unwrap().0;
     robot.self_collision.ignore = vec![[link("l_hand"), link("r_hand")]];

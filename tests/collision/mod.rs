@@ -1,5 +1,4 @@
-//! Self-collision: distances that prove themselves, pairs that are watched, answers that do not depend on what was asked
-//! before.
+//! Self-collision: distances with proofs, monitored pairs, results independent of earlier queries.
 
 mod avoidance;
 mod coherence;

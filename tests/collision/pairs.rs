@@ -24,7 +24,7 @@ fn model(robot: &Robot) -> CollisionModel {
 }
 
 #[test]
-fn cbi_is_as_large_as_the_papers_model() {
+fn cbi_has_the_size_of_the_papers_model() {
     let model = model(&cbi());
     // The paper: 19 bodies of 6 to 232 triangles, 2627 in all; the eyes are inside the head.
     assert_eq!((model.bodies.len(), model.triangles()), (19, 2620));
@@ -66,7 +66,7 @@ fn pairs_are_dropped_for_a_reason() {
 }
 
 #[test]
-fn the_robot_file_has_the_last_word() {
+fn the_robot_file_decides() {
     let mut robot = cbi();
     let link = |robot: &Robot, name: &str| robot.model.link(name).unwrap().0;
     robot.self_collision.ignore = vec![[link(&robot, "r_hand"), link(&robot, "l_hand")]];
@@ -85,7 +85,7 @@ fn the_robot_file_has_the_last_word() {
 }
 
 #[test]
-fn bodies_that_overlap_at_home_are_not_watched() {
+fn bodies_that_overlap_at_home_are_not_monitored() {
     let mut robot = cbi();
     let hand = robot.model.link("l_hand").unwrap().0;
     let big = stiction::robot::Geometry::Box(nalgebra::Vector3::new(0.2, 0.6, 0.3));

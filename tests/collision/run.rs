@@ -55,10 +55,10 @@ fn run(text: &str) -> (Metrics, Told) {
 }
 
 fn run_with(boxes: Boxes, text: &str) -> (Metrics, Told) {
-    let (mut sim, mut told) = (prepared(boxes, text).expect("it fits"), Told::default());
-    let (outcome, message) = sim.run(&mut told, &AtomicBool::new(false));
+    let (mut sim, mut recorded) = (prepared(boxes, text).expect("it fits"), Told::default());
+    let (outcome, message) = sim.run(&mut recorded, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
-    (sim.metrics().clone(), told)
+    (sim.metrics().clone(), recorded)
 }
 
 /// The minimum-jerk path.
@@ -78,8 +78,8 @@ fn reached(value: f64) -> f64 {
 }
 
 #[test]
-fn what_is_reported_is_the_closed_form() {
-    let (m, told) = run(&text(0.53, "self_collision = { method = 0, margin = 0.02 }"));
+fn reported_values_are_the_closed_form() {
+    let (m, recorded) = run(&text(0.53, "self_collision = { method = 0, margin = 0.02 }"));
     // 0.03 m into each other in the end; GJK and EPA are good to 1e-10.
     assert!((m.min_self_distance_m.unwrap() + 0.03).abs() < 1e-9, "{:?}", m.min_self_distance_m);
     assert_eq!(m.self_collisions, Some(1));
@@ -87,7 +87,7 @@ fn what_is_reported_is_the_closed_form() {
     // Seen at the ends of steps of 1 ms.
     let near = 2.0 - reached(0.48 / 0.53);
     assert!((m.self_near_s.unwrap() - near).abs() <= 1e-3, "{:?} {near}", m.self_near_s);
-    let events: Vec<_> = told.events.iter().filter(|e| e.kind == "self-collision").collect();
+    let events: Vec<_> = recorded.events.iter().filter(|e| e.kind == "self-collision").collect();
     assert_eq!(events.len(), 1);
     let begins = reached(0.5 / 0.53);
     assert!(events[0].time >= begins && events[0].time <= begins + 1e-3 + 1e-9, "{} {begins}", events[0].time);
@@ -95,8 +95,8 @@ fn what_is_reported_is_the_closed_form() {
         (events[0].subject.as_str(), events[0].message.as_str()),
         ("box_a/box_b", "overlap of `box_a` and `box_b` begins")
     );
-    for s in &told.snapshots {
-        let own = s.self_contact.as_ref().expect("it is asked for");
+    for s in &recorded.snapshots {
+        let own = s.self_contact.as_ref().expect("it is commanded for");
         let (distance, pair, a, b) = own.nearest.expect("there is a pair");
         let truth = 0.5 + s.q[1] - s.q[0];
         assert!((distance - truth).abs() < 1e-9, "{distance} {truth}");
@@ -108,28 +108,28 @@ fn what_is_reported_is_the_closed_form() {
 }
 
 #[test]
-fn an_overlap_ends_and_begins_again() {
+fn an_overlap_can_end_and_recur() {
     let posture = "{ type = \"posture\", duration = 1.0, joints = { a = 0 } }";
     let sine = "{ type = \"sine\", joints = { a = { amplitude = 0.6, frequency = 1.0 } } }";
     let text = text(0.0, "self_collision = { method = 0 }");
-    let (m, told) = run(&text.replace(posture, sine).replace("duration = 2.0", "duration = 3.0"));
+    let (m, recorded) = run(&text.replace(posture, sine).replace("duration = 2.0", "duration = 3.0"));
     let words: Vec<&str> =
-        told.events.iter().filter(|e| e.kind == "self-collision").map(|e| e.message.as_str()).collect();
+        recorded.events.iter().filter(|e| e.kind == "self-collision").map(|e| e.message.as_str()).collect();
     let (begins, ends) = ("overlap of `box_a` and `box_b` begins", "overlap of `box_a` and `box_b` ends");
     assert_eq!((words, m.self_collisions), (vec![begins, ends, begins, ends], Some(2)));
 }
 
 #[test]
-fn avoidance_keeps_the_margin_and_says_what_it_cost() {
+fn avoidance_keeps_the_margin_and_reports_its_cost() {
     for method in 1..=4 {
-        let (m, told) = run(&text(0.53, &format!("self_collision = {{ method = {method}, margin = 0.02 }}")));
+        let (m, recorded) = run(&text(0.53, &format!("self_collision = {{ method = {method}, margin = 0.02 }}")));
         let least = m.min_self_distance_m.unwrap();
         assert!(least >= 0.02 && m.self_collisions == Some(0) && m.self_near_s == Some(0.0), "{least}");
         assert_eq!(m.avoidance_cycles.unwrap() - m.avoidance_early_cycles.unwrap(), 20);
         assert!(m.avoidance_blocked_cycles.unwrap() > 5 && m.avoidance_tests_mean.unwrap() >= 1.0);
-        let last = told.snapshots.last().unwrap();
+        let last = recorded.snapshots.last().unwrap();
         let own = last.self_contact.as_ref().unwrap();
-        // Wanted is what the task says, asked is less; a joint that moves nothing of the pair is not there.
+        // The desired position is that of the task, the command less; joints that do not move the pair are absent.
         assert!((own.wanted[0] - 0.53).abs() < 1e-12 && own.wanted[1] == 0.0, "{:?}", own.wanted);
         assert!(last.q[0] < 0.48 + 1e-9, "{}", last.q[0]);
         assert!(m.avoidance_max_deviation.unwrap() >= 0.53 - last.q[0] - 1e-12);
@@ -145,36 +145,36 @@ fn avoidance_keeps_the_margin_and_says_what_it_cost() {
 
 #[test]
 fn a_start_within_the_margin_is_refused() {
-    let told = |text: &str| match prepared(TWO, text) {
+    let recorded = |text: &str| match prepared(TWO, text) {
         Ok(_) => String::new(),
         Err(words) => words,
     };
-    let words = told(&text(0.0, "self_collision = { method = 1, margin = 0.6 }"));
+    let words = recorded(&text(0.0, "self_collision = { method = 1, margin = 0.6 }"));
     assert!(words.contains("`box_a` and `box_b` start 0.5000 m apart"), "{words}");
     assert!(words.contains("self_collision") && words.contains("`ignore`"), "{words}");
-    assert_eq!(told(&text(0.0, "self_collision = { method = 0, margin = 0.6 }")), "");
+    assert_eq!(recorded(&text(0.0, "self_collision = { method = 0, margin = 0.6 }")), "");
 }
 
 #[test]
-fn a_joint_that_follows_nothing_is_not_planned_with() {
-    // b is passive and stays where it is, whatever it is told: a must not count on its getting out of the way.
+fn an_uncontrolled_joint_is_not_planned() {
+    // b is passive and stays where it is, whatever its command: a must not rely on it moving away.
     for method in 1..=4 {
         let text = text(0.9, &format!("self_collision = {{ method = {method}, margin = 0.02 }}"))
             .replace("joints = { a = 0.9 }", "joints = { a = 0.9, b = 0.9 }")
             .replace("model = \"rail.toml\"", "model = \"rail.toml\", joint = { b = { mode = \"passive\" } }");
-        let (m, told) = run(&text);
+        let (m, recorded) = run(&text);
         assert!(m.min_self_distance_m.unwrap() >= 0.02, "method {method}: {:?}", m.min_self_distance_m);
-        let own = told.snapshots.last().unwrap().self_contact.as_ref().unwrap();
+        let own = recorded.snapshots.last().unwrap().self_contact.as_ref().unwrap();
         assert!(own.frozen[0] && !own.frozen[1], "{:?}", own.frozen);
     }
 }
 
 #[test]
-fn what_comes_in_the_way_of_a_path_makes_it_brake() {
+fn a_blocked_path_brakes() {
     // a goes slowly, 5 s long; b is pushed into its way and stands there.
     let boxes: Boxes = &[("a", -0.6, 0.0), ("b", 0.6, 0.0)];
     for method in 1..=4 {
-        let (m, told) = run_with(
+        let (m, recorded) = run_with(
             boxes,
             &format!(
                 "duration = 6.0
@@ -186,7 +186,7 @@ fn what_comes_in_the_way_of_a_path_makes_it_brake() {
                 force = [{{ type = \"push\", link = \"box_b\", force = [-120, 0, 0], start = 0.5, duration = 1.0 }}]\n"
             ),
         );
-        let there = told.snapshots.last().unwrap();
+        let there = recorded.snapshots.last().unwrap();
         assert!(there.q[1] < -0.5, "b has come to {}", there.q[1]);
         assert!(
             m.self_collisions == Some(0) && m.min_self_distance_m.unwrap() > 0.015,
@@ -197,19 +197,19 @@ fn what_comes_in_the_way_of_a_path_makes_it_brake() {
 }
 
 #[test]
-fn pairs_that_have_nothing_to_do_with_each_other_do_not_hold_each_other_up() {
+fn independent_pairs_do_not_stop_each_other() {
     // a is stopped by b on one rail; c, on another one, is in d's way and moves out of it.
     let boxes: Boxes = &[("a", -0.3, 0.0), ("b", 0.3, 0.0), ("c", -0.3, 5.0), ("d", 0.3, 5.0)];
     let rest = "self_collision = { method = 2, margin = 0.02 }";
-    let (m, told) = run_with(boxes, &text(0.9, rest).replace("{ a = 0.9 }", "{ a = 0.9, c = -0.2, d = -0.9 }"));
-    let q = &told.snapshots.last().unwrap().q;
+    let (m, recorded) = run_with(boxes, &text(0.9, rest).replace("{ a = 0.9 }", "{ a = 0.9, c = -0.2, d = -0.9 }"));
+    let q = &recorded.snapshots.last().unwrap().q;
     assert!((q[2] + 0.2).abs() < 1e-9, "{q:?}");
     assert!(m.min_self_distance_m.unwrap() >= 0.02 && q[0] < 0.5 && q[3] > -0.7, "{q:?}");
 }
 
 #[test]
-fn within_the_margin_one_may_only_leave() {
-    // b drifts to 12 mm from a and stands there; a is told through b, and later away from it.
+fn pairs_within_the_margin_may_only_move_apart() {
+    // b drifts to 12 mm from a and stands there; a is commanded through b, and later away from it.
     let boxes: Boxes = &[("a", -0.3, 0.0), ("b", 0.3, 0.0), ("c", 0.0, 5.0)];
     let text = |to: f64| {
         format!(
@@ -219,25 +219,25 @@ fn within_the_margin_one_may_only_leave() {
             integrator = {{ method = \"semi-implicit\", step = 1e-3 }}
             self_collision = {{ method = 2, margin = 0.02 }}
             force = [{{ type = \"push\", link = \"box_b\", force = [-195.2, 0, 0], duration = 0.5 }}]
-            # c has nothing to do with them, and is slow: what is looked at must be the pair's own motion.
+            # c has zero to do with them, and is slow: only the pair's own motion must count.
             task = [
                 {{ type = \"posture\", start = 1.0, duration = 1.0, joints = {{ a = {to} }} }},
                 {{ type = \"posture\", start = 1.0, duration = 2.5, joints = {{ c = 0.9 }} }},
             ]\n"
         )
     };
-    let (m, told) = run_with(boxes, &text(0.9));
-    let near = told.snapshots.iter().map(|s| 0.5 + s.q[1] - s.q[0]).fold(f64::INFINITY, f64::min);
+    let (m, recorded) = run_with(boxes, &text(0.9));
+    let near = recorded.snapshots.iter().map(|s| 0.5 + s.q[1] - s.q[0]).fold(f64::INFINITY, f64::min);
     assert!(near > 0.005 && near < 0.02, "{near}");
     assert_eq!(m.self_collisions, Some(0));
-    let at = |t: f64, told: &Told| told.snapshots.iter().find(|s| s.time >= t).unwrap().q[0];
-    assert!((told.snapshots.last().unwrap().q[0] - at(1.0, &told)).abs() < 1e-9);
-    let (m, told) = run_with(boxes, &text(-0.5));
-    assert!((told.snapshots.last().unwrap().q[0] + 0.5).abs() < 1e-9 && m.self_collisions == Some(0));
+    let at = |t: f64, recorded: &Told| recorded.snapshots.iter().find(|s| s.time >= t).unwrap().q[0];
+    assert!((recorded.snapshots.last().unwrap().q[0] - at(1.0, &recorded)).abs() < 1e-9);
+    let (m, recorded) = run_with(boxes, &text(-0.5));
+    assert!((recorded.snapshots.last().unwrap().q[0] + 0.5).abs() < 1e-9 && m.self_collisions == Some(0));
 }
 
 #[test]
-fn what_was_not_foreseen_is_seen_between_the_cycles() {
+fn unpredicted_motion_triggers_an_early_cycle() {
     // One cycle a second. At the first one a stands still; at the next one it would be in b long ago, within all limits.
     for method in 1..=4 {
         let rest = format!("self_collision = {{ method = {method}, margin = 0.02, rate = 1.0 }}");

@@ -29,7 +29,7 @@ fn a_spinning_body_that_catches_an_object_keeps_its_angular_momentum() {
     let body = body();
     let (inertia, spin) = (body.inertia()[2], 3.0);
     let reduced = M * body.mass / (M + body.mass);
-    // An object at rest beside the spinning box; one that comes flying; a long one.
+    // An object at rest next to the spinning box; a flying one; a long one.
     for (velocity, own) in [([0.0; 3], 0.0), ([0.4, -1.0, 0.0], 0.0), ([0.0; 3], 0.03)] {
         let turn = spin * 0.5_f64;
         let place = Vector3::new(R * turn.cos(), R * turn.sin(), 0.0);
@@ -64,7 +64,7 @@ fn an_object_that_moves_along_is_taken_and_released_without_a_jerk() {
     let text = object(&format!("start = {from}\nduration = {held}"));
     let mut sim = simulation(&spinning(&body, spin, from + held + after, &text));
     let metrics = finish(&mut sim, &mut Blind);
-    // Together they turn as before about their centre of mass, which goes on with the velocity it has when they join.
+    // Together they turn as before about their centre of mass, which keeps its velocity at that instant.
     let turn = |angle: f64| Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
     let (omega, arm) = (Vector3::z() * spin, Vector3::x() * (R * M / (M + body.mass)));
     let joined = turn(spin * from) * arm;
@@ -89,7 +89,7 @@ fn an_object_that_moves_along_is_taken_and_released_without_a_jerk() {
 }
 
 #[test]
-fn carried_from_the_start_is_a_payload() {
+fn an_object_carried_from_the_start_is_a_payload() {
     let body = body();
     let carried = fly(&body, [0.0, 0.0, 9.0], [1.0, 0.0, 0.0], 0.5, &object("inertia = [0.01, 0.01, 0.01, 0, 0, 0]"));
     let payload = format!(
@@ -104,7 +104,7 @@ fn carried_from_the_start_is_a_payload() {
 }
 
 #[test]
-fn in_flight_the_balance_closes_through_takes_and_releases() {
+fn energy_balances_through_grasp_and_release_in_flight() {
     let body = body();
     let text = format!(
         "{}{}",
@@ -155,7 +155,7 @@ fn a_standing_box_that_catches_a_mass_is_held_by_the_floor() {
 }
 
 #[test]
-fn every_method_carries_it() {
+fn every_contact_method_supports_a_carried_object() {
     let body = Body::new([0.2, 0.2, 0.02], 2.0);
     let text = object("start = 0.2\nvelocity = [0, 0, -1]").replace(&format!("[{R}, 0, 0]"), "[0, 0, 0]");
     for (method, integrator) in [
@@ -179,7 +179,7 @@ fn every_method_carries_it() {
 }
 
 #[test]
-fn a_robot_takes_a_load_while_it_stands() {
+fn a_standing_robot_picks_up_a_load() {
     let text = "duration = 1.5
         robot = { model = \"robots/hoap2/hoap2.toml\" }
         [[force]]
@@ -189,16 +189,16 @@ fn a_robot_takes_a_load_while_it_stands() {
         position = [0.05, 0.0, 0.05]
         start = 0.3
         duration = 0.8\n";
-    let mut told = Told::default();
-    let m = finish(&mut simulation(text), &mut told);
+    let mut recorded = Told::default();
+    let m = finish(&mut simulation(text), &mut recorded);
     let words: Vec<_> =
-        told.events.iter().filter(|e| e.kind == "object").map(|e| (e.time, e.message.as_str())).collect();
+        recorded.events.iter().filter(|e| e.kind == "object").map(|e| (e.time, e.message.as_str())).collect();
     assert_eq!(words, [(0.3, "0.5 kg taken"), (1.1, "0.5 kg released")]);
     assert_eq!((m.inconsistent, m.impacts), (0, 0));
     // Integration at relative tolerance 1e-6 of energies of some J.
     assert!(m.max_energy_error_j < 1e-5, "{}", m.max_energy_error_j);
     let force = |t: f64| {
-        let s = told.snapshots.iter().find(|s| (s.time - t).abs() < 1e-9).expect("an instant of the log");
+        let s = recorded.snapshots.iter().find(|s| (s.time - t).abs() < 1e-9).expect("an instant of the log");
         s.soles.iter().flat_map(|sole| &sole.forces).map(|f| f.z).sum::<f64>()
     };
     // It sways by less than 1 % of its weight.

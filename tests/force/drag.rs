@@ -15,7 +15,7 @@ fn body() -> Body {
 }
 
 #[test]
-fn a_fall_with_linear_drag_nears_its_terminal_velocity() {
+fn a_fall_with_linear_drag_approaches_terminal_velocity() {
     let (body, c, t) = (body(), 3.0, 2.0);
     let end = fly(&body, [0.0, 0.0, 9.0], [0.0; 3], t, &drag(&format!("link = \"block\"\nlinear = {c}")));
     let tau = body.mass / c;
@@ -43,7 +43,7 @@ fn a_fall_with_quadratic_drag_follows_the_hyperbolic_tangent() {
 }
 
 #[test]
-fn wind_carries_along_while_it_blows() {
+fn wind_acts_while_it_blows() {
     let (body, c) = (body(), 3.0);
     let wind = [4.0, -2.0, 1.0];
     let text = format!(
@@ -56,7 +56,7 @@ fn wind_carries_along_while_it_blows() {
 }
 
 #[test]
-fn drag_at_a_point_off_the_centre_turns() {
+fn drag_off_the_centre_exerts_a_moment() {
     let (body, c, r, speed) = (body(), 0.5, 0.3, 2.0);
     let text =
         format!("gravity = [0, 0, 0]\n{}", drag(&format!("link = \"block\"\npoint = [0, 0, {r}]\nlinear = {c}")));
@@ -69,7 +69,7 @@ fn drag_at_a_point_off_the_centre_turns() {
 
 /// Velocity-level steps take a damper at the end of the step: `v' = v / (1 + h c / m)`, however strong it is.
 #[test]
-fn stiff_drag_and_dampers_do_not_turn_a_velocity_step_round() {
+fn stiff_drag_and_dampers_do_not_reverse_a_velocity_step() {
     let (body, h) = (body(), 1e-3);
     let steps = format!("integrator = {{ method = \"semi-implicit\", step = {h:?} }}\ngravity = [0, 0, 0]\n");
     for c in [10.0, 2.0 * body.mass / h, 1e3 * body.mass / h] {

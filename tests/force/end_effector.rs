@@ -26,7 +26,7 @@ fn floating(model: &str, force: &str) -> Told {
     .1
 }
 
-/// The forces, without and with a place of their own: type and what there is besides, the key for a place.
+/// The forces, without and with a point of their own: type and other keys, the key of the point.
 const KINDS: [(&str, &str); 5] = [
     ("type = \"carried-object\"\nmass = 0.3\nstart = 0.1\nduration = 0.3\nvelocity = [0.1, 0, 0]", "position"),
     ("type = \"constant\"\nforce = [1, 2, 3]\nmoment = [0.1, 0, 0]", "point"),
@@ -36,15 +36,16 @@ const KINDS: [(&str, &str); 5] = [
 ];
 
 #[test]
-fn both_ways_of_saying_it_give_the_same_bits() {
+fn both_notations_give_the_same_bits() {
     for (kind, place) in KINDS {
         // The palm of the robot file: 0.02 m along x of the link.
         let by_hand = floating("\"robots/hoap2/hoap2.toml\"", &format!("{kind}\nend_effector = \"left_hand\""));
         let by_link =
             floating("\"robots/hoap2/hoap2.toml\"", &format!("{kind}\nlink = \"l_hand\"\n{place} = [0.02, 0, 0]"));
         let off = floating("\"robots/hoap2/hoap2.toml\"", &format!("{kind}\nlink = \"l_hand\""));
-        let end =
-            |told: &Told| told.snapshots.last().map(|s| (s.base_pose, s.q.clone(), s.qd.clone())).expect("the end");
+        let end = |recorded: &Told| {
+            recorded.snapshots.last().map(|s| (s.base_pose, s.q.clone(), s.qd.clone())).expect("the end")
+        };
         assert_eq!(end(&by_hand), end(&by_link), "{kind}");
         assert_ne!(end(&by_hand), end(&off), "{kind}: the place matters");
     }
@@ -78,9 +79,9 @@ fn places_turns_and_axes_are_those_of_a_turned_frame() {
 }
 
 #[test]
-fn an_object_in_a_hand_is_told_by_its_name() {
-    let told = floating("\"robots/hoap2/hoap2.toml\"", &format!("{}\nend_effector = \"left_hand\"", KINDS[0].0));
-    assert!(told.events.iter().any(|e| e.message.contains("left_hand") || e.subject.contains("left_hand")));
+fn an_event_names_the_end_effector_of_an_object() {
+    let recorded = floating("\"robots/hoap2/hoap2.toml\"", &format!("{}\nend_effector = \"left_hand\"", KINDS[0].0));
+    assert!(recorded.events.iter().any(|e| e.message.contains("left_hand") || e.subject.contains("left_hand")));
 }
 
 #[test]

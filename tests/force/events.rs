@@ -1,4 +1,4 @@
-//! Events on forces: what does not change goes on, and the log tells what happens and nothing else.
+//! Events on forces: unchanged forces continue, and the log reports only actual changes.
 
 use super::End;
 use crate::analytic::body::Body;
@@ -10,11 +10,11 @@ fn flight(kind: &str, duration: f64, text: &str) -> (End, Vec<(f64, String)>) {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
     let robot = body.floating("position = [0, 0, 1], linear_velocity = [0, 0.05, 0]");
     let mut sim = simulation(&format!("duration = {duration:?}\ngravity = [0, 0, 0]\n{robot}{TIGHT}{text}"));
-    let mut told = Told::default();
-    let metrics = finish(&mut sim, &mut told);
+    let mut recorded = Told::default();
+    let metrics = finish(&mut sim, &mut recorded);
     let state = &sim.plant().state;
     let (position, velocity) = (state.position, Vector3::new(state.v[0], state.v[1], state.v[2]));
-    let events = told.events.into_iter().filter(|e| e.kind == kind).map(|e| (e.time, e.message)).collect();
+    let events = recorded.events.into_iter().filter(|e| e.kind == kind).map(|e| (e.time, e.message)).collect();
     (End { position, velocity, metrics }, events)
 }
 
@@ -47,39 +47,39 @@ fn a_spring_stays_where_it_is_when_an_event_sets_the_value_it_has() {
 }
 
 #[test]
-fn a_spring_attached_anew_pulls_nowhere_at_first() {
+fn a_newly_attached_spring_exerts_no_force() {
     // Another velocity of the hand: it takes hold where the point is, and drifts from there.
     let hand = spring("anchor = { velocity = [0.3, 0, 0] }").replace("damping = 2", "damping = 0");
     let (text, w) = (hand + &event(0.7, "\"force.0.anchor\" = { velocity = [-0.2, 0, 0] }"), 5.0);
     let (at, _) = flight("spring", 0.7, &text);
-    let (end, told) = flight("spring", 1.0, &text);
+    let (end, recorded) = flight("spring", 1.0, &text);
     // x'' = w^2 (hand - x) from x = hand = 0 with the speed v: x = u t + (v - u) sin(w t) / w.
     let [u, v, t]: [f64; 3] = [-0.2, at.velocity.x, 1.0 - 0.7];
     let way = u * t + (v - u) * (w * t).sin() / w;
     // Integration at 1e-9.
     assert!((end.position.x - at.position.x - way).abs() < 1e-7, "{} {way}", end.position.x - at.position.x);
-    let words: Vec<_> = told.iter().map(|(t, words)| (*t, &words[..8])).collect();
-    assert_eq!(words, [(0.2, "attached"), (0.7, "attached")], "{told:?}");
+    let words: Vec<_> = recorded.iter().map(|(t, words)| (*t, &words[..8])).collect();
+    assert_eq!(words, [(0.2, "attached"), (0.7, "attached")], "{recorded:?}");
 }
 
 #[test]
-fn what_is_over_is_not_told_again() {
+fn past_events_are_not_reported_again() {
     let short = spring("duration = 0.3\nanchor = { position = [0.1, 0, 1] }");
-    let (_, told) = flight("spring", 1.5, &(short + &event(1.0, "\"force.0.stiffness\" = 60")));
-    assert_eq!(told.iter().map(|(t, _)| *t).collect::<Vec<_>>(), [0.2, 0.5], "{told:?}");
+    let (_, recorded) = flight("spring", 1.5, &(short + &event(1.0, "\"force.0.stiffness\" = 60")));
+    assert_eq!(recorded.iter().map(|(t, _)| *t).collect::<Vec<_>>(), [0.2, 0.5], "{recorded:?}");
     // It lets go when an event puts its end into the past, and takes hold again when one puts it off.
     let set = event(0.7, "\"force.0.duration\" = 0.1") + &event(1.0, "\"force.0.duration\" = 9");
-    let (_, told) = flight("spring", 1.5, &(spring("") + &set));
-    let words: Vec<_> = told.iter().map(|(t, words)| (*t, &words[..8])).collect();
+    let (_, recorded) = flight("spring", 1.5, &(spring("") + &set));
+    let words: Vec<_> = recorded.iter().map(|(t, words)| (*t, &words[..8])).collect();
     assert_eq!(words, [(0.2, "attached"), (0.7, "released"), (1.0, "attached")]);
 
     let pushes = "[[force]]\ntype = \"random-pushes\"\nlinks = [\"block\"]\nnumber = 12\nmagnitude = [1, 1]\n";
     let (_, alone) = flight("push", 1.5, pushes);
-    let (_, told) = flight("push", 1.5, &(pushes.to_owned() + &event(0.7, "\"force.0.magnitude\" = [2, 2]")));
-    let times = |told: &[(f64, String)]| told.iter().map(|(t, _)| *t).collect::<Vec<_>>();
-    assert_eq!((times(&told), alone.len()), (times(&alone), 12));
+    let (_, recorded) = flight("push", 1.5, &(pushes.to_owned() + &event(0.7, "\"force.0.magnitude\" = [2, 2]")));
+    let times = |recorded: &[(f64, String)]| recorded.iter().map(|(t, _)| *t).collect::<Vec<_>>();
+    assert_eq!((times(&recorded), alone.len()), (times(&alone), 12));
     assert!(alone.iter().any(|(t, _)| *t < 0.7) && alone.iter().any(|(t, _)| *t > 0.7));
-    for ((t, before), (_, after)) in alone.iter().zip(&told) {
+    for ((t, before), (_, after)) in alone.iter().zip(&recorded) {
         assert_eq!(before == after, *t < 0.7, "those to come are of the new size: {t} {before} {after}");
     }
 }
@@ -91,8 +91,8 @@ fn all_forces_are_listed() {
     let more = "[[force]]\ntype = \"random-pushes\"\nlinks = [\"block\"]\nnumber = 30\nmagnitude = [1, 1]
         push_duration = [1, 1]\nduration = 0.4\n";
     let text = format!("duration = 0.5\n{}{}{more}", body.floating("position = [0, 0, 1]"), constant.repeat(20));
-    let mut told = Told::default();
-    finish(&mut simulation(&text), &mut told);
-    let listed: Vec<usize> = told.snapshots.iter().map(|s| s.external.len()).collect();
+    let mut recorded = Told::default();
+    finish(&mut simulation(&text), &mut recorded);
+    let listed: Vec<usize> = recorded.snapshots.iter().map(|s| s.external.len()).collect();
     assert_eq!((listed[0], listed.last()), (20, Some(&50)), "{listed:?}");
 }

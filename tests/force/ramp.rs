@@ -4,7 +4,7 @@ use super::fly;
 use crate::analytic::body::Body;
 
 #[test]
-fn a_ramp_makes_a_cubic_and_then_a_parabola() {
+fn a_ramp_gives_a_cubic_then_a_parabola() {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
     let (force, start, rise, duration) = (6.0, 0.2, 0.5, 1.0);
     let text = format!(

@@ -37,7 +37,7 @@ fn near(end: &End, position: Vector3<f64>, velocity: Vector3<f64>, allowed: f64)
 }
 
 #[test]
-fn a_hanging_box_oscillates_as_its_closed_form() {
+fn a_hanging_box_follows_its_closed_form() {
     let body = body();
     let (start, speed) = ([0.3, -0.2, 1.1], [0.0, 1.5, -0.5]);
     for (damping, duration) in [(0.0, 3.0), (4.0, 2.0)] {
@@ -62,7 +62,7 @@ fn a_hanging_box_oscillates_as_its_closed_form() {
 }
 
 #[test]
-fn a_hand_that_moves_off_pulls_a_box_along() {
+fn a_moving_anchor_pulls_a_box_along() {
     // The box starts at rest where the hand takes hold, without gravity: x = u t - u sin(w t) / w after the start.
     let body = body();
     let (hand, held, start) = ([0.4, -0.1, 0.2], 1.2, 0.5);
@@ -135,7 +135,7 @@ fn a_hand_follows_waypoints() {
 }
 
 #[test]
-fn a_rest_length_makes_a_circle_of_its_radius() {
+fn a_spring_with_rest_length_moves_on_a_circle() {
     // m w^2 r = k (r - l0), at speed w r across.
     let body = body();
     let (rest, r) = (0.3_f64, 0.5_f64);
@@ -167,14 +167,14 @@ fn attaching_and_releasing_are_events() {
     let body = body();
     let text = spring("start = 0.25\nduration = 0.5");
     let robot = body.floating("position = [0, 0, 2]");
-    let mut told = Told::default();
-    finish(&mut simulation(&format!("duration = 1.0\n{robot}{text}")), &mut told);
-    let said: Vec<_> = told.events.iter().filter(|e| e.kind == "spring").collect();
+    let mut recorded = Told::default();
+    finish(&mut simulation(&format!("duration = 1.0\n{robot}{text}")), &mut recorded);
+    let messages: Vec<_> = recorded.events.iter().filter(|e| e.kind == "spring").collect();
     assert_eq!(
-        said.iter().map(|e| (e.time, e.subject.as_str())).collect::<Vec<_>>(),
+        messages.iter().map(|e| (e.time, e.subject.as_str())).collect::<Vec<_>>(),
         [(0.25, "block"), (0.75, "block")]
     );
     // Where free fall has brought it: 2 - g 0.25^2 / 2.
-    assert_eq!(said[0].message, "attached to (0.0000, 0.0000, 1.6934)");
-    assert_eq!(said[1].message, "released");
+    assert_eq!(messages[0].message, "attached to (0.0000, 0.0000, 1.6934)");
+    assert_eq!(messages[1].message, "released");
 }

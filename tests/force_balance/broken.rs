@@ -14,7 +14,7 @@ fn wrong(text: &str) -> String {
 }
 
 #[test]
-fn entries_that_cannot_be() {
+fn invalid_entries_are_errors() {
     let block = "robot = { model = \"robots/block/block.toml\" }\n";
     let task = "[[task]]\ntype = \"balance\"\ncontrol = \"force\"\n";
     let cases = [
@@ -63,6 +63,6 @@ fn entries_that_cannot_be() {
     ];
     for (text, place, words) in cases {
         let found = wrong(&text);
-        assert!(found.contains(place) && found.contains(words), "wanted {place} {words}\n{found}");
+        assert!(found.contains(place) && found.contains(words), "expected {place} {words}\n{found}");
     }
 }

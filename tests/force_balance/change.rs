@@ -1,6 +1,6 @@
-//! Settings of balance that change while it goes on.
+//! Settings of balance that change during the task.
 //!
-//! A slide of mass b moves up and down on a foot of mass a. With the gains of the joints at zero the task asks the slide for
+//! A slide of mass b moves up and down on a foot of mass a. With the gains of the joints at zero the task commands the slide
 //! `tau = J_c^T F`, `J_c = b / (a + b)` its Jacobian of the centre of mass, so that its displacement x from the reference
 //! obeys, with the efforts held over ticks of length T as if damping lacked `kp T / 2`,
 //!
@@ -43,20 +43,20 @@ impl Slide {
     /// Times, positions and velocities of the slide.
     fn watch(&self, duration: f64, velocity: f64, task: &str) -> Vec<(f64, f64, f64)> {
         let polygon = "[[-0.1, -0.1, 0], [0.1, -0.1, 0], [0.1, 0.1, 0], [-0.1, 0.1, 0]]";
-        let (_, told) = watch(&format!(
+        let (_, recorded) = watch(&format!(
             "duration = {duration}\nlog = {{ rate = 100.0 }}\ncontrol = {{ rate = {RATE} }}
             [robot]\nmodel = {:?}\njoint_default = {{ mode = \"force\" }}\nvelocity = {{ slide = {velocity} }}
             soles = [{{ name = \"sole\", link = \"foot\", polygon = {polygon} }}]\n[[task]]\n{task}",
             self.0.path().join("slide.urdf")
         ));
-        told.snapshots.iter().map(|s| (s.time, s.q[0], s.qd[0])).collect()
+        recorded.snapshots.iter().map(|s| (s.time, s.q[0], s.qd[0])).collect()
     }
 }
 
 #[test]
-fn with_new_gains_the_closed_loop_swings_at_its_new_frequency_about_the_new_reference() {
+fn new_gains_change_the_frequency_of_the_closed_loop() {
     let (kp, kd, step) = (900.0, 4.0, 0.004);
-    let told = Slide::new().watch(
+    let recorded = Slide::new().watch(
         1.6,
         0.0,
         &format!(
@@ -70,7 +70,7 @@ fn with_new_gains_the_closed_loop_swings_at_its_new_frequency_about_the_new_refe
     let damping = 0.5 * part * (kd - 0.5 * kp / RATE);
     let w = (part * kp - damping * damping).sqrt();
     let mut turns = 0;
-    for (t, x, v) in told {
+    for (t, x, v) in recorded {
         let t = t - 0.6;
         if t <= 0.0 {
             // At rest in an exact equilibrium before.
@@ -86,14 +86,14 @@ fn with_new_gains_the_closed_loop_swings_at_its_new_frequency_about_the_new_refe
 }
 
 #[test]
-fn gravity_compensation_takes_on_another_damping() {
+fn gravity_compensation_changes_its_damping() {
     let (v0, first, then) = (0.4, 3.0, 9.0);
-    let told = Slide::new().watch(
+    let recorded = Slide::new().watch(
         0.5,
         v0,
         &format!("type = \"gravity-compensation\"\ndamping = {first}\nchange = [{{ at = 0.2, damping = {then} }}]"),
     );
-    for (t, _, v) in told {
+    for (t, _, v) in recorded {
         // Over each tick the velocity falls by the part kd T of itself.
         let ticks = |t: f64, kd: f64| (1.0 - kd / RATE).powf(t * RATE);
         let truth = v0 * ticks(t.min(0.2), first) * ticks((t - 0.2).max(0.0), then);
@@ -116,7 +116,7 @@ fn the_centre_of_mass_ends_at_the_new_offset_and_nothing_jumps_on_the_way() {
         "change = [{ at = 2.0, force = { offset = [0.02, 0, 0] } },
                    { at = 2.25, force = { offset = [0.005, -0.01, 0.004], approach = 1.0 } }]",
     ));
-    let end = |told: &crate::analytic::support::Told| told.snapshots.last().expect("the end").com;
+    let end = |recorded: &crate::analytic::support::Told| recorded.snapshots.last().expect("the end").com;
     // What stays is 6e-6 m in height, 0.02 N of a weight of 70 N, with and without the springs of the joints. With end stops a
     // joint that its spring presses against one would leave 3e-5 m.
     assert!(
@@ -137,7 +137,7 @@ fn the_centre_of_mass_ends_at_the_new_offset_and_nothing_jumps_on_the_way() {
 }
 
 #[test]
-fn a_balance_is_loosened_by_its_list_of_changes() {
+fn a_list_of_changes_lowers_the_gains() {
     let push = "[[force]]\ntype = \"push\"\nlink = \"torso\"\nforce = [6.0, 0, 0]\nstart = 1.0\nduration = 0.1\n";
     let back = |change: &str| {
         let task = format!("[[task]]\ntype = \"balance\"\ncontrol = \"force\"\nforce = {{ approach = 0.2 }}\n{change}");

@@ -38,9 +38,9 @@ fn distance(a: &Wrench, b: &Wrench) -> f64 {
 #[test]
 fn the_weight_falls_on_all_corners_alike() {
     let mut d = flat(&feet(0.6));
-    let wanted = wrench([0.0, 0.0, WEIGHT], [0.0; 3]);
-    let got = d.solve(&wanted, MU, &measure(0.1));
-    assert!(distance(&got, &wanted) < 1e-12 * WEIGHT, "{got:?}");
+    let expected = wrench([0.0, 0.0, WEIGHT], [0.0; 3]);
+    let got = d.solve(&expected, MU, &measure(0.1));
+    assert!(distance(&got, &expected) < 1e-12 * WEIGHT, "{got:?}");
     for f in d.forces() {
         // Rounding of a 6 x 6 solution.
         assert!((f - Vector3::new(0.0, 0.0, WEIGHT / 8.0)).norm() < 1e-12 * WEIGHT, "{f}");
@@ -53,9 +53,9 @@ fn a_moment_tilts_the_pressure() {
     let a = 0.1;
     let mut d = flat(&[[a, a, 0.0], [-a, a, 0.0], [-a, -a, 0.0], [a, -a, 0.0]]);
     let (m, n) = (1.2, 0.4);
-    let wanted = wrench([0.0, 0.0, WEIGHT], [0.0, m, n]);
-    let got = d.solve(&wanted, MU, &measure(0.1));
-    assert!(distance(&got, &wanted) < 1e-12 * WEIGHT, "{got:?}");
+    let expected = wrench([0.0, 0.0, WEIGHT], [0.0, m, n]);
+    let got = d.solve(&expected, MU, &measure(0.1));
+    assert!(distance(&got, &expected) < 1e-12 * WEIGHT, "{got:?}");
     for (f, (x, y)) in d.forces().iter().zip([(a, a), (-a, a), (-a, -a), (a, -a)]) {
         let closed = Vector3::new(-y, x, 0.0) * (n / (8.0 * a * a))
             + Vector3::new(0.0, 0.0, WEIGHT / 4.0 - m * x / (4.0 * a * a));
@@ -69,9 +69,9 @@ fn no_contact_pulls() {
     // eighth of a third; least with f >= 0 are 0, 1/4 and 3/4 of the weight on the pairs.
     let points: Vec<[f64; 3]> = [-1.0, 0.0, 1.0].iter().flat_map(|x| [[*x, 0.5, 0.0], [*x, -0.5, 0.0]]).collect();
     let mut d = flat(&points);
-    let wanted = wrench([0.0, 0.0, WEIGHT], [0.0, -0.75 * WEIGHT, 0.0]);
-    let got = d.solve(&wanted, MU, &measure(1.0));
-    assert!(distance(&got, &wanted) < 1e-12 * WEIGHT, "{:e}", distance(&got, &wanted));
+    let expected = wrench([0.0, 0.0, WEIGHT], [0.0, -0.75 * WEIGHT, 0.0]);
+    let got = d.solve(&expected, MU, &measure(1.0));
+    assert!(distance(&got, &expected) < 1e-12 * WEIGHT, "{:e}", distance(&got, &expected));
     for (f, share) in d.forces().iter().zip([0.0, 0.0, 0.125, 0.125, 0.375, 0.375]) {
         // The sums are exact; the split is a stationary point, as exact as its gradient.
         assert!((f - Vector3::new(0.0, 0.0, share * WEIGHT)).norm() < 1e-10 * WEIGHT, "{f} {share}");
@@ -79,12 +79,12 @@ fn no_contact_pulls() {
 }
 
 #[test]
-fn a_pressure_wanted_beyond_the_soles_stays_at_their_edge() {
+fn a_desired_pressure_outside_the_soles_stays_at_their_edge() {
     let (height, length) = (0.6, 0.12);
     let mut d = flat(&feet(height));
     // The centre of pressure of this wrench would be 0.6 * 0.4 = 0.24 m behind; the heels are at 0.1 m.
-    let wanted = wrench([0.4 * WEIGHT, 0.0, WEIGHT], [0.0; 3]);
-    let got = d.solve(&wanted, MU, &measure(length));
+    let expected = wrench([0.4 * WEIGHT, 0.0, WEIGHT], [0.0; 3]);
+    let got = d.solve(&expected, MU, &measure(length));
     let forces = d.forces();
     for (f, arm) in forces.iter().zip(feet(height)) {
         assert!(arm[0] < 0.0 || f.norm() == 0.0, "a toe carries {f}");
@@ -103,12 +103,12 @@ fn a_pressure_wanted_beyond_the_soles_stays_at_their_edge() {
 }
 
 #[test]
-fn forces_stay_in_their_cones_and_add_up_wherever_they_can() {
+fn forces_stay_in_their_cones_and_add_up_where_feasible() {
     let mut r = Random::new(11);
     for _ in 0..300 {
         let arms = feet(0.5 + r.within(0.0, 0.3));
         let mut d = Distribution::new(arms.len());
-        let mut wanted = wrench([0.0; 3], [0.0; 3]);
+        let mut expected = wrench([0.0; 3], [0.0; 3]);
         for (i, arm) in arms.iter().enumerate() {
             // The second sole is tilted; forces inside the cones make the wrench, so it can be had.
             let normal = Vector3::new(if i < 4 { 0.0 } else { 0.3 }, 0.0, 1.0).normalize();
@@ -116,11 +116,11 @@ fn forces_stay_in_their_cones_and_add_up_wherever_they_can() {
             d.add(arm, normal);
             let side = normal.cross(&r.vector(1.0)).normalize();
             let f = (normal + side * (MU * 0.98 * r.within(0.0, 1.0))) * (r.within(-1.0, 1.0).max(0.0) * WEIGHT / 4.0);
-            wanted.force += f;
-            wanted.moment += arm.cross(&f);
+            expected.force += f;
+            expected.moment += arm.cross(&f);
         }
-        let got = d.solve(&wanted, MU, &measure(0.15));
-        assert!(distance(&got, &wanted) < 1e-12 * WEIGHT, "{:e}", distance(&got, &wanted));
+        let got = d.solve(&expected, MU, &measure(0.15));
+        assert!(distance(&got, &expected) < 1e-12 * WEIGHT, "{:e}", distance(&got, &expected));
         inside(&d);
     }
 }
@@ -134,7 +134,7 @@ fn inside(d: &Distribution) {
 }
 
 #[test]
-fn what_cannot_be_had_is_approached_as_near_as_it_can() {
+fn an_infeasible_wrench_gives_the_nearest_one() {
     // At the nearest wrench no force that the cones allow would come nearer: with rho the wrench missing, scaled, the
     // projection of G^T rho on each cone is zero, and so is its power with the forces.
     let mut r = Random::new(12);
@@ -148,10 +148,10 @@ fn what_cannot_be_had_is_approached_as_near_as_it_can() {
             let normal = Vector3::new(if i < 4 { 0.0 } else { 0.3 }, 0.0, 1.0).normalize();
             d.add((*arm).into(), normal);
         }
-        let wanted = Wrench { force: r.vector(WEIGHT), moment: r.vector(0.3 * WEIGHT) };
-        let got = d.solve(&wanted, MU, &measure(length));
+        let expected = Wrench { force: r.vector(WEIGHT), moment: r.vector(0.3 * WEIGHT) };
+        let got = d.solve(&expected, MU, &measure(length));
         inside(&d);
-        let (force, moment) = (lift * (wanted.force - got.force), (wanted.moment - got.moment) / length);
+        let (force, moment) = (lift * (expected.force - got.force), (expected.moment - got.moment) / length);
         let missing = (force.norm_squared() + moment.norm_squared()).sqrt();
         if missing < 1e-9 * WEIGHT {
             continue;
@@ -176,14 +176,14 @@ fn what_cannot_be_had_is_approached_as_near_as_it_can() {
 }
 
 #[test]
-fn few_contacts_do_what_they_can() {
-    let wanted = wrench([0.0, 0.0, WEIGHT], [0.0; 3]);
-    let none = Distribution::new(0).solve(&wanted, MU, &measure(0.1));
+fn degenerate_contacts_give_the_nearest_wrench() {
+    let expected = wrench([0.0, 0.0, WEIGHT], [0.0; 3]);
+    let none = Distribution::new(0).solve(&expected, MU, &measure(0.1));
     assert_eq!(none, wrench([0.0; 3], [0.0; 3]));
     // One point below the centre of mass carries it; a line does.
     for arms in [vec![[0.0, 0.0, -0.5]], vec![[0.1, 0.0, -0.5], [-0.1, 0.0, -0.5]]] {
-        let got = flat(&arms).solve(&wanted, MU, &measure(0.1));
-        assert!(distance(&got, &wanted) < 1e-12 * WEIGHT, "{got:?}");
+        let got = flat(&arms).solve(&expected, MU, &measure(0.1));
+        assert!(distance(&got, &expected) < 1e-12 * WEIGHT, "{got:?}");
     }
     // Nothing pulls the robot down.
     let mut d = flat(&feet(0.6));

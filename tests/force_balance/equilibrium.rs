@@ -32,7 +32,7 @@ fn model(file: &str) -> Model {
     load(&root().join(file)).unwrap_or_else(|e| panic!("{e}")).model
 }
 
-/// One tick at `state`: the efforts asked for and the task.
+/// One tick at `state`: the commanded efforts and the task.
 fn tick(model: &Model, task: &mut ForceBalance, begin: &State, state: &State) -> (Command, Augmented) {
     let sensed = Sensed::blank(model);
     let mut data = Augmented::new(model);
@@ -94,7 +94,7 @@ fn leaning(model: &Model, r: &mut Random) -> State {
 }
 
 #[test]
-fn efforts_hold_the_robot_with_the_forces_counted_on() {
+fn efforts_and_planned_forces_are_in_equilibrium() {
     let mut r = Random::new(21);
     for file in ["robots/hoap2/hoap2.toml", "robots/cbi/cbi.toml"] {
         let model = model(file);
@@ -113,7 +113,7 @@ fn efforts_hold_the_robot_with_the_forces_counted_on() {
 }
 
 #[test]
-fn what_is_wanted_acts_as_a_force_at_the_centre_of_mass_and_a_moment_on_the_base() {
+fn a_desired_wrench_acts_at_the_centre_of_mass_and_on_the_base() {
     let model = model("robots/hoap2/hoap2.toml");
     let (mut r, weight) = (Random::new(22), model.mass() * G);
     for _ in 0..20 {
@@ -142,8 +142,8 @@ fn what_is_wanted_acts_as_a_force_at_the_centre_of_mass_and_a_moment_on_the_base
         }
         // N = I kp turn: the whole's inertia about its centre of mass, column by column from the kinetic energy of turning.
         let turn = (begin.rotation * state.rotation.inverse()).scaled_axis();
-        let wanted = inertia(&model, &state) * turn * gains.kp;
-        assert!((moment - wanted).norm() < 1e-10 * weight, "{moment} {wanted}");
+        let expected = inertia(&model, &state) * turn * gains.kp;
+        assert!((moment - expected).norm() < 1e-10 * weight, "{moment} {expected}");
     }
 }
 
@@ -170,7 +170,7 @@ fn inertia(model: &Model, state: &State) -> nalgebra::Matrix3<f64> {
 }
 
 #[test]
-fn the_floor_really_gives_these_forces() {
+fn the_floor_gives_the_planned_forces() {
     // The simulator's own contact forces at the first instant, without acceleration.
     let mut sim = simulation(&format!("{HOAP}[[task]]\ntype = \"gravity-compensation\"\n"));
     sim.begin(&mut stiction::sim::Blind).expect("it begins");

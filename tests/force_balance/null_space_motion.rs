@@ -16,7 +16,7 @@ fn two_joints_share_a_constraint_by_their_weights() {
 }
 
 #[test]
-fn the_base_moves_for_nothing() {
+fn moving_the_base_costs_nothing() {
     // Base x and two joints; the foot is at x + q1 + 2 q2 and has to stay: the base makes up for the joints.
     let mut null_space = NullSpaceMotion::new(1, &[1.0, 1.0], 2);
     null_space.constrain(|k| [1.0, 1.0, 2.0][k]);
@@ -32,7 +32,7 @@ fn the_base_moves_for_nothing() {
 }
 
 #[test]
-fn it_is_a_projection_that_keeps_its_constraints() {
+fn the_projection_keeps_its_constraints() {
     let mut r = Random::new(31);
     let (nb, nj, rows) = (6, 20, 15);
     let weights: Vec<f64> = (0..nj).map(|_| r.within(1e-4, 2.0)).collect();

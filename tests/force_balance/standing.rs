@@ -21,7 +21,7 @@ fn push(impulse: f64) -> String {
 }
 
 #[test]
-fn gravity_compensation_is_quiet() {
+fn gravity_compensation_keeps_a_resting_robot_at_rest() {
     let m = run(&format!("{HOAP}{COMPENSATION}"));
     let [x, y, z] = m.final_base_position;
     // An exact equilibrium: only rounding moves it.
@@ -31,19 +31,19 @@ fn gravity_compensation_is_quiet() {
 }
 
 #[test]
-fn gravity_compensation_gives_way_and_does_not_come_back() {
+fn gravity_compensation_yields_without_returning() {
     let m = run(&format!("{HOAP}{COMPENSATION}{}", push(0.1)));
     let x = m.final_base_position[0];
     assert!((1e-3..0.05).contains(&x), "{x}");
 }
 
 #[test]
-fn the_centre_of_mass_goes_above_the_middle_of_the_soles() {
-    let (m, told) = watch(&format!("{}{BALANCE}force = {{ approach = 0.5 }}\n", HOAP.replace("3.0", "8.0")));
-    let end = told.snapshots.last().expect("the last state is always told");
+fn the_centre_of_mass_moves_above_the_middle_of_the_soles() {
+    let (m, recorded) = watch(&format!("{}{BALANCE}force = {{ approach = 0.5 }}\n", HOAP.replace("3.0", "8.0")));
+    let end = recorded.snapshots.last().expect("the last state is always reported");
     let vertices: Vec<Vector3<f64>> = end.soles.iter().flat_map(|s| &s.positions).copied().collect();
     let middle = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
-    // The slowest mode, the joints' slack, decays within a second or two; the reference is reached exactly.
+    // The slowest mode, the null-space motion, decays within a second or two; the reference is reached exactly.
     assert!((end.com - middle).xy().norm() < 1e-6, "{} {middle}", end.com);
     let pressure = end.centre_of_pressure.expect("it stands");
     assert!((pressure - middle).norm() < 1e-5, "{pressure} {middle}");
@@ -53,7 +53,7 @@ fn the_centre_of_mass_goes_above_the_middle_of_the_soles() {
 }
 
 #[test]
-fn a_pushed_robot_comes_back_with_balance_only() {
+fn a_pushed_robot_recovers_only_with_balance() {
     // Well below what scenarios/studies/push-recovery.toml finds to be the limit.
     let back = |text: &str| run(&format!("{HOAP}{text}{}", push(1.0))).final_base_position;
     let quiet = run(&format!("{HOAP}{BALANCE}")).final_base_position;
@@ -64,7 +64,7 @@ fn a_pushed_robot_comes_back_with_balance_only() {
 }
 
 #[test]
-fn fixed_steps_stand_too() {
+fn a_robot_stands_with_fixed_steps_too() {
     let m = run(&format!("{HOAP}{BALANCE}[integrator]\nmethod = \"semi-implicit\"\n"));
     let quiet = run(&format!("{HOAP}{BALANCE}")).final_base_position;
     // A step of 1 ms leaves the path to the reference by its first order; both end there.
@@ -73,22 +73,22 @@ fn fixed_steps_stand_too() {
 }
 
 #[test]
-fn joints_follow_other_tasks_while_the_robot_balances() {
+fn joints_follow_other_tasks_during_balance() {
     let wave = "[[task]]\ntype = \"posture\"\nduration = 1.0\njoints = { left_elbow = -1.0, head_pan = 0.5 }\n";
-    let (_, told) = watch(&format!("{HOAP}{wave}{BALANCE}"));
-    let end = told.snapshots.last().expect("the last state is always told");
+    let (_, recorded) = watch(&format!("{HOAP}{wave}{BALANCE}"));
+    let end = recorded.snapshots.last().expect("the last state is always reported");
     let model = crate::analytic::support::simulation(HOAP).plant().model.clone();
     let position = |name: &str| end.q[model.joint(name).expect("it has one").0];
-    // The centre of mass is not where it was at home, so not all joints can be where they are asked to be: the legs give
+    // The centre of mass is not where it was at home, so not all joints can reach their commands: the legs give
     // way by its 4 mm over their 0.2 m, 0.02 rad, and the others by less.
     assert!((position("left_elbow") + 1.0).abs() < 0.02, "{}", position("left_elbow"));
     assert!((position("head_pan") - 0.5).abs() < 0.02, "{}", position("head_pan"));
 }
 
 #[test]
-fn it_ends_when_it_should_and_gives_the_drives_back() {
-    let (m, told) = watch(&format!("{HOAP}{BALANCE}duration = 0.5\n"));
-    let end = told.events.iter().find(|e| e.message == "task balance ends").expect("it ends");
+fn balance_ends_on_time_and_restores_the_drives() {
+    let (m, recorded) = watch(&format!("{HOAP}{BALANCE}duration = 0.5\n"));
+    let end = recorded.events.iter().find(|e| e.message == "task balance ends").expect("it ends");
     assert!((end.time - 0.5).abs() < 1e-12, "{}", end.time);
     // The position servos hold the robot where it was, but for their sag.
     assert!((m.final_base_position[2] - HEIGHT).abs() < 1e-3, "{m:?}");
@@ -96,7 +96,7 @@ fn it_ends_when_it_should_and_gives_the_drives_back() {
 
 /// Half the rate that the default gains were made for, and a fifth of it.
 #[test]
-fn it_stands_at_lower_rates() {
+fn balance_stands_at_lower_control_rates() {
     for rate in [500, 200] {
         let m = run(&format!(
             "duration = 5.0\nrobot = {{ model = \"robots/cbi/cbi.toml\" }}\n[control]\nrate = {rate}\n[integrator]\n\

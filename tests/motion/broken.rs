@@ -1,8 +1,8 @@
-//! Broken motions: refused with file, line and column, the value seen and what is wanted.
+//! Broken motions: refused with file, line and column, the value found and the value expected.
 
 use super::Folder;
 
-/// What is wrong: file, its text, the rest of the task, where it is shown, words of the message.
+/// A broken input: file, its text, the rest of the task, the position reported, part of the message.
 struct Broken(&'static str, &'static str, &'static str, &'static str, &'static str);
 
 const POSTURE: &str =
@@ -87,29 +87,29 @@ const TABLE: &[Broken] = &[
 
 #[test]
 fn playback() {
-    for Broken(file, text, task, place, words) in TABLE {
+    for Broken(file, text, task, place, expected) in TABLE {
         let folder = Folder::with(&[(file, text)]);
         let scenario = format!(
             "robot = {{ model = \"ROBOTS/hoap2/hoap2.toml\" }}\n\n[[task]]\ntype = \"playback\"\nfile = \"{file}\"\n{task}\n"
         );
-        told(&folder, &scenario, place, words);
+        reports(&folder, &scenario, place, expected);
     }
 }
 
 #[track_caller]
-fn told(folder: &Folder, scenario: &str, place: &str, words: &str) {
+fn reports(folder: &Folder, scenario: &str, place: &str, expected: &str) {
     let found = folder.refused(scenario);
     let first = &found.0[0];
-    assert!(first.message.contains(words), "{scenario}: {found}");
+    assert!(first.message.contains(expected), "{scenario}: {found}");
     assert!(first.location().ends_with(place), "{scenario}: {} {found}", first.location());
     assert_eq!(found.len(), 1, "{found}");
 }
 
 #[test]
-fn a_file_that_is_not_there() {
+fn a_missing_file_is_an_error() {
     let folder = Folder::with(&[]);
     let task = "robot = { model = \"ROBOTS/hoap2/hoap2.toml\" }\n[[task]]\ntype = \"playback\"\nfile = \"no.toml\"\n";
-    told(&folder, task, "s.toml:4:8", "cannot read");
+    reports(&folder, task, "s.toml:4:8", "cannot read");
 }
 
 #[test]
@@ -135,10 +135,10 @@ fn sine() {
             "unknown key `phase`",
         ),
     ];
-    for (task, place, words) in table {
+    for (task, place, expected) in table {
         let scenario =
             format!("robot = {{ model = \"ROBOTS/hoap2/hoap2.toml\" }}\n[[task]]\ntype = \"sine\"\n{task}\n");
-        told(&Folder::with(&[]), &scenario, place, words);
+        reports(&Folder::with(&[]), &scenario, place, expected);
     }
 }
 
@@ -176,11 +176,11 @@ fn mocap() {
         ),
         (BVH.into(), format!("map = {{ {x} }}\nsmoothing = -1"), "s.toml:6:13", "must be 0 or greater"),
     ];
-    for (file, task, place, words) in table {
+    for (file, task, place, expected) in table {
         let folder = Folder::with(&[("m.bvh", &file)]);
         let scenario = format!(
             "robot = {{ model = \"ROBOTS/hoap2/hoap2.toml\" }}\n[[task]]\ntype = \"mocap\"\nfile = \"m.bvh\"\n{task}\n"
         );
-        told(&folder, &scenario, place, words);
+        reports(&folder, &scenario, place, expected);
     }
 }

@@ -1,4 +1,4 @@
-//! Files that a scenario names beside its robot are part of the run.
+//! Files that a scenario names in addition to its robot are part of the run.
 
 use super::{Folder, PENDULUM};
 use crate::cli::Place;
@@ -6,8 +6,8 @@ use std::path::Path;
 use stiction::results::RunRecord;
 
 fn list(place: &Place) -> Vec<String> {
-    let said = place.runner(&["list", "s.toml", "--format", "csv"]).exits(0).stdout;
-    let table = crate::cli::Table::parse(&said);
+    let output = place.runner(&["list", "s.toml", "--format", "csv"]).exits(0).stdout;
+    let table = crate::cli::Table::parse(&output);
     table.column("key").into_iter().map(str::to_owned).collect()
 }
 
@@ -22,7 +22,7 @@ fn place() -> Place {
 }
 
 #[test]
-fn another_motion_is_another_run() {
+fn another_motion_file_changes_the_run_key() {
     let place = place();
     let first = list(&place);
     assert_eq!(first.len(), 1);
@@ -34,7 +34,7 @@ fn another_motion_is_another_run() {
 }
 
 #[test]
-fn it_stands_in_the_record() {
+fn summary_and_log_hold_the_avoidance_columns() {
     let place = place();
     place.runner(&["s.toml"]).exits(0);
     let key = list(&place).remove(0);
@@ -45,7 +45,7 @@ fn it_stands_in_the_record() {
 }
 
 #[test]
-fn each_cell_of_a_sweep_has_its_own() {
+fn each_run_of_a_sweep_has_its_own_draws() {
     let folder = Folder::with(&[("a.csv", "time,elbow\n0,0\n"), ("b.csv", "time,elbow\n0,1\n")]);
     let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots");
     let text = format!(

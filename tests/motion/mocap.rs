@@ -1,6 +1,6 @@
 //! `mocap`: retargeting, limits and resampling.
 
-use super::{Asked, Folder, PENDULUM, asked, unsteadiness};
+use super::{Folder, PENDULUM, TickCommand, commands, unsteadiness};
 use std::fs;
 use std::path::Path;
 
@@ -22,9 +22,9 @@ Frame Time: 0.5
 0 0 20
 ";
 
-fn follow(file: (&str, &str), task: &str) -> Vec<Asked> {
+fn follow(file: (&str, &str), task: &str) -> Vec<TickCommand> {
     let text = format!("{PENDULUM}[[task]]\ntype = \"mocap\"\nfile = \"{}\"\n{task}\n", file.0);
-    asked(&Folder::with(&[file]), &text)
+    commands(&Folder::with(&[file]), &text)
 }
 
 const PLAIN: &str = "blend = 0\nsmoothing = 0\n";
@@ -33,34 +33,35 @@ const PLAIN: &str = "blend = 0\nsmoothing = 0\n";
 fn channels_become_joints_by_name_sign_and_offset() {
     let map = "map = { \"Body.Xrotation\" = { joint = \"elbow\", scale = -1, offset = \"10 deg\" }, \"Body.Yrotation\" = { joint \
                = \"shoulder\", scale = 0.5 } }";
-    let told = follow(("m.bvh", BVH), &format!("start = 0.25\n{PLAIN}{map}"));
-    for a in &told {
+    let recorded = follow(("m.bvh", BVH), &format!("start = 0.25\n{PLAIN}{map}"));
+    for a in &recorded {
         let t = (a.time - 0.25).clamp(0.0, 1.0);
         let (x, y) = (180.0 * if t < 0.5 { t } else { 1.0 - t }, 20.0 * t);
-        let wanted = if a.time < 0.25 - 1e-9 { [0.3, -0.2] } else { [(0.5 * y).to_radians(), (10.0 - x).to_radians()] };
-        for (got, wanted) in a.position.iter().zip(wanted) {
+        let expected =
+            if a.time < 0.25 - 1e-9 { [0.3, -0.2] } else { [(0.5 * y).to_radians(), (10.0 - x).to_radians()] };
+        for (got, expected) in a.position.iter().zip(expected) {
             // Roundings of a sum of angles of some 1.5 rad.
-            assert!((got - wanted).abs() < 1e-14, "{a:?} {wanted}");
+            assert!((got - expected).abs() < 1e-14, "{a:?} {expected}");
         }
     }
-    assert_eq!(told[4000].velocity, [0.0, 0.0]);
+    assert_eq!(recorded[4000].velocity, [0.0, 0.0]);
     // 10 deg/s at half scale; central differences of a straight line.
-    assert!((told[600].velocity[0] - 10f64.to_radians()).abs() < 1e-12);
+    assert!((recorded[600].velocity[0] - 10f64.to_radians()).abs() < 1e-12);
 }
 
 #[test]
 fn tables_need_no_skeleton() {
-    let told = follow(
+    let recorded = follow(
         ("m.csv", "time,a b\n0,0\n1,2\n"),
         &format!("speed = 0.5\n{PLAIN}map = {{ \"a b\" = {{ joint = \"elbow\" }} }}"),
     );
-    for a in &told {
+    for a in &recorded {
         assert!((a.position[1] - a.time.min(2.0)).abs() < 1e-14, "{a:?}");
     }
 }
 
 #[test]
-fn speeds_are_limited_and_told() {
+fn limited_speeds_are_reported() {
     let folder = Folder::with(&[("m.csv", "time,a\n0,0\n1,0\n1.2,1\n2.2,1\n")]);
     let text = |smoothing: f64| {
         format!(
@@ -73,12 +74,12 @@ fn speeds_are_limited_and_told() {
         )
     };
     for smoothing in [0.0, 0.12] {
-        let told = asked(&folder, &text(smoothing));
-        let fastest = told.iter().map(|a| a.velocity[1].abs()).fold(0.0, f64::max);
+        let recorded = commands(&folder, &text(smoothing));
+        let fastest = recorded.iter().map(|a| a.velocity[1].abs()).fold(0.0, f64::max);
         assert!(fastest <= 2.0 + 1e-10, "{fastest}");
-        assert!(told.iter().all(|a| (-1e-12..=1.0 + 1e-12).contains(&a.position[1])));
-        assert!((told[1100].position[1] - 0.5).abs() < 1e-12, "the middle of the move stays in its place");
-        let (apart, step) = unsteadiness(&told, 1, &[]);
+        assert!(recorded.iter().all(|a| (-1e-12..=1.0 + 1e-12).contains(&a.position[1])));
+        assert!((recorded[1100].position[1] - 0.5).abs() < 1e-12, "the middle of the move stays in its place");
+        let (apart, step) = unsteadiness(&recorded, 1, &[]);
         // Smoothed over 0.12 s, a step of the speed of 2 rad/s takes three averages over 41 ms each: at most 3/4 of it, 1.5
         // rad/s, within 41 ticks.
         assert!(apart < 1e-9 && (smoothing == 0.0 || step < 1.1 * 1.5 / 41.0), "{apart} {step}");
@@ -90,12 +91,12 @@ fn speeds_are_limited_and_told() {
 }
 
 #[test]
-fn ranges_are_limited_and_told() {
+fn limited_ranges_are_reported() {
     let table = "time,k\n0,0.7\n1,3.0\n2,0.7\n";
     let folder = Folder::with(&[("m.csv", table)]);
     let text = "duration = 0.1\nrobot = { model = \"ROBOTS/hoap2/hoap2.toml\" }\n[[task]]\ntype = \"mocap\"\nfile = \
                 \"m.csv\"\nblend = 0\nmap = { k = { joint = \"left_knee\" } }\n";
-    // What is asked does not depend on when the run ends.
+    // Commands do not depend on the end of the run.
     let (_, _, notes) = folder.watch(text);
     assert_eq!(notes.len(), 1, "{notes:?}");
     let run = folder.run(&text.replace("duration = 0.1", "duration = 3")).unwrap();
@@ -105,19 +106,20 @@ fn ranges_are_limited_and_told() {
     // The last frames at 2.3 rad/s are slower than the joint's 5 rad/s.
     assert_eq!(setup.notes.len(), 1, "{:?}", setup.notes);
     assert!(setup.notes[0].contains(&format!("the range of `left_knee` took up to {:.4} rad off", 3.0 - upper)));
-    let told = asked(&folder, &text.replace("duration = 0.1", "duration = 3"));
-    let most = told.iter().map(|a| a.position[knee.0]).fold(0.0, f64::max);
+    let recorded = commands(&folder, &text.replace("duration = 0.1", "duration = 3"));
+    let most = recorded.iter().map(|a| a.position[knee.0]).fold(0.0, f64::max);
     assert!(most <= upper && most > upper - 1e-12, "{most} {upper}");
 }
 
 #[test]
-fn what_is_asked_does_not_depend_on_the_end_of_the_run() {
+fn commands_do_not_depend_on_the_end_of_the_run() {
     // Faster than allowed right after 0.5 s: the nearest motion within the speed begins before that.
     let folder = Folder::with(&[("m.csv", "time,a\n0,0\n0.51,0\n0.6,2\n2,0\n")]);
     let text = format!(
         "{PENDULUM}[[task]]\ntype = \"mocap\"\nfile = \"m.csv\"\nspeed_limit = 3\nmap = {{ a = {{ joint = \"elbow\" }} }}\n"
     );
-    let (short, long) = (asked(&folder, &text.replace("duration = 4.0", "duration = 0.5")), asked(&folder, &text));
+    let (short, long) =
+        (commands(&folder, &text.replace("duration = 4.0", "duration = 0.5")), commands(&folder, &text));
     assert!(short[500].position[1] > 0.01 && short.len() == 501);
     assert!(short.iter().zip(&long).all(|(a, b)| a.position == b.position && a.velocity == b.velocity));
 }
@@ -130,8 +132,8 @@ fn motions_are_smoothed_at_low_rates_too() {
         let task = format!(
             "blend = 0\nsmoothing = {smoothing}\nmap = {{ a = {{ joint = \"elbow\" }} }}\n[control]\nrate = {rate}"
         );
-        let told = follow(("m.csv", "time,a\n0,0\n1,1\n2,0\n"), &task);
-        told[rate as usize].position[1]
+        let recorded = follow(("m.csv", "time,a\n0,0\n1,1\n2,0\n"), &task);
+        recorded[rate as usize].position[1]
     };
     let closed = 1.0 - 13.0 / 32.0 * 0.2;
     assert!((follow(1000.0, 0.6) - closed).abs() < 1e-3, "{} {closed}", follow(1000.0, 0.6));
@@ -143,7 +145,7 @@ fn motions_are_smoothed_at_low_rates_too() {
 }
 
 #[test]
-fn the_wave_of_the_tree_is_sound() {
+fn the_example_motion_is_valid() {
     let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/motions/wave.bvh")).unwrap();
     let motion = stiction::motion::bvh::read(&text).unwrap();
     assert!(motion.tracks.len() > 5 && motion.span().unwrap().1 > 2.0);

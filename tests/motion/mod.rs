@@ -58,9 +58,9 @@ impl Folder {
         let run = self.run(text).unwrap_or_else(|e| panic!("{e}"));
         let setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
         let notes = setup.notes.clone();
-        let mut told = Told::default();
-        let metrics = finish(&mut Simulation::new(setup).unwrap_or_else(|e| panic!("{e}")), &mut told);
-        (metrics, told, notes)
+        let mut recorded = Told::default();
+        let metrics = finish(&mut Simulation::new(setup).unwrap_or_else(|e| panic!("{e}")), &mut recorded);
+        (metrics, recorded, notes)
     }
 }
 
@@ -74,16 +74,16 @@ pub const PENDULUM: &str = "duration = 4.0
 robot = { model = \"ROBOTS/pendulum/pendulum.urdf\", posture = { shoulder = 0.3, elbow = -0.2 } }
 ";
 
-/// What the joints are asked at a tick.
+/// Joint commands of a tick.
 #[derive(Clone, Debug)]
-pub struct Asked {
+pub struct TickCommand {
     pub time: f64,
     pub position: Vec<f64>,
     pub velocity: Vec<f64>,
 }
 
 /// Calls the task server of a scenario at each of its ticks, without simulating anything.
-pub fn asked(folder: &Folder, text: &str) -> Vec<Asked> {
+pub fn commands(folder: &Folder, text: &str) -> Vec<TickCommand> {
     let run = folder.run(text).unwrap_or_else(|e| panic!("{e}"));
     let mut setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let (mut state, sensed) = (State::home(&setup.model), Sensed::blank(&setup.model));
@@ -99,18 +99,18 @@ pub fn asked(folder: &Folder, text: &str) -> Vec<Asked> {
         };
         setup.tasks.run(&now, |_, _| ()).unwrap();
         let Command { position, velocity, .. } = setup.tasks.command.clone();
-        Asked { time: state.time, position, velocity }
+        TickCommand { time: state.time, position, velocity }
     };
     (0..=ticks).map(tick).collect()
 }
 
-/// The greatest distance of the velocities asked of a joint from central differences of its positions, away from the times
+/// The greatest distance of the commanded velocities of a joint from central differences of its positions, away from the times
 /// given, and the greatest step of its velocity between two ticks.
-pub fn unsteadiness(asked: &[Asked], joint: usize, but: &[f64]) -> (f64, f64) {
-    let far = |a: &Asked| but.iter().all(|t| (a.time - t).abs() > 0.0015);
-    let slope = |w: &[Asked]| (w[2].position[joint] - w[0].position[joint]) / (w[2].time - w[0].time);
-    let apart = asked.windows(3).filter(|w| far(&w[1])).map(|w| (slope(w) - w[1].velocity[joint]).abs());
-    let steps = asked.windows(2).map(|w| (w[1].velocity[joint] - w[0].velocity[joint]).abs());
+pub fn unsteadiness(commands: &[TickCommand], joint: usize, but: &[f64]) -> (f64, f64) {
+    let far = |a: &TickCommand| but.iter().all(|t| (a.time - t).abs() > 0.0015);
+    let slope = |w: &[TickCommand]| (w[2].position[joint] - w[0].position[joint]) / (w[2].time - w[0].time);
+    let apart = commands.windows(3).filter(|w| far(&w[1])).map(|w| (slope(w) - w[1].velocity[joint]).abs());
+    let steps = commands.windows(2).map(|w| (w[1].velocity[joint] - w[0].velocity[joint]).abs());
     (apart.fold(0.0, f64::max), steps.fold(0.0, f64::max))
 }
 

@@ -1,14 +1,14 @@
 //! Goals outside joints' ranges, joints that do not listen, and swings too fast for ticks.
 
-use super::{Asked, Folder, PENDULUM, asked, robot_of, unsteadiness};
+use super::{Folder, PENDULUM, TickCommand, commands, robot_of, unsteadiness};
 use stiction::assemble;
 
 const HOAP: &str = "duration = 0.1\nrobot = { model = \"ROBOTS/hoap2/hoap2.toml\" }\n";
 
 #[track_caller]
-fn refused(text: &str, words: &str) {
+fn refused(text: &str, expected: &str) {
     let found = Folder::with(&[]).refused(text).to_string();
-    assert!(found.contains(words) && found.contains("s.toml:"), "{text}{found}");
+    assert!(found.contains(expected) && found.contains("s.toml:"), "{text}{found}");
 }
 
 fn notes(text: &str) -> Vec<String> {
@@ -42,13 +42,13 @@ fn goals_are_within_ranges() {
     let run = Folder::with(&[]).run(&text).unwrap();
     let setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let mut sim = stiction::sim::Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"));
-    let (outcome, words) = sim.run(&mut stiction::sim::Blind, &std::sync::atomic::AtomicBool::new(false));
+    let (outcome, expected) = sim.run(&mut stiction::sim::Blind, &std::sync::atomic::AtomicBool::new(false));
     assert_eq!(outcome, stiction::sim::Outcome::Error);
-    assert!(words.contains("a swing of `left_knee` of 1.1000 about"), "{words}");
+    assert!(expected.contains("a swing of `left_knee` of 1.1000 about"), "{expected}");
 }
 
 #[test]
-fn who_does_not_listen_is_told() {
+fn ignored_commands_are_reported() {
     let with =
         |mode: &str| PENDULUM.replace("posture", &format!("joint = {{ elbow = {{ mode = \"{mode}\" }} }}, posture"));
     let posture = "[[task]]\ntype = \"posture\"\njoints = { elbow = 0.5 }\n";
@@ -63,22 +63,22 @@ fn who_does_not_listen_is_told() {
 }
 
 #[test]
-fn a_loop_that_begins_late_goes_round_from_the_beginning() {
+fn a_loop_that_starts_late_starts_at_its_beginning() {
     let folder = Folder::with(&[("m.csv", "time,elbow\n0.5,0.2\n0.8,0.5\n1.2,-0.1\n1.5,0.2\n")]);
     let text = format!("{PENDULUM}[[task]]\ntype = \"playback\"\nfile = \"m.csv\"\nloop = true\nblend = 0.3\n");
-    let told: Vec<Asked> = asked(&folder, &text);
-    let (apart, step) = unsteadiness(&told, 1, &[]);
+    let recorded: Vec<TickCommand> = commands(&folder, &text);
+    let (apart, step) = unsteadiness(&recorded, 1, &[]);
     // Speeds of some 3 rad/s that change over within 0.1 s, in ticks of 1 ms; the third derivative of the fade.
     assert!(apart < 1e-2 && step < 0.1, "{apart} {step}");
-    assert!((told[1200].position[1] + 0.1).abs() < 1e-12 && (told[2200].position[1] + 0.1).abs() < 1e-12);
+    assert!((recorded[1200].position[1] + 0.1).abs() < 1e-12 && (recorded[2200].position[1] + 0.1).abs() < 1e-12);
 }
 
 #[test]
-fn a_byte_order_mark_is_no_name() {
+fn a_byte_order_mark_is_not_part_of_a_name() {
     let text = format!("{PENDULUM}[[task]]\ntype = \"playback\"\nfile = \"m.csv\"\n");
     let table = "\u{feff}time,elbow\n0,0\n1,0.5\n";
-    let told = asked(&Folder::with(&[("m.csv", table)]), &text);
-    assert!((told[2000].position[1] - 0.5).abs() < 1e-12);
+    let recorded = commands(&Folder::with(&[("m.csv", table)]), &text);
+    assert!((recorded[2000].position[1] - 0.5).abs() < 1e-12);
 }
 
 #[test]

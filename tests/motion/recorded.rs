@@ -45,7 +45,7 @@ fn apart(a: &Trajectory, b: &Trajectory) -> (f64, f64) {
 }
 
 #[test]
-fn a_logged_run_is_played_again() {
+fn a_logged_run_can_be_replayed_as_a_motion() {
     let place = Place::new();
     place.write("bend.toml", knee_bend(1000.0, BEND));
     place.runner(&["bend.toml"]).exits(0);
@@ -55,7 +55,7 @@ fn a_logged_run_is_played_again() {
     place.write("again.toml", knee_bend(1000.0, &task));
     place.runner(&["again.toml"]).exits(0);
     let again = Trajectory::read(&place.path(&format!("{}/log.mcap", folder(&place, "again")))).unwrap();
-    // Positions asked are those logged, to the last bits; velocities are the curve's. They differ at the two ends of the bend,
+    // Commanded positions are those logged, to the last bits; velocities are the curve's. They differ at the two ends of the bend,
     // where its jerk jumps by 60 * 20 deg / (1 s)^3: by less than 21 h^2 rad/s for a few ms, h = 1 ms, which a servo with kd/kp
     // = 0.04 s turns into less than 1e-6 rad for a moment.
     let (joints, height) = apart(&first, &again);
@@ -88,7 +88,7 @@ fn an_exported_table_plays_like_its_log() {
 }
 
 #[test]
-fn positions_as_they_were_play_too() {
+fn measured_positions_can_be_played() {
     let place = Place::new();
     place.write("bend.toml", knee_bend(200.0, BEND));
     place.runner(&["bend.toml"]).exits(0);
@@ -121,8 +121,8 @@ fn logs_that_cannot_be_played_are_refused() {
     let bytes = std::fs::read(place.path(&source)).unwrap();
     place.write("cut.mcap", &bytes[..bytes.len() / 2]);
     place.write("b.toml", play("cut.mcap"));
-    let said = place.runner(&["check", "b.toml"]).exits(2).stderr;
-    assert!(said.contains("cut short") && said.contains("b.toml:6:8"), "{said}");
+    let output = place.runner(&["check", "b.toml"]).exits(2).stderr;
+    assert!(output.contains("cut short") && output.contains("b.toml:6:8"), "{output}");
     place.write("no.mcap", "time,a\n0,1\n");
     place.write("c.toml", play("no.mcap"));
     assert!(place.runner(&["check", "c.toml"]).exits(2).stderr.contains("no log of this program"));

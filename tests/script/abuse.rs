@@ -1,24 +1,24 @@
-//! What scripts try and must not get away with: each ends its run with file, line and words, or is found before it.
+//! Misbehaving scripts: each ends its run with file, line and message, or is refused before it.
 
-use super::{Beside, TASK, pendulum};
+use super::{ScriptedRun, TASK, pendulum};
 use stiction::sim::{Blind, Outcome};
 
-fn beside(script: &str) -> Beside {
-    Beside::new(&pendulum(0.05, "mode = \"position\"", TASK), script)
+fn scripted(script: &str) -> ScriptedRun {
+    ScriptedRun::new(&pendulum(0.05, "mode = \"position\"", TASK), script)
 }
 
 #[track_caller]
-fn ends(script: &str, words: &str) {
-    let (outcome, message) = beside(script).end(&mut Blind);
+fn ends(script: &str, expected: &str) {
+    let (outcome, message) = scripted(script).end(&mut Blind);
     assert_eq!(outcome, Outcome::Error, "{script}\n{message}");
-    assert!(message.contains(words), "{script}\n{message}\nwanted: {words}");
+    assert!(message.contains(expected), "{script}\n{message}\nexpected: {expected}");
 }
 
 #[track_caller]
-fn refused(script: &str, words: &str) {
-    let Err(found) = beside(script).build() else { panic!("accepted:\n{script}") };
+fn refused(script: &str, expected: &str) {
+    let Err(found) = scripted(script).build() else { panic!("accepted:\n{script}") };
     let text = found.to_string();
-    assert!(text.contains(words) && text.contains("s.toml:6:"), "{script}\n{text}\nwanted: {words}");
+    assert!(text.contains(expected) && text.contains("s.toml:6:"), "{script}\n{text}\nexpected: {expected}");
 }
 
 #[test]
@@ -38,8 +38,8 @@ fn endless_loops_end() {
 }
 
 #[test]
-fn going_through_long_data_counts() {
-    let words = "more than 1000000 calls and loop iterations in one call";
+fn processing_long_data_counts() {
+    let expected = "more than 1000000 calls and loop iterations in one call";
     let run = |first: &str, body: &str| format!("{first}\nfunction run()\nfor i = 1, 9e5 do\n{body}\nend\nend");
     let long = "local s = string.rep(\"x\", 3e6)";
     let many = "local t = table.create(3e5, 0)";
@@ -68,39 +68,39 @@ fn going_through_long_data_counts() {
         ("", "local x = string.rep(\"x\", 3e6)"),
     ] {
         // Without it each takes minutes.
-        ends(&run(first, body), words);
+        ends(&run(first, body), expected);
     }
-    refused("local b = buffer.create(6e6) for i = 1, 9e5 do buffer.fill(b, 0, 1) end\nfunction run() end", words);
+    refused("local b = buffer.create(6e6) for i = 1, 9e5 do buffer.fill(b, 0, 1) end\nfunction run() end", expected);
     // Short data counts as the few calls that it takes.
     let script =
         "function run() for i = 1, 1e4 do local x = string.rep(\"ab\", 8):sub(2, 5):find(\"a\") end return false end";
-    assert_eq!(beside(script).end(&mut Blind).0, Outcome::Passed);
-    // Mistakes in such functions are shown where they were made.
+    assert_eq!(scripted(script).end(&mut Blind).0, Outcome::Passed);
+    // Errors in such functions carry the position of the call.
     ends("function run()\n\nstring.rep()\nend", "s.luau:3: missing argument #1 to 'rep'");
     ends("function run()\nlocal s = nil\nlocal x = string.upper(s)\nend", "s.luau:3: invalid argument #1 to 'upper'");
 }
 
 #[test]
-fn scripts_are_ended_from_outside() {
+fn an_interruption_ends_scripts() {
     let flag = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
     let script = "function init()\nfor i = 1, 9e5 do end\nend\nfunction run() end";
-    let beside = beside(script);
-    let mut sim = stiction::script::interruptible(flag.clone(), || beside.simulation());
+    let scripted = scripted(script);
+    let mut sim = stiction::script::interruptible(flag.clone(), || scripted.simulation());
     flag.store(true, std::sync::atomic::Ordering::Relaxed);
-    // The run itself knows nothing of it: the script does.
+    // Only the script reads the flag, not the run.
     let (outcome, message) = sim.run(&mut Blind, &std::sync::atomic::AtomicBool::new(false));
     assert!(outcome == Outcome::Error && message.contains("interrupted"), "{outcome:?} {message}");
     flag.store(false, std::sync::atomic::Ordering::Relaxed);
-    let mut sim = stiction::script::interruptible(flag.clone(), || beside.simulation());
+    let mut sim = stiction::script::interruptible(flag.clone(), || scripted.simulation());
     flag.store(true, std::sync::atomic::Ordering::Relaxed);
     assert_eq!(sim.run(&mut Blind, &flag).0, Outcome::Cancelled);
 }
 
 #[test]
-fn the_budget_is_of_one_call() {
+fn the_budget_applies_to_one_call() {
     // Three ticks of half the budget each.
     let script = "local n = 0\nfunction run() for i = 1, 500000 do end n += 1 return n < 3 end";
-    assert_eq!(beside(script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(scripted(script).end(&mut Blind).0, Outcome::Passed);
 }
 
 #[test]
@@ -117,10 +117,10 @@ fn memory_is_limited() {
 
 /// 16 and 24 MB of live data, made anew at each of 50 ticks.
 #[test]
-fn garbage_is_no_memory() {
+fn garbage_does_not_count_as_memory() {
     for n in ["1e6", "1.5e6"] {
         let script = format!("local t\nfunction run() t = table.create({n}, 0) end");
-        let (outcome, message) = beside(&script).end(&mut Blind);
+        let (outcome, message) = scripted(&script).end(&mut Blind);
         assert_eq!(outcome, Outcome::Passed, "{n}: {message}");
     }
     // What is kept counts: 10 MB more at every tick.
@@ -137,20 +137,20 @@ fn recursion_is_limited() {
 }
 
 #[test]
-fn errors_have_their_lines() {
+fn errors_carry_their_line() {
     ends("function init()\n\nerror(\"no\")\nend\nfunction run() end", "s.luau:3: no");
     ends("function run(robot)\nlocal x = robot.nothing.there\nend", "s.luau:2: attempt to index nil with 'there'");
     ends("function run(robot)\nerror({ 1 })\nend", "s.luau");
     let change = format!("{TASK}change = [{{ at = 0.01, params = {{}} }}]");
     let text = pendulum(0.05, "mode = \"position\"", &change);
     let (outcome, message) =
-        Beside::new(&text, "function run() end\nfunction change()\nerror(\"no\") end").end(&mut Blind);
+        ScriptedRun::new(&text, "function run() end\nfunction change()\nerror(\"no\") end").end(&mut Blind);
     assert_eq!((outcome, message.contains("s.luau:3: no")), (Outcome::Error, true), "{message}");
 }
 
 #[test]
-fn commands_are_checked_where_they_are_given() {
-    for (call, words) in [
+fn invalid_commands_are_reported_at_the_call() {
+    for (call, expected) in [
         ("set_position(\"knee\", 1)", "the robot has no joint \"knee\""),
         ("set_position(3, 1)", "the robot has no joint 3"),
         ("set_position(1.5, 1)", "the robot has no joint 1.5"),
@@ -162,7 +162,7 @@ fn commands_are_checked_where_they_are_given() {
         ("set_gains(1, 1)", "kd must be a number, not nil"),
         ("set_mode(1, \"servo\")", "a mode is one of position, velocity, force, kinematic, passive, not servo"),
     ] {
-        ends(&format!("function run(robot)\n\nrobot.{call}\nend"), &format!("s.luau:3: {words}"));
+        ends(&format!("function run(robot)\n\nrobot.{call}\nend"), &format!("s.luau:3: {expected}"));
     }
     ends(
         "function init(robot)\nrobot.set_position(1, 0)\nend\nfunction run() end",
@@ -173,7 +173,7 @@ fn commands_are_checked_where_they_are_given() {
 }
 
 #[test]
-fn nothing_of_the_machine_can_be_reached() {
+fn scripts_cannot_reach_the_machine() {
     for name in [
         "io",
         "os",
@@ -203,7 +203,7 @@ fn nothing_of_the_machine_can_be_reached() {
 }
 
 #[test]
-fn what_is_no_script_is_found_before_the_run() {
+fn invalid_scripts_are_found_before_the_run() {
     refused("function run(\nend", "s.luau:2: Expected");
     refused("function go() end", "s.luau: there is no function `run`");
     refused("run = 3", "s.luau: `run` must be a function, not 3");
@@ -215,7 +215,7 @@ fn what_is_no_script_is_found_before_the_run() {
 }
 
 #[test]
-fn a_script_cannot_spoil_what_the_next_call_sees() {
+fn a_script_cannot_change_the_data_of_the_next_call() {
     let script = "
         function run(robot)
             if robot.time > 0 then
@@ -224,14 +224,14 @@ fn a_script_cannot_spoil_what_the_next_call_sees() {
             end
             robot.desired.position[1] = 1e9
         end";
-    let mut sim = beside(script).simulation();
+    let mut sim = scripted(script).simulation();
     let (outcome, message) = sim.run(&mut Blind, &std::sync::atomic::AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
     assert_eq!(sim.plant().command.position[0], 0.4, "only the functions command");
 }
 
 #[test]
-fn the_robot_cannot_be_written_into() {
+fn the_robot_table_is_read_only() {
     for statement in [
         "robot.q = nil",
         "robot.q[1] = 1e9",
@@ -253,12 +253,12 @@ fn the_robot_cannot_be_written_into() {
     ] {
         for time in ["true", "robot.time > 0.01"] {
             let script = format!("function run(robot)\nif {time} then\n{statement}\nend\nend");
-            let (outcome, found) = beside(&script).end(&mut Blind);
+            let (outcome, found) = scripted(&script).end(&mut Blind);
             assert_eq!(outcome, Outcome::Error, "{statement}");
             assert!(found.contains("s.luau:3: ") && found.contains("readonly table"), "{statement}: {found}");
         }
     }
     // What it is closed to, it may close.
     let script = "function run(robot) assert(table.isfrozen(robot) and table.isfrozen(robot.q)) end";
-    assert_eq!(beside(script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(scripted(script).end(&mut Blind).0, Outcome::Passed);
 }

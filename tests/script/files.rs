@@ -22,15 +22,15 @@ fn place(scenario: &str, script: &str) -> Place {
 }
 
 #[test]
-fn check_finds_what_is_wrong_and_nothing_runs() {
-    for (script, words) in [
+fn check_finds_errors_without_running() {
+    for (script, expected) in [
         ("function run(\n", "tasks/wave.luau:2:"),
         ("function runs() end", "tasks/wave.luau: there is no function `run`"),
     ] {
         let place = place(WAVE, script);
         for arguments in [&["check", "s.toml"][..], &["s.toml"]] {
             let done = place.runner(arguments).exits(2);
-            assert!(done.stderr.contains(words) && done.stderr.contains("s.toml:5:8"), "{}", done.stderr);
+            assert!(done.stderr.contains(expected) && done.stderr.contains("s.toml:5:8"), "{}", done.stderr);
         }
         assert!(!place.path("results").exists());
     }
@@ -52,7 +52,7 @@ fn an_error_is_the_outcome_of_that_run_alone() {
 }
 
 #[test]
-fn the_script_is_part_of_the_key_and_kept_in_the_log() {
+fn the_script_is_part_of_the_run_key_and_the_log() {
     let place = place(WAVE, SCRIPT);
     let keys = |results: &str| {
         place.runner(&["s.toml", "-o", results]).exits(0);
@@ -70,7 +70,7 @@ fn the_script_is_part_of_the_key_and_kept_in_the_log() {
 }
 
 #[test]
-fn threads_change_nothing() {
+fn results_do_not_depend_on_threads() {
     let place = place(&format!("{WAVE}[sweep]\nrepeat = 4\n"), SCRIPT);
     for jobs in ["1", "3"] {
         place.runner(&["s.toml", "-j", jobs, "-o", jobs]).exits(0);

@@ -1,6 +1,6 @@
 //! Forces in Luau.
 
-use super::{Beside, FORCE, passes, pendulum};
+use super::{FORCE, ScriptedRun, passes, pendulum};
 use crate::analytic::body::Body;
 use crate::analytic::support::{TIGHT, Told};
 use nalgebra::Vector3;
@@ -72,12 +72,13 @@ fn joints_are_driven_and_parameters_change_at_corners() {
         function change(robot, params) torque = params.torque end
         function run(robot) return { { joint = \"elbow\", effort = torque }, { joint = 1, effort = -0.1 * robot.qd[1] } } end";
     let rest = format!("{FORCE}params = {{ torque = 0.2 }}\nchange = [{{ at = 0.15, params = {{ torque = -0.2 }} }}]");
-    let mut told = Told::default();
-    let mut sim = Beside::new(&pendulum(0.4, "mode = \"passive\"", &rest), script).simulation();
-    let (outcome, message) = sim.run(&mut told, &AtomicBool::new(false));
+    let mut recorded = Told::default();
+    let mut sim = ScriptedRun::new(&pendulum(0.4, "mode = \"passive\"", &rest), script).simulation();
+    let (outcome, message) = sim.run(&mut recorded, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
-    let said: Vec<_> = told.events.iter().filter(|e| e.kind == "force").map(|e| (e.time, e.message.as_str())).collect();
-    assert_eq!(said, [(0.15, "changes")]);
+    let messages: Vec<_> =
+        recorded.events.iter().filter(|e| e.kind == "force").map(|e| (e.time, e.message.as_str())).collect();
+    assert_eq!(messages, [(0.15, "changes")]);
     // Integration at relative tolerance 1e-9 of some J; steps end at the change.
     assert!(sim.metrics().max_energy_error_j < 1e-8, "{}", sim.metrics().max_energy_error_j);
     assert!(sim.metrics().external_work_j.abs() > 1e-3, "{}", sim.metrics().external_work_j);
@@ -104,15 +105,15 @@ fn parameters_that_an_event_gives_stay_until_a_later_change() {
         );
         let rest = format!("{FORCE}params = {{ a = 1, b = 1 }}\n{change}\n{events}\n");
         let text = format!("duration = 0.4\n{}", floating(&body, "position = [0, 0, 1]", &rest));
-        let mut told = Told::default();
-        let mut sim = Beside::new(&text, script).simulation();
-        let (outcome, message) = sim.run(&mut told, &AtomicBool::new(false));
+        let mut recorded = Told::default();
+        let mut sim = ScriptedRun::new(&text, script).simulation();
+        let (outcome, message) = sim.run(&mut recorded, &AtomicBool::new(false));
         assert_eq!(outcome, Outcome::Passed, "{message}");
         let v = &sim.plant().state.v;
         // Constant forces between corners, where steps end: rounding.
         assert!((v[0] * 2.0 - x).abs() + (v[1] * 2.0 - y).abs() < 1e-12, "{set}: {v:?}");
-        let said: Vec<f64> = told.events.iter().filter(|e| e.kind == "force").map(|e| e.time).collect();
-        assert_eq!(said, [0.1, 0.3], "{set}");
+        let messages: Vec<f64> = recorded.events.iter().filter(|e| e.kind == "force").map(|e| e.time).collect();
+        assert_eq!(messages, [0.1, 0.3], "{set}");
     }
 }
 
@@ -120,7 +121,7 @@ fn parameters_that_an_event_gives_stay_until_a_later_change() {
 fn forces_are_functions_of_time_and_state() {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
     let force = "return { { link = \"block\", force = { x, 0, 0 } } }";
-    for (script, words) in [
+    for (script, expected) in [
         // A counter among the locals: detected by evaluating twice.
         (format!("local x = 0\nfunction run()\nx += 1\n{force} end"), "s.luau: `run` returned different forces"),
         // Globals stand still, at the line.
@@ -132,21 +133,21 @@ fn forces_are_functions_of_time_and_state() {
         ),
     ] {
         let text = format!("duration = 0.1\n{}", floating(&body, "position = [0, 0, 1]", FORCE));
-        let (outcome, message) = Beside::new(&text, &script).end(&mut Blind);
+        let (outcome, message) = ScriptedRun::new(&text, &script).end(&mut Blind);
         assert_eq!(outcome, Outcome::Error, "{script}");
-        assert!(message.starts_with(words), "{script}\n{message}");
+        assert!(message.starts_with(expected), "{script}\n{message}");
         assert!(message.ends_with(" s"), "with its time: {message}");
     }
     // Drawn before it acts, a number is a constant.
     let script = format!("local x\nfunction init() x = random() end\nfunction run() {force} end");
     let text = format!("duration = 0.1\n{}", floating(&body, "position = [0, 0, 1]", FORCE));
-    assert_eq!(Beside::new(&text, &script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(ScriptedRun::new(&text, &script).end(&mut Blind).0, Outcome::Passed);
 }
 
 #[test]
-fn wrong_answers_end_the_run_at_the_function() {
+fn wrong_return_values_end_the_run_at_the_function() {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
-    for (answer, words) in [
+    for (answer, expected) in [
         ("5", "`run` must return a list of forces, not 5"),
         ("{ link = \"block\" }", "`run` must return a list of forces: { { link"),
         ("{ 3 }", "force 1 must be a table, not 3"),
@@ -161,25 +162,25 @@ fn wrong_answers_end_the_run_at_the_function() {
     ] {
         let text = format!("duration = 0.1\n{}", floating(&body, "position = [0, 0, 1]", FORCE));
         let script = format!("-- A force.\n\nfunction run() return {answer} end");
-        let (outcome, message) = Beside::new(&text, &script).end(&mut Blind);
+        let (outcome, message) = ScriptedRun::new(&text, &script).end(&mut Blind);
         assert_eq!(outcome, Outcome::Error, "{answer}");
-        assert!(message.starts_with(&format!("s.luau:3: {words}")), "{answer}\n{message}");
+        assert!(message.starts_with(&format!("s.luau:3: {expected}")), "{answer}\n{message}");
     }
 }
 
 #[test]
-fn tables_in_globals_stand_still() {
-    let ends = |script: &str| Beside::new(&pendulum(0.05, "mode = \"passive\"", FORCE), script).end(&mut Blind);
-    let words = "s.luau:3: attempt to modify a readonly table";
+fn tables_in_globals_are_read_only() {
+    let ends = |script: &str| ScriptedRun::new(&pendulum(0.05, "mode = \"passive\"", FORCE), script).end(&mut Blind);
+    let expected = "s.luau:3: attempt to modify a readonly table";
     for (first, body) in [
         ("memory = { n = 0 }", "memory.n += 1"),
         ("memory = { deep = { list = {} } }", "table.insert(memory.deep.list, 1)"),
         ("a = {} b = { [a] = a } a.b = b", "b[a].x = 1"),
     ] {
         let (outcome, message) = ends(&format!("{first}\nfunction run()\n{body}\nend"));
-        assert!(outcome == Outcome::Error && message.contains(words), "{body}: {message}");
+        assert!(outcome == Outcome::Error && message.contains(expected), "{body}: {message}");
     }
-    // `init` and `change` may, and what the script has frozen itself stays so.
+    // `init` and `change` may write; tables that the script itself froze stay frozen.
     let script = "memory = { n = 0 } own = table.freeze({})
         function init() memory.n = 5 assert(table.isfrozen(own)) end
         function run() assert(memory.n == 5 and table.isfrozen(own)) return {} end";
@@ -187,13 +188,13 @@ fn tables_in_globals_stand_still() {
 }
 
 #[test]
-fn gravity_is_the_present_one() {
+fn scripts_read_the_present_gravity() {
     let event = format!("{FORCE}[[event]]\nat = 0.03\nset = {{ gravity = [0, 0, -1.62] }}\n");
     let script = "function run(robot)
             local g = robot.gravity[3]
             assert(if robot.time < 0.03 then g == -9.81 elseif robot.time > 0.031 then g == -1.62 else true, \"g = \" .. g)
             return {}
         end";
-    let (outcome, message) = Beside::new(&pendulum(0.05, "mode = \"passive\"", &event), script).end(&mut Blind);
+    let (outcome, message) = ScriptedRun::new(&pendulum(0.05, "mode = \"passive\"", &event), script).end(&mut Blind);
     assert_eq!(outcome, Outcome::Passed, "{message}");
 }

@@ -14,15 +14,15 @@ use stiction::sim::{Blind, Observer, Outcome, Simulation};
 use stiction::{robot, scenario};
 use tempfile::TempDir;
 
-/// A folder with a scenario `s.toml` and a script `s.luau` beside it.
-struct Beside(TempDir);
+/// A folder with a scenario `s.toml` and its script `s.luau`.
+struct ScriptedRun(TempDir);
 
-impl Beside {
+impl ScriptedRun {
     fn new(scenario: &str, script: &str) -> Self {
         let folder = TempDir::new().expect("a folder");
         fs::write(folder.path().join("s.toml"), scenario).expect("it is writable");
         fs::write(folder.path().join("s.luau"), script).expect("it is writable");
-        Beside(folder)
+        ScriptedRun(folder)
     }
 
     /// The first run, built.
@@ -63,7 +63,7 @@ const FORCE: &str = "[[force]]\ntype = \"script\"\nfile = \"s.luau\"\n";
 
 /// Runs to the end, which it must reach.
 fn passes(scenario: &str, script: &str) -> Simulation {
-    let mut sim = Beside::new(scenario, script).simulation();
+    let mut sim = ScriptedRun::new(scenario, script).simulation();
     let (outcome, message) = sim.run(&mut Blind, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
     sim

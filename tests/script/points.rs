@@ -1,6 +1,6 @@
 //! Points that tasks show.
 
-use super::{Beside, FORCE, TASK, pendulum};
+use super::{FORCE, ScriptedRun, TASK, pendulum};
 use nalgebra::Vector3;
 use stiction::sim::{Observer, Outcome, SimEvent, Snapshot};
 
@@ -22,7 +22,7 @@ impl Observer for Shown {
 }
 
 #[test]
-fn they_are_where_the_task_says_while_it_runs() {
+fn points_are_where_the_task_says_while_it_runs() {
     let script = "
         points = { \"goal\", \"now and then\" }
         function run(robot)
@@ -32,10 +32,10 @@ fn they_are_where_the_task_says_while_it_runs() {
         end";
     let scenario = pendulum(0.5, "mode = \"passive\"", &format!("log = {{ rate = 100 }}\n{TASK}start = 0.1\n"));
     let mut shown = Shown::default();
-    let (outcome, message) = Beside::new(&scenario, script).end(&mut shown);
+    let (outcome, message) = ScriptedRun::new(&scenario, script).end(&mut shown);
     assert_eq!(outcome, Outcome::Passed, "{message}");
     assert_eq!(shown.0.len(), 51);
-    // An instant of the log that is a tick too may be told before the tick or after it.
+    // A log instant that is also a tick may be reported before or after the tick.
     let sure = |time: &f64| [0.1, 0.25, 0.4].iter().all(|jump| (time - jump).abs() > 0.0015);
     for (time, points) in shown.0.into_iter().filter(|(time, _)| sure(time)) {
         assert_eq!(points[0].is_some(), 0.1 < time && time < 0.4, "{time}");
@@ -47,33 +47,33 @@ fn they_are_where_the_task_says_while_it_runs() {
 }
 
 #[test]
-fn mistakes_are_told_at_their_line() {
-    let told = |points: &str, call: &str| {
+fn errors_carry_their_line() {
+    let recorded = |points: &str, call: &str| {
         let script = format!("points = {points}\nfunction run(robot)\n    robot.set_point({call})\nend\n");
         let (outcome, message) =
-            Beside::new(&pendulum(0.1, "mode = \"passive\"", TASK), &script).end(&mut stiction::sim::Blind);
+            ScriptedRun::new(&pendulum(0.1, "mode = \"passive\"", TASK), &script).end(&mut stiction::sim::Blind);
         assert_eq!(outcome, Outcome::Error, "{call}");
         assert!(message.contains("s.luau:3: "), "{message}");
         message
     };
-    assert!(told("{ \"a\" }", "\"b\", { 0, 0, 0 }").contains("the list `points` has no \"b\""));
-    assert!(told("{ \"a\" }", "nil, { 0, 0, 0 }").contains("the list `points` has no nil"));
-    assert!(told("{ \"a\" }", "\"a\", { 0, 0 }").contains("a point is {x, y, z}"));
-    assert!(told("{ \"a\" }", "\"a\", 1").contains("a point is {x, y, z}"));
-    assert!(told("{ \"a\" }", "\"a\", { 0, 0, 0 / 0 }").contains("a coordinate must be a finite number"));
-    assert!(told("{ \"a\" }", "\"a\", { 0, 0, \"x\" }").contains("a coordinate must be a number"));
+    assert!(recorded("{ \"a\" }", "\"b\", { 0, 0, 0 }").contains("the list `points` has no \"b\""));
+    assert!(recorded("{ \"a\" }", "nil, { 0, 0, 0 }").contains("the list `points` has no nil"));
+    assert!(recorded("{ \"a\" }", "\"a\", { 0, 0 }").contains("a point is {x, y, z}"));
+    assert!(recorded("{ \"a\" }", "\"a\", 1").contains("a point is {x, y, z}"));
+    assert!(recorded("{ \"a\" }", "\"a\", { 0, 0, 0 / 0 }").contains("a coordinate must be a finite number"));
+    assert!(recorded("{ \"a\" }", "\"a\", { 0, 0, \"x\" }").contains("a coordinate must be a number"));
 }
 
 #[test]
-fn what_cannot_be_shown_is_refused_before_anything_runs() {
+fn invalid_points_are_refused_before_the_run() {
     let refused = |what: &str, script: &str| {
         let scenario = pendulum(0.1, "mode = \"passive\"", what);
-        Beside::new(&scenario, script).build().err().expect("it is refused").to_string()
+        ScriptedRun::new(&scenario, script).build().err().expect("it is refused").to_string()
     };
     let twice = refused(TASK, "points = { \"a\", \"a\" }\nfunction run() end");
     assert!(twice.contains("names \"a\" twice"), "{twice}");
-    let words = refused(TASK, "points = 1\nfunction run() end");
-    assert!(words.contains("`points` must be a list of strings"), "{words}");
+    let expected = refused(TASK, "points = 1\nfunction run() end");
+    assert!(expected.contains("`points` must be a list of strings"), "{expected}");
     let force = refused(FORCE, "points = { \"a\" }\nfunction run() return {} end");
     assert!(force.contains("shown by tasks"), "{force}");
 }

@@ -1,6 +1,6 @@
 //! Tasks in Luau: what they see and command.
 
-use super::{Beside, TASK, passes, pendulum, robot};
+use super::{ScriptedRun, TASK, passes, pendulum, robot};
 use crate::analytic::support::Told;
 use std::sync::atomic::AtomicBool;
 use stiction::sim::{Blind, Outcome};
@@ -77,7 +77,7 @@ fn efforts_against_gravity_hold_a_pendulum_still() {
 }
 
 #[test]
-fn what_a_task_sees_fits_together() {
+fn data_of_a_script_task_are_consistent() {
     // Everything there is, checked against each other by the script itself while the robot falls over.
     let script = "
         needs = { \"com\", \"com_jacobian\", \"com_jacobian_base\", \"mass_matrix\", \"bias\", \"gravity_effort\", \"soles\",
@@ -138,11 +138,11 @@ fn what_a_task_sees_fits_together() {
     let hoap2 = robot("hoap2/hoap2.toml");
     let push = "[[force]]\ntype = \"push\"\nlink = \"torso\"\nforce = [30, 10, 0]\nduration = 0.2\n";
     let text = format!("duration = 0.4\nrobot = {{ model = {hoap2:?} }}\n{TASK}{push}");
-    let (mut sim, mut told) = (Beside::new(&text, script).simulation(), Told::default());
-    let (outcome, message) = sim.run(&mut told, &AtomicBool::new(false));
+    let (mut sim, mut recorded) = (ScriptedRun::new(&text, script).simulation(), Told::default());
+    let (outcome, message) = sim.run(&mut recorded, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
     assert!(
-        told.events.iter().any(|e| e.kind == "task" && e.message == "task script s.luau ends"),
+        recorded.events.iter().any(|e| e.kind == "task" && e.message == "task script s.luau ends"),
         "it got to its end"
     );
 }
@@ -166,30 +166,31 @@ fn parameters_change_and_tasks_end() {
     let params = "start = 0.1\nparams = { goal = 0.5, list = [\"a\", \"b\"], yes = true, inner = { x = 1.5 } }
         change = [{ at = 0.2, params = { goal = 0.6 } }, { at = 0.3, params = { goal = 0.7 } }, { at = 0.7, params = { goal = 9 } }]";
     let text = pendulum(0.8, "mode = \"position\", kp = 10.0, kd = 1.0", &format!("{TASK}{params}"));
-    let mut told = Told::default();
-    let mut sim = Beside::new(&text, script).simulation();
-    let (outcome, message) = sim.run(&mut told, &AtomicBool::new(false));
+    let mut recorded = Told::default();
+    let mut sim = ScriptedRun::new(&text, script).simulation();
+    let (outcome, message) = sim.run(&mut recorded, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
-    let tasks: Vec<_> = told.events.iter().filter(|e| e.kind == "task").map(|e| (e.time, e.message.clone())).collect();
-    let words = |what: &str| format!("task script s.luau {what}");
+    let tasks: Vec<_> =
+        recorded.events.iter().filter(|e| e.kind == "task").map(|e| (e.time, e.message.clone())).collect();
+    let expected = |what: &str| format!("task script s.luau {what}");
     let times = [(0.1, "begins"), (0.2, "changes"), (0.3, "changes"), (0.5, "ends")];
-    assert_eq!(tasks, times.map(|(t, what)| (t, words(what))));
-    let asked = |t: f64| {
-        let s = told.snapshots.iter().find(|s| s.time > t).expect("an instant of the log");
+    assert_eq!(tasks, times.map(|(t, what)| (t, expected(what))));
+    let desired = |t: f64| {
+        let s = recorded.snapshots.iter().find(|s| s.time > t).expect("an instant of the log");
         s.q_desired[1]
     };
-    assert_eq!([0.05, 0.15, 0.25, 0.35, 0.6].map(asked), [0.3, 0.5, 0.6, 0.7, 0.7]);
+    assert_eq!([0.05, 0.15, 0.25, 0.35, 0.6].map(desired), [0.3, 0.5, 0.6, 0.7, 0.7]);
 }
 
 #[test]
-fn later_tasks_win_and_see_what_earlier_ones_asked() {
+fn later_tasks_win_and_read_earlier_commands() {
     let script = "
         function run(robot)
-            local asked = robot.desired.position[1]
-            if robot.time > 0 then assert(asked == 0.8, asked) end
-            robot.set_position(\"elbow\", asked + 0.1)
+            local desired = robot.desired.position[1]
+            if robot.time > 0 then assert(desired == 0.8, desired) end
+            robot.set_position(\"elbow\", desired + 0.1)
             robot.set_gains(2, 20, 2)
-            assert(robot.desired.position[2] == asked + 0.1 and robot.desired.kp[2] == 20)
+            assert(robot.desired.position[2] == desired + 0.1 and robot.desired.kp[2] == 20)
         end";
     let posture = "[[task]]\ntype = \"posture\"\nduration = 1e-4\njoints = { shoulder = 0.8, elbow = 0.1 }\n";
     let sim = passes(&pendulum(0.1, "mode = \"position\"", &format!("{posture}{TASK}")), script);
@@ -224,8 +225,8 @@ fn random_numbers_come_from_the_seed() {
 fn a_task_may_end_before_it_runs() {
     let text = pendulum(0.1, "mode = \"position\"", &format!("{TASK}duration = 0.05"));
     let script = "function init() return \"done\" end function run() error(\"not called\") end";
-    assert_eq!(Beside::new(&text, script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(ScriptedRun::new(&text, script).end(&mut Blind).0, Outcome::Passed);
     // And at the latest when its time is over.
     let script = "function run(robot) assert(robot.time < 0.05) end";
-    assert_eq!(Beside::new(&text, script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(ScriptedRun::new(&text, script).end(&mut Blind).0, Outcome::Passed);
 }

@@ -18,7 +18,7 @@ fn end(task: &str) -> nalgebra::Vector3<f64> {
 }
 
 #[test]
-fn the_centre_of_mass_comes_over_the_point_of_optimal_stability() {
+fn the_centre_of_mass_moves_over_the_point_of_optimal_stability() {
     // Soles start with their ankles at x = -0.034, so their common rectangle has its middle at -0.034 + 0.0112 (README of hoap2).
     let middle = -0.0228;
     let without = end("");
@@ -32,7 +32,7 @@ fn the_centre_of_mass_comes_over_the_point_of_optimal_stability() {
     let com = end(&task);
     assert!((com.x - middle - 0.01).abs() < 1e-4 && (com.y + 0.02).abs() < 1e-4, "{com}");
     // So does one that comes later, from where the first has brought it; 1.2 s at 4 1/s leave 1 % of the 10 mm but for what
-    // the posture that is asked for has right from the start.
+    // the commanded posture has from the start.
     let task = format!(
         "{task}change = [{{ at = 1.5, position = {{ offset = [0.005, -0.01], approach = 0.3 }} }}, {{ at = 1.6, position = {{ integral = 6 }} }}]\n"
     );
@@ -41,13 +41,13 @@ fn the_centre_of_mass_comes_over_the_point_of_optimal_stability() {
 }
 
 #[test]
-fn what_it_wants_is_shown() {
+fn planned_points_are_shown() {
     let points = |robot: &str, task: &str| {
         let text = format!(
             "duration = 3\nrobot = {{ model = \"{robot}\" }}\n[integrator]\nmethod = \"semi-implicit\"\n[log]\nrate = 10\n{task}"
         );
-        let (_, told) = watch(&text);
-        let last = told.snapshots.last().unwrap();
+        let (_, recorded) = watch(&text);
+        let last = recorded.snapshots.last().unwrap();
         let names: Vec<_> = last.points.iter().map(|p| p.name.clone()).collect();
         let at: Vec<_> = last.points.iter().map(|p| p.position).collect();
         (names, at, last.com, last.centre_of_pressure.unwrap())
@@ -59,12 +59,12 @@ fn what_it_wants_is_shown() {
     ] {
         let (names, at, com, cop) = points(hoap2, task);
         assert_eq!(names, ["balance.com", "balance.zmp"]);
-        let (wanted, zmp) = (at[0].unwrap(), at[1].unwrap());
+        let (expected, zmp) = (at[0].unwrap(), at[1].unwrap());
         // At rest over the soles; what is left after 3 s is some tenths of a millimetre.
-        assert!((wanted - com).norm() < 2e-3, "{task}: {wanted} {com}");
+        assert!((expected - com).norm() < 2e-3, "{task}: {expected} {com}");
         assert!((zmp - cop).norm() < 2e-3, "{task}: {zmp} {cop}");
     }
-    // Two of a kind are told apart; nothing draws back a robot whose gravity alone is compensated.
+    // Two tasks of a type have distinct points; gravity compensation has no desired position.
     let twice = "[[task]]\ntype = \"gravity-compensation\"\nduration = 1\n[[task]]\ntype = \"gravity-compensation\"\nstart = 1\n";
     let (names, at, _, cop) = points(hoap2, twice);
     let name = |rest: &str| format!("gravity-compensation.{rest}");

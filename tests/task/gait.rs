@@ -83,10 +83,10 @@ fn footsteps(length: f64) -> Footsteps {
 }
 
 #[test]
-fn feet_come_down_where_and_when_the_plan_says() {
+fn feet_land_where_and_when_the_plan_says() {
     let plan = footsteps(0.03);
     assert!((plan.duration() - (2.0 + 5.0 * 0.8 + 0.2)).abs() < 1e-12);
-    // Footfalls 1, 3, 5 of the right foot, 2 and 4 of the left; the last beside the other.
+    // Footfalls 1, 3, 5 of the right foot, 2 and 4 of the left; the last level with the other.
     for (i, right, left) in
         [(0, 0.0, 0.0), (1, 0.03, 0.0), (2, 0.03, 0.06), (3, 0.09, 0.06), (4, 0.09, 0.12), (5, 0.12, 0.12)]
     {
@@ -126,7 +126,7 @@ fn feet_come_down_where_and_when_the_plan_says() {
 
 /// What is planned of a long walk is the walk.
 #[test]
-fn a_plan_up_to_a_time_is_the_same_up_to_it() {
+fn a_shorter_plan_agrees_with_a_longer_one() {
     let soles = [Vector3::new(0.1, 0.04, 0.0), Vector3::new(0.1, -0.04, 0.0)];
     let long = |steps: usize, until: f64| Footsteps::new(Stride { steps, ..stride(0.03) }, soles, Vector3::x(), until);
     let (whole, part) = (long(40, f64::INFINITY), long(40, 7.3));
@@ -139,7 +139,7 @@ fn a_plan_up_to_a_time_is_the_same_up_to_it() {
             "{t}"
         );
     }
-    // As many as there are seconds, not as many as are asked for.
+    // Limited by the duration, not by the number requested.
     let endless = long(usize::MAX, 7.3);
     assert_eq!(endless.sole(1, 5.0), whole.sole(1, 5.0));
     let preview = Preview::new(0.26, 9.81, 0.005, 1.6).unwrap();
@@ -186,7 +186,7 @@ fn the_zero_moment_point_rests_under_the_standing_foot_and_is_followed() {
 }
 
 #[test]
-fn from_rest_above_the_reference_nothing_moves() {
+fn a_centre_of_mass_at_rest_on_the_reference_stays() {
     let preview = Preview::new(0.26, 9.81, 0.005, 1.6).unwrap();
     let samples = preview.follow(&[0.123; 400], 400);
     assert!(samples.iter().all(|s| s.x == Vector3::new(0.123, 0.0, 0.0) && s.jerk == 0.0));

@@ -12,18 +12,18 @@ robot = { model = \"ROBOTS/cbi/cbi.toml\", joint_default = { mode = \"position\"
 ";
 const HOAP: &str = "duration = 1.5\nrobot = { model = \"ROBOTS/hoap2/hoap2.toml\" }\n";
 
-/// What the joints are asked at a time.
-type Told = Vec<(f64, Command)>;
+/// Joint commands with their times.
+type Commands = Vec<(f64, Command)>;
 
-/// What the joints are asked at ticks up to `end` seconds, and when which task ended. The robot stays where it starts.
-fn ticks(folder: &Folder, text: &str, end: f64) -> (Told, Vec<(String, f64)>) {
+/// Joint commands at ticks up to `end` seconds, and the ends of the tasks. The robot stays in its initial state.
+fn ticks(folder: &Folder, text: &str, end: f64) -> (Commands, Vec<(String, f64)>) {
     let run = folder.run(text).unwrap_or_else(|e| panic!("{e}"));
     let mut setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let mut state = State::home(&setup.model);
     (state.position, state.rotation) = (setup.start.position, setup.start.rotation);
     state.joints.copy_from_slice(&setup.start.joints);
     let sensed = Sensed::blank(&setup.model);
-    let (mut told, mut ended) = (Vec::new(), Vec::new());
+    let (mut recorded, mut ended) = (Vec::new(), Vec::new());
     while let Some(time) = setup.tasks.next_tick().filter(|t| *t <= end + 1e-9) {
         state.time = time;
         let now = TickInput {
@@ -39,9 +39,9 @@ fn ticks(folder: &Folder, text: &str, end: f64) -> (Told, Vec<(String, f64)>) {
             }
         };
         setup.tasks.run(&now, hear).unwrap_or_else(|e| panic!("{e}"));
-        told.push((time, setup.tasks.command.clone()));
+        recorded.push((time, setup.tasks.command.clone()));
     }
-    (told, ended)
+    (recorded, ended)
 }
 
 fn force(kind: &str, start: f64, duration: f64) -> String {
@@ -50,7 +50,7 @@ fn force(kind: &str, start: f64, duration: f64) -> String {
 }
 
 #[test]
-fn modes_and_efforts_come_back_whatever_the_order() {
+fn modes_and_efforts_are_restored_in_any_order() {
     let compensate = |start, duration| force("gravity-compensation", start, duration);
     let balance = |start, duration| force("balance", start, duration);
     let folder = Folder::with(&[]);
@@ -60,36 +60,36 @@ fn modes_and_efforts_come_back_whatever_the_order() {
         format!("{}{}", compensate(0.03, 0.03), balance(0.0, 0.03)),
         format!("{}{}", compensate(0.0, 0.03), balance(0.03, 0.03)),
     ] {
-        let (told, _) = ticks(&folder, &format!("{CBI}{tasks}"), 1.0);
-        let own = &told.last().unwrap().1.mode;
+        let (recorded, _) = ticks(&folder, &format!("{CBI}{tasks}"), 1.0);
+        let own = &recorded.last().unwrap().1.mode;
         assert!(own.iter().filter(|m| **m == DriveMode::Position).count() > 20 && !own.contains(&DriveMode::Force));
-        for (time, command) in &told {
+        for (time, command) in &recorded {
             // Joints that are moved kinematically stay so.
             let lent = |m: &DriveMode| if *m == DriveMode::Position { DriveMode::Force } else { *m };
-            let wanted = own.iter().map(|m| if *time < 0.06 - 1e-9 { lent(m) } else { *m });
-            assert!(command.mode.iter().copied().eq(wanted), "{time}:\n{tasks}");
+            let expected = own.iter().map(|m| if *time < 0.06 - 1e-9 { lent(m) } else { *m });
+            assert!(command.mode.iter().copied().eq(expected), "{time}:\n{tasks}");
         }
-        let last = |before: f64| &told.iter().rev().find(|(t, _)| *t < before - 1e-9).unwrap().1;
-        let (first, end) = (&told.iter().find(|(t, _)| *t > 0.06 - 1e-9).unwrap().1, &told.last().unwrap().1);
-        // The efforts go on as feed-forward and fade: servos at the position that they find would let the robot sag.
+        let last = |before: f64| &recorded.iter().rev().find(|(t, _)| *t < before - 1e-9).unwrap().1;
+        let (first, end) = (&recorded.iter().find(|(t, _)| *t > 0.06 - 1e-9).unwrap().1, &recorded.last().unwrap().1);
+        // The efforts continue as feed-forward and decay: servos alone would let the robot sag.
         assert_eq!(first.effort, last(0.06).effort, "{tasks}");
         assert!(first.effort.iter().any(|e| e.abs() > 1.0));
         assert!(end.effort.iter().all(|e| *e == 0.0), "{tasks}");
-        assert!((told.last().unwrap().0 - 0.56).abs() < 1e-9, "it ticks on until they have faded");
+        assert!((recorded.last().unwrap().0 - 0.56).abs() < 1e-9, "it ticks on until they have faded");
     }
 }
 
 #[test]
-fn efforts_of_a_squat_fade_after_it() {
+fn efforts_of_a_squat_decay_after_its_end() {
     let task = "[[task]]\ntype = \"squat\"\ndepth = 0.005\nperiod = 0.2\nsettle = 0.1\n";
     let follows = "[[task]]\ntype = \"posture\"\nstart = 0.3\njoints = { left_elbow = -0.5 }\n";
-    let (told, ended) = ticks(&Folder::with(&[]), &format!("{HOAP}{task}{follows}"), 1.5);
+    let (recorded, ended) = ticks(&Folder::with(&[]), &format!("{HOAP}{task}{follows}"), 1.5);
     assert_eq!(ended[0].0, "squat");
     let most = |c: &Command| c.effort.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-    let at = |time: f64| &told.iter().find(|(t, _)| (t - time).abs() < 1e-9).unwrap().1;
+    let at = |time: f64| &recorded.iter().find(|(t, _)| (t - time).abs() < 1e-9).unwrap().1;
     assert!(most(at(0.3)) > 0.5 && most(at(0.8)) == 0.0, "{} {}", most(at(0.3)), most(at(0.8)));
     // A quintic falls at most 15/8 of the mean: over 0.5 s and ticks of 1 ms.
-    for pair in told.windows(2).filter(|w| w[0].0 > 0.3 - 1e-9) {
+    for pair in recorded.windows(2).filter(|w| w[0].0 > 0.3 - 1e-9) {
         let steps = pair[0].1.effort.iter().zip(&pair[1].1.effort).map(|(a, b)| (a - b).abs());
         assert!(steps.fold(0.0, f64::max) < 1.01 * 15.0 / 8.0 / 500.0 * most(at(0.3)), "{}", pair[0].0);
     }
@@ -100,22 +100,22 @@ robot = { model = \"ROBOTS/pendulum/pendulum.urdf\", posture = { shoulder = 0.3,
 ";
 
 #[test]
-fn an_earlier_task_has_its_joint_back_without_a_jump() {
+fn an_earlier_task_resumes_a_joint_without_a_jump() {
     let tasks = "[[task]]\ntype = \"posture\"\nstart = 0.1\nduration = 0.7\njoints = { shoulder = -1.3, elbow = 6 }
         [[task]]\ntype = \"posture\"\nstart = 0.5\nduration = 0.2\njoints = { elbow = 0.5 }\n";
-    let (told, _) = ticks(&Folder::with(&[]), &format!("{PENDULUM}{tasks}"), 2.0);
+    let (recorded, _) = ticks(&Folder::with(&[]), &format!("{PENDULUM}{tasks}"), 2.0);
     // The later one gives the joint back at 0.7 s, some 5 rad from where the earlier one is. Both and the fade have speeds of at
     // most 15/8 of 6.2 rad in 0.7 s, of 3 rad in 0.2 s and of 5.5 rad in 0.5 s, with the difference of speeds in it.
     let moving = |w: &&[(f64, Command)]| w[0].0 > 0.5 + 1e-9;
-    let steps = told.windows(2).filter(moving).map(|w| (w[1].1.position[1] - w[0].1.position[1]).abs());
+    let steps = recorded.windows(2).filter(moving).map(|w| (w[1].1.position[1] - w[0].1.position[1]).abs());
     assert!(steps.clone().fold(0.0, f64::max) < 0.06, "{}", steps.fold(0.0, f64::max));
     // Velocities belong to positions, through both ends.
-    for w in told.windows(3).filter(|w| w[0].0 > 0.503) {
+    for w in recorded.windows(3).filter(|w| w[0].0 > 0.503) {
         let slope = (w[2].1.position[1] - w[0].1.position[1]) / 2e-3;
         // Second differences of a path with accelerations of some 10 / 0.2^2 rad/s^2.
         assert!((slope - w[1].1.velocity[1]).abs() < 0.15, "{}: {slope} {}", w[1].0, w[1].1.velocity[1]);
     }
-    let (time, last) = told.last().unwrap();
+    let (time, last) = recorded.last().unwrap();
     assert!((last.position[1] - 6.0).abs() < 1e-12 && last.velocity[1] == 0.0, "{time} {last:?}");
     assert!((time - 1.2).abs() < 1e-9, "{time}");
 }
@@ -159,12 +159,12 @@ fn a_start_between_two_ticks_is_time_0() {
         ),
     ] {
         let text = format!("{PENDULUM}[control]\nrate = 100\n[[task]]\n{task}start = 0.5037\n");
-        let (told, _) = ticks(&folder, &text, 2.0);
-        assert!((told[0].0 - 0.51).abs() < 1e-12);
-        for (time, command) in told.iter().filter(|(t, _)| *t < 1.5) {
-            let wanted = -0.2 + path(time - 0.5037);
+        let (recorded, _) = ticks(&folder, &text, 2.0);
+        assert!((recorded[0].0 - 0.51).abs() < 1e-12);
+        for (time, command) in recorded.iter().filter(|(t, _)| *t < 1.5) {
+            let expected = -0.2 + path(time - 0.5037);
             // Rounding, of the curve of least jerk too.
-            assert!((command.position[1] - wanted).abs() < 1e-12, "{task}{time}: {} {wanted}", command.position[1]);
+            assert!((command.position[1] - expected).abs() < 1e-12, "{task}{time}: {} {expected}", command.position[1]);
         }
     }
 }

@@ -107,22 +107,22 @@ fn joint_velocities_are_the_derivative_of_joint_positions() {
 }
 
 #[test]
-fn out_of_reach_is_told() {
+fn unreachable_goals_are_errors() {
     let (model, planned) = hoap2();
     let mut inverse = InverseKinematics::of_legs(&model, &planned);
     let rest = Rates::zero(2);
     // Straight legs end 0.2 m above the ankles; the home posture is 12 mm below that.
     let mut high = planned.goal();
     high.com.z += 0.05;
-    let told = inverse.solve(&model, &mut planned.clone(), &high, &rest).unwrap_err();
-    assert!(matches!(told, Unreachable::TooFar { error } if error > 1e-3), "{told}");
+    let recorded = inverse.solve(&model, &mut planned.clone(), &high, &rest).unwrap_err();
+    assert!(matches!(recorded, Unreachable::TooFar { error } if error > 1e-3), "{recorded}");
     // Far down, the ankles' 61 degrees are not enough.
     let mut low = planned.goal();
     low.com.z -= 0.11;
-    let told = inverse.solve(&model, &mut planned.clone(), &low, &rest).unwrap_err();
+    let recorded = inverse.solve(&model, &mut planned.clone(), &low, &rest).unwrap_err();
     assert!(
-        matches!(&told, Unreachable::Limit { joint, .. } if joint.contains("ankle") || joint.contains("hip")),
-        "{told}"
+        matches!(&recorded, Unreachable::Limit { joint, .. } if joint.contains("ankle") || joint.contains("hip")),
+        "{recorded}"
     );
 }
 
@@ -142,11 +142,11 @@ fn steps_keep_the_soles_and_stop_at_limits() {
         v = planned.state.v[6 + model.joint("left_ankle_roll").unwrap().0];
     }
     let off = (0..2).map(|s| start.soles[s].inv_mul(&planned.sole(s)).translation.vector.norm()).fold(0.0, f64::max);
-    // One Newton step a call. The centre of mass goes on by 2.24e-4 m over legs of 0.2 m, which turn by 1.1e-3 rad: what a step
+    // One Newton step a call. The centre of mass moves by 2.24e-4 m over legs of 0.2 m, which turn by 1.1e-3 rad: what a step
     // misses is half the square of that times 0.2 m, 1.3e-7 m, and the same once more that is left of the step before.
     assert!(off < 2.6e-7 && (planned.com() - goal.com).xy().norm() < 1e-6, "{off}");
     assert!(v.abs() > 0.01);
-    // Asked to bow without end, joints go to their limits and no further.
+    // Under an unlimited bow, joints stop at their limits.
     goal.com.x += 0.3;
     for _ in 0..200 {
         inverse.advance(&model, &mut planned, &goal, 1e-3);
@@ -157,7 +157,7 @@ fn steps_keep_the_soles_and_stop_at_limits() {
 }
 
 #[test]
-fn fed_efforts_do_the_work_of_gravity_and_motion() {
+fn feed_forward_efforts_do_the_work_of_gravity_and_motion() {
     let (model, mut planned) = hoap2();
     let mut inverse = InverseKinematics::of_legs(&model, &planned);
     let gravity = Vector3::new(0.0, 0.0, -9.81);
@@ -188,7 +188,7 @@ fn fed_efforts_do_the_work_of_gravity_and_motion() {
 }
 
 #[test]
-fn nothing_allocates() {
+fn balance_allocates_nothing() {
     let (model, mut planned) = hoap2();
     let mut inverse = InverseKinematics::of_legs(&model, &planned);
     let mut goal = planned.goal();

@@ -1,4 +1,4 @@
-//! Tasks that plan: inverse kinematics, gait and balance by identities, closed forms and frozen values.
+//! Tasks that plan: inverse kinematics, gait and balance by identities, closed forms and recorded values.
 
 mod balance;
 mod gait;

@@ -11,7 +11,7 @@ const HOAP2: &str = "robot = { model = \"robots/hoap2/hoap2.toml\" }\n";
 const HOME: f64 = 0.260362;
 
 #[test]
-fn a_squat_goes_as_deep_as_asked_with_feet_kept() {
+fn a_squat_reaches_its_depth_with_fixed_feet() {
     // Ends at the bottom: 0.2 s to settle, half of 0.8 s down.
     let text = format!(
         "duration = 0.6\n{HOAP2}[log]\nrate = 0\n[[task]]\ntype = \"squat\"\ndepth = 0.02\nperiod = 0.8\nsettle = 0.2\n"
@@ -31,16 +31,16 @@ fn a_step_lifts_one_foot_after_the_other_and_puts_it_down() {
         "duration = 3.4\n{HOAP2}[log]\nrate = 50\n[stop]\nfallen = {{ below = 0.2 }}\n[[task]]\ntype = \"walk\"\n\
          steps = 1\nstep_time = 0.8\nwait = 0.8\nsettle = 0.3\nfirst = \"right\"\n"
     );
-    let (metrics, told) = watch(&text);
+    let (metrics, recorded) = watch(&text);
     // 0.3 s to settle, 0.8 s of swaying, 0.2 s on both feet, then the right one goes up; it is down again at 1.9 s.
     let up = metrics.first_liftoff_s.expect("it lifts a foot");
     assert!(up > 1.1 && up < 1.6, "{up}");
     let lifted: Vec<bool> =
-        (0..2).map(|s| told.snapshots.iter().any(|t| t.soles[s].positions.iter().all(|p| p.z > 5e-3))).collect();
+        (0..2).map(|s| recorded.snapshots.iter().any(|t| t.soles[s].positions.iter().all(|p| p.z > 5e-3))).collect();
     assert_eq!(lifted, [false, true]);
     // What it aims at is shown while it lasts, 2.9 s.
     let shown = |s: &Snapshot, name: &str| s.points.iter().find(|p| p.name == name).expect(name).position;
-    for s in &told.snapshots {
+    for s in &recorded.snapshots {
         let points = ["walk.com", "walk.zmp", "walk.foot.left", "walk.foot.right"].map(|name| shown(s, name));
         assert!(points.iter().all(|p| p.is_some() == (s.time < 2.9 - 1e-9)), "{}", s.time);
         let [Some(com), Some(zmp), Some(left), Some(right)] = points else { continue };
@@ -52,16 +52,16 @@ fn a_step_lifts_one_foot_after_the_other_and_puts_it_down() {
             let corners = &s.soles[sole].positions;
             let middle = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
             let stands = corners.iter().all(|p| p.z < 1e-4);
-            // It comes down beside the other: no step is longer than nothing.
+            // The last step lands level with the other foot: it has no length.
             assert!(!stands || (middle - foot).norm() < 5e-3, "{name} at {}: {middle} {foot}", s.time);
         }
     }
-    let last = told.snapshots.last().unwrap();
+    let last = recorded.snapshots.last().unwrap();
     assert!(last.soles.iter().all(|s| s.positions.iter().all(|p| p.z < 1e-4)));
 }
 
 #[test]
-fn a_walk_wants_gravity_straight_down() {
+fn a_walk_requires_vertical_gravity() {
     for gravity in ["[0, -1.5, -9.69]", "[0, 0, 9.81]"] {
         let text = format!(
             "duration = 0.1\ngravity = {gravity}\nrobot = {{ model = \"robots/hoap2/hoap2.toml\" }}\n[[task]]\ntype = \"walk\"\n"

@@ -19,8 +19,8 @@ fn lines(output: &Output) -> Vec<String> {
 fn it_exits_0_and_prints_measured_wanted_and_error_per_case() {
     let results = tempfile::tempdir().expect("a folder for results");
     let output = runner(&[&folder(), "-o".as_ref(), results.path()]);
-    let said = lines(&output);
-    let shown = said.iter().skip_while(|l| !l.contains("measured")).skip(1).collect::<Vec<_>>();
+    let messages = lines(&output);
+    let shown = messages.iter().skip_while(|l| !l.contains("measured")).skip(1).collect::<Vec<_>>();
     let failed: Vec<_> = shown.iter().filter(|l| l.ends_with(" NO")).collect();
     assert_eq!(output.status.code(), Some(0), "{failed:#?}\n{}", String::from_utf8_lossy(&output.stderr));
     assert!(failed.is_empty());
@@ -40,12 +40,12 @@ fn it_exits_0_and_prints_measured_wanted_and_error_per_case() {
         (runs, values, all) = (runs + 1, values + of_run, all + verdicts.len());
     }
     assert_eq!(shown.iter().filter(|l| l.ends_with(" yes")).count(), values);
-    assert!(shown.iter().any(|l| l.starts_with(&format!("{all} of {all} expectations held"))), "{:?}", said.last());
+    assert!(shown.iter().any(|l| l.starts_with(&format!("{all} of {all} expectations held"))), "{:?}", messages.last());
     assert_eq!(Table::read(&results.path().join("summary.csv")).rows.len(), runs);
 }
 
 #[test]
-fn a_folder_means_the_files_in_it() {
+fn a_folder_selects_the_files_in_it() {
     let paths: Vec<_> = files().into_iter().map(|(_, path)| path).collect();
     let mut named: Vec<&Path> = vec!["list".as_ref()];
     named.extend(paths.iter().map(|p| p.as_path()));

@@ -36,7 +36,14 @@ fn the_drift_allowed_in_flight_is_a_small_part_of_the_angular_momentum() {
             let start = Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"));
             let spin = body::momentum(&start.plant().ws).angular.norm();
             let drift = |e: &&stiction::scenario::Expect| e.metric.as_deref() == Some("max_flight_spin_drift_Nms");
-            let allowed = case.run.scenario.expect.iter().find(drift).and_then(|e| e.allowed()).expect("it is asked");
+            let allowed = case
+                .run
+                .scenario
+                .expect
+                .iter()
+                .find(drift)
+                .and_then(|e| e.allowed())
+                .expect("an allowed drift is given");
             assert!(spin > 0.0 && allowed <= part * spin, "{name}: {allowed:e} of {spin}");
         }
     }

@@ -52,8 +52,8 @@ pub fn rest(case: &Case, index: usize, metric: &str) -> Option<f64> {
         ("last_impact_s", 0) => Some(last),
         ("last_impact_s", _) => {
             let limit = 2.0 * contact.velocity_tolerance / (G * (1.0 - e));
-            let asked = case.run.scenario.expect[index].tolerance.expect("it is given");
-            assert!((asked / limit - 1.0).abs() < 0.01, "{asked} {limit}");
+            let tolerance = case.run.scenario.expect[index].tolerance.expect("it is given");
+            assert!((tolerance / limit - 1.0).abs() < 0.01, "{tolerance} {limit}");
             Some(ideal)
         }
         ("final_base_z", _) => Some(case.half()[2]),

@@ -121,7 +121,7 @@ fn every_expected_value_follows_from_its_equation() {
 }
 
 #[test]
-fn several_headings_sizes_and_frictions_are_asked() {
+fn studies_cover_headings_sizes_and_frictions() {
     for (name, least) in [("slide-and-stop", 24), ("breakaway-push", 40), ("slope-holds", 24), ("no-hop", 25)] {
         let cases = cases(name);
         assert!(cases.len() >= least, "{name}");

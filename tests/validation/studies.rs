@@ -7,7 +7,7 @@ use crate::analytic::planar;
 use crate::analytic::support::{rk4, root};
 
 #[test]
-fn the_truths_of_the_block_follow_from_its_motion() {
+fn values_of_the_block_follow_from_its_motion() {
     let file = scenario::load(&root().join("scenarios/studies/work-precision-block.toml")).expect("it is there");
     let runs = file.expand(&[]).unwrap_or_else(|e| panic!("{e}"));
     let (mut slides, mut spins) = (0, 0);
@@ -18,7 +18,7 @@ fn the_truths_of_the_block_follow_from_its_motion() {
         let truth = &s.compare.as_ref().expect("it compares").truth;
         let named = |metric: &str| truth.iter().find(|(name, _)| name.0 == metric).map(|(_, value)| *value);
         let typed = ["final_base_x", "final_base_y", "final_base_yaw"].map(|metric| named(metric).expect("a truth"));
-        let (wanted, allowed) = if w == 0.0 {
+        let (expected, allowed) = if w == 0.0 {
             slides += 1;
             let way = vx.hypot(vy) / (2.0 * mu * G);
             assert!(vx.hypot(vy) / (mu * G) < s.duration, "it comes to rest");
@@ -32,8 +32,8 @@ fn the_truths_of_the_block_follow_from_its_motion() {
             // Rounding of 4000 steps; their own error is below it.
             ([end[0], end[1], end[2]], 1e-14)
         };
-        for (typed, wanted) in typed.iter().zip(&wanted) {
-            assert!((typed - wanted).abs() <= allowed, "{typed} {wanted}");
+        for (typed, expected) in typed.iter().zip(&expected) {
+            assert!((typed - expected).abs() <= allowed, "{typed} {expected}");
         }
     }
     assert!(slides > 20 && slides == spins, "{slides} {spins}");

@@ -78,7 +78,7 @@ const NOISE: f64 = 1e-4;
 /// The desired motion of all joints.
 pub(super) struct DesiredMotion {
     period: f64,
-    ring: PositionHistory,
+    history: PositionHistory,
     velocity: Vec<f64>,
     /// Change of the commanded velocity from tick to tick.
     change: Vec<f64>,
@@ -94,7 +94,7 @@ impl DesiredMotion {
         let now: Vec<TrajectoryPoint> = start.iter().map(|&q| TrajectoryPoint { q, v: 0.0, a: 0.0 }).collect();
         DesiredMotion {
             period,
-            ring: PositionHistory::new(start, period),
+            history: PositionHistory::new(start, period),
             velocity: vec![0.0; start.len()],
             change: vec![0.0; start.len()],
             before: now.clone(),
@@ -105,8 +105,8 @@ impl DesiredMotion {
 
     /// Adds the commands of the next tick.
     pub fn push(&mut self, position: &[f64], velocity: &[f64], limits: &[Limits]) {
-        for ((to, asked), limit) in self.ring.next().iter_mut().zip(position).zip(limits) {
-            *to = asked.clamp(limit.lower, limit.upper);
+        for ((to, commanded), limit) in self.history.next().iter_mut().zip(position).zip(limits) {
+            *to = commanded.clamp(limit.lower, limit.upper);
         }
         self.before.copy_from_slice(&self.now);
         for (j, limit) in limits.iter().enumerate() {
@@ -114,29 +114,29 @@ impl DesiredMotion {
             self.fitting[j] = if fits { (self.fitting[j] + 1).min(3) } else { 0 };
             self.now[j] = self.estimate(j, velocity[j], limit.jerk);
         }
-        for (j, told) in velocity.iter().enumerate() {
-            self.change[j] = told - self.velocity[j];
+        for (j, v_commanded) in velocity.iter().enumerate() {
+            self.change[j] = v_commanded - self.velocity[j];
         }
         self.velocity.copy_from_slice(velocity);
     }
 
     /// True if the commanded velocity of this tick fits the commanded position.
-    fn fits(&self, j: usize, asked: f64, told: f64) -> bool {
+    fn fits(&self, j: usize, commanded: f64, v_commanded: f64) -> bool {
         let (t, last) = (self.period, self.velocity[j]);
-        let q = self.ring.back(j, 0);
-        let bend = q - self.before[j].q - 0.5 * t * (told + last);
-        let changes = (told - last).abs() + self.change[j].abs();
+        let q = self.history.back(j, 0);
+        let bend = q - self.before[j].q - 0.5 * t * (v_commanded + last);
+        let changes = (v_commanded - last).abs() + self.change[j].abs();
         // Where the range clips the position, the commanded velocity does not belong to the motion.
-        q == asked && bend.abs() <= 0.25 * t * changes + ROUNDING
+        q == commanded && bend.abs() <= 0.25 * t * changes + ROUNDING
     }
 
-    fn estimate(&self, j: usize, told: f64, jerk: f64) -> TrajectoryPoint {
-        let q = self.ring.back(j, 0);
+    fn estimate(&self, j: usize, v_commanded: f64, jerk: f64) -> TrajectoryPoint {
+        let q = self.history.back(j, 0);
         if self.fitting[j] > 0 {
-            return TrajectoryPoint { q, v: told, a: (told - self.velocity[j]) / self.period };
+            return TrajectoryPoint { q, v: v_commanded, a: (v_commanded - self.velocity[j]) / self.period };
         }
-        let h = self.ring.window();
-        let (x, y) = (self.ring.back(j, 1), self.ring.back(j, 2));
+        let h = self.history.window();
+        let (x, y) = (self.history.back(j, 1), self.history.back(j, 2));
         let (last, first) = ((q - x) / h, (x - y) / h);
         let acceleration = (last - first) / h;
         if self.mean_jerk(j).abs() <= SMOOTH * jerk {
@@ -166,8 +166,8 @@ impl DesiredMotion {
     }
 
     fn mean_jerk(&self, j: usize) -> f64 {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.ring.back(j, k));
-        (a - 3.0 * b + 3.0 * c - d) / self.ring.window().powi(3)
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.history.back(j, k));
+        (a - 3.0 * b + 3.0 * c - d) / self.history.window().powi(3)
     }
 
     /// True if the commanded velocities fit the positions.
@@ -212,59 +212,62 @@ mod tests {
     const LIMITS: [Limits; 1] = [Limits { lower: -2.0, upper: 2.0, speed: 5.0, acceleration: 40.0, jerk: 800.0 }];
 
     /// q = 0.5 sin(3 t), with or without its velocity, up to 1 s.
-    fn sine(period: f64, told: bool) -> DesiredMotion {
-        let mut wanted = DesiredMotion::new(&[0.0], period);
+    fn sine(period: f64, v_commanded: bool) -> DesiredMotion {
+        let mut desired = DesiredMotion::new(&[0.0], period);
         for k in 1..=(1.0 / period).round() as i32 {
             let t = f64::from(k) * period;
-            wanted.push(&[0.5 * (3.0 * t).sin()], &[if told { 1.5 * (3.0 * t).cos() } else { 0.0 }], &LIMITS);
+            desired.push(&[0.5 * (3.0 * t).sin()], &[if v_commanded { 1.5 * (3.0 * t).cos() } else { 0.0 }], &LIMITS);
         }
-        wanted
+        desired
     }
 
     #[test]
-    fn motions_are_seen_with_and_without_told_velocities() {
+    fn motions_are_estimated_with_and_without_velocities() {
         let (v, a, jerk) = (1.5 * 3f64.cos(), -4.5 * 3f64.sin(), -13.5 * 3f64.cos());
-        for (told, window) in [(true, 0.001), (false, 0.01)] {
-            let found = sine(0.001, told);
+        for (v_commanded, window) in [(true, 0.001), (false, 0.01)] {
+            let found = sine(0.001, v_commanded);
             let now = found.now(0);
             // Backward differences: v to h^2 q''' / 3 (exact with velocity), a to h q''' and half of that with velocity.
-            assert!((now.v - v).abs() <= if told { 0.0 } else { 13.5 * window * window / 3.0 * 1.1 }, "{now:?} {v}");
+            assert!(
+                (now.v - v).abs() <= if v_commanded { 0.0 } else { 13.5 * window * window / 3.0 * 1.1 },
+                "{now:?} {v}"
+            );
             assert!((now.a - a).abs() <= 13.5 * window * 1.1, "{now:?} {a}");
             // The mean of the last 30 ms lags by 15 ms (1 ms with velocity); the fourth derivative is at most 40.5.
-            let late = if told { 0.001 } else { 0.015 };
+            let late = if v_commanded { 0.001 } else { 0.015 };
             assert!((found.jerk(0) - jerk).abs() <= 40.5 * late * 1.1, "{} {jerk}", found.jerk(0));
         }
     }
 
     #[test]
-    fn a_velocity_that_is_not_that_of_the_positions_is_not_believed() {
-        let mut wanted = DesiredMotion::new(&[0.0], 0.002);
+    fn a_velocity_that_does_not_fit_the_positions_is_ignored() {
+        let mut desired = DesiredMotion::new(&[0.0], 0.002);
         for k in 1..=100 {
-            wanted.push(&[0.002 * f64::from(k)], &[0.0], &LIMITS);
+            desired.push(&[0.002 * f64::from(k)], &[0.0], &LIMITS);
         }
         // A ramp of 1 per second, to rounding of 0.2 over a window of 10 ms.
-        assert!((wanted.now(0).v - 1.0).abs() < 1e-12 && wanted.now(0).a.abs() < 1e-10, "{:?}", wanted.now(0));
+        assert!((desired.now(0).v - 1.0).abs() < 1e-12 && desired.now(0).a.abs() < 1e-10, "{:?}", desired.now(0));
     }
 
     #[test]
-    fn ahead_is_capped_by_speed_and_range() {
-        let mut wanted = DesiredMotion::new(&[0.0], 0.1);
+    fn extrapolation_keeps_speed_and_range() {
+        let mut desired = DesiredMotion::new(&[0.0], 0.1);
         for k in 1..=4 {
             let t = 0.1 * f64::from(k);
-            wanted.push(&[2.0 * t * t], &[4.0 * t], &LIMITS);
+            desired.push(&[2.0 * t * t], &[4.0 * t], &LIMITS);
         }
         // At 0.32 with 1.6 per second and 4 more each second.
-        let p = wanted.ahead(0, 0.1, 0.1, &LIMITS[0]);
+        let p = desired.ahead(0, 0.1, 0.1, &LIMITS[0]);
         assert!((p.q - 0.5).abs() < 1e-12 && (p.v - 2.0).abs() < 1e-12 && (p.a - 4.0).abs() < 1e-9, "{p:?}");
         // The acceleration ends after the horizon; the speed then reached lasts as long again, and the motion rests.
-        let p = wanted.ahead(0, 0.15, 0.1, &LIMITS[0]);
+        let p = desired.ahead(0, 0.15, 0.1, &LIMITS[0]);
         assert!((p.q - 0.6).abs() < 1e-12 && (p.v - 2.0).abs() < 1e-12 && p.a == 0.0, "{p:?}");
-        let p = wanted.ahead(0, 1.0, 0.1, &LIMITS[0]);
+        let p = desired.ahead(0, 1.0, 0.1, &LIMITS[0]);
         assert!((p.q - 0.7).abs() < 1e-12 && p.v == 0.0 && p.a == 0.0, "{p:?}");
         let slow = Limits { speed: 1.8, ..LIMITS[0] };
         // 1.8 is reached after 50 ms: 0.085 there, 0.09 in the rest.
-        assert!((wanted.ahead(0, 0.1, 0.1, &slow).q - (0.32 + 0.085 + 0.09)).abs() < 1e-12);
+        assert!((desired.ahead(0, 0.1, 0.1, &slow).q - (0.32 + 0.085 + 0.09)).abs() < 1e-12);
         let near = Limits { upper: 0.4, ..LIMITS[0] };
-        assert_eq!(wanted.ahead(0, 0.1, 0.1, &near), TrajectoryPoint { q: 0.4, v: 0.0, a: 0.0 });
+        assert_eq!(desired.ahead(0, 0.1, 0.1, &near), TrajectoryPoint { q: 0.4, v: 0.0, a: 0.0 });
     }
 }

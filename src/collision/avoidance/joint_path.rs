@@ -220,8 +220,8 @@ impl JointPath {
     fn stays(&self, from: f64, limits: &Limits) -> bool {
         let [low, high] = self.range(from, self.end.max(from));
         let start = self.at(from).q;
-        let slack = RANGE_ROUNDING * (1.0 + low.abs().max(high.abs()));
-        low >= (limits.lower - slack).min(start) && high <= (limits.upper + slack).max(start)
+        let tolerance = RANGE_ROUNDING * (1.0 + low.abs().max(high.abs()));
+        low >= (limits.lower - tolerance).min(start) && high <= (limits.upper + tolerance).max(start)
     }
 }
 
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_hold_between_the_pieces_too_and_the_range_is_the_true_one() {
+    fn limits_hold_between_the_pieces_and_the_range_is_exact() {
         let mut r = Stream::new(2, &["limits"]);
         for _ in 0..500 {
             let (from, to) = (random(&mut r), random(&mut r));
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn what_breaks_a_limit_is_no_path() {
+    fn paths_that_break_a_limit_are_refused() {
         let rest = |q| TrajectoryPoint { q, v: 0.0, a: 0.0 };
         // 54 x / T^3 of jerk: 0.5 in 0.3 s takes 1000; 0.4 s are enough.
         assert!(JointPath::go(rest(0.0), 0.0, rest(0.5), 0.3, &LIMITS).is_none());

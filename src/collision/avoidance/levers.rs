@@ -165,7 +165,7 @@ mod tests {
     use crate::random::Stream;
 
     #[test]
-    fn an_endless_slide_at_rest_holds_nothing_up() {
+    fn an_unlimited_slide_at_rest_does_not_block() {
         let folder = tempfile::tempdir().expect("a folder");
         let inertial = "<inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>";
         let body = |name: &str| {
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn no_distance_changes_by_more() {
+    fn distances_change_by_at_most_the_bound() {
         let robot = crate::robot::load(std::path::Path::new("robots/cbi/cbi.toml")).expect("our own robot");
         let (model, mut r) = (&robot.model, Stream::new(5, &["levers"]));
         let collision = CollisionModel::every_pair(model, &robot.self_collision);

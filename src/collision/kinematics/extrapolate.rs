@@ -39,7 +39,7 @@ mod tests {
     use super::capped_travel;
 
     #[test]
-    fn without_a_cap_it_is_a_parabola() {
+    fn without_limits_extrapolation_is_a_parabola() {
         // One rounding of each of three terms.
         for (v, a, t) in [(0.5, -2.0, 0.7), (0.0, 3.0, 0.1), (-1.0, 0.0, 2.0)] {
             for limit in [f64::INFINITY, 1e3] {
@@ -50,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn caps_cut_the_ramp_at_both_ends() {
+    fn limits_clip_the_ramp_at_both_ends() {
         // From 0 at 2/s^2 the cap of 1 is there after 0.5 s and 0.25 covered; then 1 per second.
         assert_eq!(capped_travel(0.0, 2.0, 1.0, 2.0), 0.25 + 1.5);
         // From -3, taken as -1: until the ramp passes -1 at 1 s, 1 down; to +1 at 2 s, nothing; then 1 up.
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_the_integral_of_the_clamped_speed() {
+    fn travel_is_the_integral_of_the_clamped_speed() {
         let mut r = crate::random::Stream::new(3, &["extrapolate"]);
         for _ in 0..1000 {
             let (v, a, limit, t) = (4.0 * r.normal(), 8.0 * r.normal(), 3.0 * r.unit(), 2.0 * r.unit());

@@ -42,12 +42,12 @@ pub(super) fn drop_enclosed(model: &Model, bodies: Vec<Body>, seed: u64) -> (Vec
         let outer = |o: &usize| *o != i && dropped[*o].is_none() && holds(&bodies[*o], &bodies[i]);
         dropped[i] = (0..bodies.len()).find(outer);
     }
-    let words = |i: usize, outer: usize| DroppedBody {
+    let dropped_body = |i: usize, outer: usize| DroppedBody {
         link: bodies[i].link,
         name: bodies[i].name.clone(),
         why: WhyBody::Inside(bodies[outer].name.clone()),
     };
-    let gone = dropped.iter().enumerate().filter_map(|(i, o)| o.map(|o| words(i, o))).collect();
+    let gone = dropped.iter().enumerate().filter_map(|(i, o)| o.map(|o| dropped_body(i, o))).collect();
     let kept = bodies.into_iter().zip(&dropped).filter(|(_, o)| o.is_none()).map(|(b, _)| b).collect();
     (kept, gone)
 }

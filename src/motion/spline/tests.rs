@@ -44,11 +44,11 @@ fn two_knots_clamped_are_the_minimum_jerk_path() {
     let spline = Spline::new(vec![1.0, 3.0], &[0.5, -0.25], Ends::Clamped).unwrap();
     for k in 0..=20 {
         let s = f64::from(k) / 20.0;
-        let wanted = 0.5 - 0.75 * s * s * s * (10.0 + s * (6.0 * s - 15.0));
+        let expected = 0.5 - 0.75 * s * s * s * (10.0 + s * (6.0 * s - 15.0));
         let rate = -0.75 * 30.0 * s * s * (1.0 - s) * (1.0 - s) / 2.0;
         let got = at(&spline, 1.0 + 2.0 * s);
         // Roundings of a handful of products of order 10.
-        assert!((got.q - wanted).abs() < 1e-14 && (got.v - rate).abs() < 1e-14, "{s}: {got:?}");
+        assert!((got.q - expected).abs() < 1e-14 && (got.v - rate).abs() < 1e-14, "{s}: {got:?}");
     }
     // 720 D^2 / h^5.
     assert!((jerk(&spline) - 720.0 * 0.5625 / 32.0).abs() < 1e-12);
@@ -72,7 +72,7 @@ fn knots_are_met_and_four_derivatives_are_continuous() {
 }
 
 #[test]
-fn the_ends_are_as_said() {
+fn end_conditions_hold() {
     let [natural, clamped, periodic] = all();
     let last = TIMES.len() - 2;
     let scale = jerk(&natural).sqrt();
@@ -169,7 +169,7 @@ fn the_error_is_of_order_six() {
 }
 
 #[test]
-fn velocities_are_derivatives_and_outside_it_stands() {
+fn velocities_are_derivatives_and_ends_are_at_rest() {
     for spline in all() {
         for k in 0..40 {
             let (t, h) = (0.25 + 0.065 * f64::from(k), 1e-5);
@@ -197,7 +197,7 @@ fn the_cursor_finds_its_interval_from_anywhere() {
 }
 
 #[test]
-fn extremes_are_those_of_a_dense_look() {
+fn extremes_agree_with_dense_sampling() {
     for spline in all() {
         let [low, high] = spline.extremes();
         let dense = || (0..=28_000).map(|k| at(&spline, 0.2 + 1e-4 * f64::from(k)).q);
@@ -210,7 +210,7 @@ fn extremes_are_those_of_a_dense_look() {
 }
 
 #[test]
-fn what_makes_no_curve_is_refused() {
+fn invalid_knots_are_refused() {
     let refused =
         |times: &[f64], values: &[f64], ends| Spline::new(times.to_vec(), values, ends).unwrap_err().to_string();
     assert!(refused(&[], &[], Ends::Natural).contains("0 times and 0 values"));

@@ -58,7 +58,7 @@ mod tests {
     use nalgebra::Vector2;
 
     #[test]
-    fn orders_on_the_way_bend_it_without_a_jump() {
+    fn new_goals_change_the_path_without_a_jump() {
         let mut course = ReferenceTrajectory::new(2);
         course.begin(Vector2::new(1.0, 2.0));
         course.add(1.0, 2.0, Vector2::new(4.0, 0.0));

@@ -60,7 +60,7 @@ impl Footsteps {
     /// Soles whose centroids are at `start` (m), walking along the unit vector `ahead`. The plan is evaluated up to `until`
     /// seconds only.
     pub fn new(stride: Stride, start: [Vector3<f64>; 2], ahead: Vector3<f64>, until: f64) -> Self {
-        let mut places = start;
+        let mut positions = start;
         // The step in progress at the end and the one after it.
         let begun = ((until - stride.wait).max(0.0) / stride.time).ceil() as usize;
         let known = stride.steps.min(begun.saturating_add(2));
@@ -69,8 +69,8 @@ impl Footsteps {
             let foot = (stride.first + i - 1) % 2;
             let advance = if i == stride.steps { i - 1 } else { i };
             let to = start[foot] + ahead * (advance as f64 * stride.length);
-            falls.push(Fall { foot, from: places[foot], to });
-            places[foot] = to;
+            falls.push(Fall { foot, from: positions[foot], to });
+            positions[foot] = to;
         }
         Footsteps { stride, start, falls }
     }

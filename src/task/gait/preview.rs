@@ -101,13 +101,13 @@ impl Preview {
     pub fn follow(&self, reference: &[f64], count: usize) -> Vec<Sample> {
         let (Some(first), Some(last)) = (reference.first(), reference.last()) else { return Vec::new() };
         // Relative to the start, so that cutting the preview off at the horizon has no effect at rest.
-        let wanted = |k: usize| reference.get(k).unwrap_or(last) - first;
+        let target = |k: usize| reference.get(k).unwrap_or(last) - first;
         let (mut x, mut sum) = (Vector3::zeros(), 0.0);
         let count = count.min(reference.len());
         let mut samples = Vec::with_capacity(count);
         for k in 0..count {
-            sum += self.zmp(&x) - wanted(k);
-            let ahead: f64 = self.preview.iter().enumerate().map(|(j, g)| g * wanted(k + 1 + j)).sum();
+            sum += self.zmp(&x) - target(k);
+            let ahead: f64 = self.preview.iter().enumerate().map(|(j, g)| g * target(k + 1 + j)).sum();
             let jerk = -self.integral * sum - (self.state * x)[0] - ahead;
             samples.push(Sample { x: x + Vector3::new(*first, 0.0, 0.0), jerk });
             x = Sample { x, jerk }.at(self.period);

@@ -33,9 +33,9 @@ pub fn efforts(
     out.copy_from_slice(&planned.ws.bias[nb..]);
     let force = felt * -model.mass();
     let feet = planned.feet.len();
-    let place = |s: usize| planned.sole(s).translation.vector;
+    let position = |s: usize| planned.sole(s).translation.vector;
     let along = if feet == 2 {
-        let (a, b) = (place(0).xy(), place(1).xy());
+        let (a, b) = (position(0).xy(), position(1).xy());
         ((zmp - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0)
     } else {
         0.0
@@ -45,10 +45,10 @@ pub fn efforts(
         (2, _) => along,
         (n, _) => 1.0 / n as f64,
     };
-    let middle: Vector2<f64> = (0..feet).map(|s| place(s).xy() * share(s)).sum();
-    let beside = zmp - middle;
+    let middle: Vector2<f64> = (0..feet).map(|s| position(s).xy() * share(s)).sum();
+    let offset = zmp - middle;
     for s in 0..feet {
-        let point = place(s) + Vector3::new(beside.x, beside.y, 0.0);
+        let point = position(s) + Vector3::new(offset.x, offset.y, 0.0);
         let carried = force * share(s);
         for &k in planned.ws.support(planned.feet[s].link).iter().filter(|k| **k >= nb) {
             out[k - nb] -= jacobian::column(&planned.ws, k, &point).linear.dot(&carried);

@@ -151,21 +151,21 @@ impl PlannedRobot {
     /// Mean of the sole centroids, and of the orientations of the soles that are flat.
     fn middle(&self) -> (Vector3<f64>, UnitQuaternion<f64>) {
         let n = self.feet.len();
-        let place = (0..n).map(|s| self.sole(s).translation.vector).sum::<Vector3<f64>>() / n as f64;
+        let position = (0..n).map(|s| self.sole(s).translation.vector).sum::<Vector3<f64>>() / n as f64;
         let flat = (0..n).filter(|&s| self.feet[s].flat).map(|s| self.sole(s).rotation);
         let first = flat.clone().next().unwrap_or_else(UnitQuaternion::identity);
         let count = flat.clone().count().max(1) as f64;
         // Small differences add as rotation vectors.
         let mean = flat.map(|r| (r * first.inverse()).scaled_axis()).sum::<Vector3<f64>>() / count;
-        (place, UnitQuaternion::from_scaled_axis(mean) * first)
+        (position, UnitQuaternion::from_scaled_axis(mean) * first)
     }
 
     /// Pose of a sole: its centroid and the orientation of its link.
     pub fn sole(&self, s: usize) -> Isometry3<f64> {
         let foot = &self.feet[s];
         let rotation = Rotation3::from_matrix_unchecked(self.ws.links[foot.link.0].rotation);
-        let place = self.ws.point(foot.link, &foot.center);
-        Isometry3::from_parts(place.into(), UnitQuaternion::from_rotation_matrix(&rotation))
+        let position = self.ws.point(foot.link, &foot.center);
+        Isometry3::from_parts(position.into(), UnitQuaternion::from_rotation_matrix(&rotation))
     }
 
     /// Unit vector out of a sole's upper side; none for soles of fewer than three vertices.
