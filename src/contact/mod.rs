@@ -1,9 +1,19 @@
-//! Contact between soles and a plane floor, with Coulomb friction.
+//! Contact between soles and a plane floor, with exact Coulomb friction.
 //!
-//! Everything here speaks of one reduced problem ([`problem`]): motions of the sole frames that answer sole wrenches
-//! through a small matrix W. [`candidate`] solves one contact state, [`implicit`] finds sliding directions that are not
-//! known beforehand, [`judge`] says what is wrong with the result, [`select`] searches the states. On these stand the methods behind [`method::Method`]: [`exact`] and
-//! [`one_step`]. [`lcp`] and [`ncp`] step in time, point by point ([`points`]); [`penalty`] has springs and no states. [`residual`] judges any of them from outside; [`frozen`] writes a selection down.
+//! Every method solves one reduced problem, `m = b + W w`: motions m of the sole frames for sole
+//! wrenches w. A solution satisfies Signorini's complementarity (no penetration, no tension, no
+//! force across a gap) and Coulomb's friction cone at every vertex, or says by how much it does not.
+//!
+//! | room | content |
+//! |---|---|
+//! | [`model`] | problem, states, solution, friction capacity, pressure rule, residuals; imports no other room of contact |
+//! | [`search`] | candidate solve, sliding directions, judge, best-first selection; imports `model` |
+//! | [`methods`] | `exact`, `one-step`, `penalty`, `lcp`, `ncp` behind one trait; imports `model`, `search` |
+//! | [`hybrid`] | laws at events: event functions, impact law, Painleve's jam, copositivity, drift projection; imports `model`, `search`, `methods` |
+//! | [`selection_record`] | problems as JSON, written and solved again; imports `model`, `search`, `methods` |
+//!
+//! Imports `linalg` alone, and knows no robots, scenarios or time integration. `sim` poses the
+//! problems and applies the answers. Rules and their proofs: `docs/contact.md`.
 
 pub mod hybrid;
 pub mod methods;

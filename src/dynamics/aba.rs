@@ -1,7 +1,8 @@
 //! Articulated-body algorithm: `vdot = M^-1 (tau - h)` without forming M.
 //!
-//! Written for the part B of the spatial acceleration that vdot causes (A = D + B, D the velocity products kept by
-//! `kinematics`), so the velocity products enter only through the bias force f = I (D - g) + V x* I V:
+//! Written for B, the part of the spatial acceleration that vdot causes: A = D + B, with D the
+//! velocity products from `kinematics`. The velocity products enter only through the bias force f =
+//! I (D - g) + V x* I V:
 //!
 //! ```text
 //! U = IA S,  d = S.U + armature,  u = tau - S.p
@@ -9,7 +10,7 @@
 //! q'' = (u - U.B_parent) / d,     B = B_parent + S q''
 //! ```
 //!
-//! and for a floating base IA_0 B_0 = (tau_base - p_0). Source: Featherstone 2008, table 7.1.
+//! and for a floating base IA_0 B_0 = (tau_base - p_0). Source: [Featherstone 2008], table 7.1.
 
 use super::DynamicsError;
 use super::spatial::{Force, Inertia, Motion};
@@ -17,7 +18,8 @@ use super::workspace::Workspace;
 use crate::robot::Model;
 use nalgebra::Vector3;
 
-/// Symmetric 6x6 articulated inertia, all 36 numbers so that row operations run over contiguous memory.
+/// Symmetric 6x6 articulated inertia. All 36 numbers are stored: row operations run over contiguous
+/// memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Articulated([[f64; 6]; 6]);
 
@@ -86,12 +88,12 @@ impl Articulated {
     }
 }
 
-/// Acceleration `vdot` under the generalised force `tau`, both of length nv. Needs `kinematics::update`; `gravity` in
-/// m/s^2, world axes.
+/// Acceleration `vdot` under the generalised force `tau`, both of length nv. Needs
+/// `kinematics::update`; `gravity` in m/s^2, world axes.
 ///
 /// # Errors
-/// [`DynamicsError::Singular`] when a joint or the base moves no inertia. Joints that repeat each other leave rounding
-/// instead of zero here; only [`super::factor::factorize`] tells that apart.
+/// [`DynamicsError::Singular`] when a joint or the base moves no inertia. Redundant joints leave
+/// rounding instead of zero here; only [`super::factor::factorize`] detects that.
 pub fn forward_dynamics(
     model: &Model,
     ws: &mut Workspace,
@@ -125,12 +127,12 @@ pub fn forward_dynamics(
         let scale = effort * inverse_d;
         before[parent] +=
             Force::new(here[0].linear + momentum.linear * scale, here[0].angular + momentum.angular * scale);
-        // The link's own force is spent; its place keeps U / d for the way back.
+        // The link's own force is no longer needed; its entry keeps U / d for the way back.
         here[0] = Force::new(momentum.linear * inverse_d, momentum.angular * inverse_d);
         vdot[nb + i] = scale;
     }
 
-    // Towards the leaves, with B in the place of `acceleration`.
+    // Towards the leaves; `acceleration` holds B.
     ws.links[0].acceleration = Motion::ZERO;
     if nb == 6 {
         let p = ws.forces[0].to_array();

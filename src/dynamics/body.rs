@@ -1,8 +1,9 @@
 //! Quantities of the whole body: mass, centre of mass, momentum, energy. World axes.
 //!
-//! Momentum about O is the sum of I_i V_i; about the centre of mass `k_c = k_O - c x l`. The root of a fixed base does
-//! not count. Joint armature counts in the kinetic energy, `1/2 sum V.I V + 1/2 sum armature q'^2 = 1/2 v^T M v`, not in
-//! the momentum: it is a reflected inertia without a place in space.
+//! Momentum about O is the sum of I_i V_i; about the centre of mass `k_c = k_O - c x l`. The root
+//! of a fixed base is left out. Joint armature is part of the kinetic energy,
+//! `1/2 sum V.I V + 1/2 sum armature q'^2 = 1/2 v^T M v`, not of the momentum: it is a reflected
+//! inertia without a position in space.
 
 use super::spatial::{Force, Inertia};
 use super::workspace::{LinkMotion, Workspace};
@@ -22,7 +23,7 @@ fn moving(ws: &Workspace) -> &[LinkMotion] {
     &ws.links[usize::from(ws.nb == 0)..]
 }
 
-/// Spatial inertia of the whole about O. Needs `kinematics::positions`.
+/// Spatial inertia of the whole body about O. Needs `kinematics::positions`.
 pub fn whole(ws: &Workspace) -> Inertia {
     let mut sum = Inertia::ZERO;
     for link in moving(ws) {
@@ -42,7 +43,7 @@ pub fn center_of_mass_velocity(ws: &Workspace) -> Vector3<f64> {
     momentum_about_origin(ws).linear / whole(ws).mass
 }
 
-/// Momentum. Needs `kinematics::update`.
+/// Momentum of the whole body. Needs `kinematics::update`.
 pub fn momentum(ws: &Workspace) -> Momentum {
     let whole = whole(ws);
     let about_origin = momentum_about_origin(ws);
@@ -65,8 +66,8 @@ pub fn kinetic_energy(model: &Model, ws: &Workspace) -> f64 {
     0.5 * (links + rotors)
 }
 
-/// Potential energy in the field `gravity` (m/s^2), J, zero when the centre of mass is at the world's origin. Needs
-/// `kinematics::positions`.
+/// Potential energy in the field `gravity` (m/s^2), J, zero when the centre of mass is at the
+/// world's origin. Needs `kinematics::positions`.
 pub fn potential_energy(ws: &Workspace, gravity: &Vector3<f64>) -> f64 {
     let whole = whole(ws);
     -gravity.dot(&(whole.moment + ws.position * whole.mass))

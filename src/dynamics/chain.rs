@@ -1,7 +1,8 @@
-//! One frame on its chain of links: where it is and how it moves as seen from the root, without the rest of the tree.
+//! Pose and velocity of one frame relative to the root, along its chain of links alone.
 //!
-//! From the frame towards the root, p its origin, u and w the velocity of its origin and its angular velocity, all in axes
-//! of the link reached and relative to it; with R_i0 and d_i the joint's frame at position 0 in the parent:
+//! From the frame towards the root, p its origin, u and w the velocity of its origin and its
+//! angular velocity, all in axes of the link reached and relative to it; with R_i0 and d_i the
+//! joint's frame at position 0 in the parent:
 //!
 //! ```text
 //! u <- R (u + q' z x p)    w <- R (w + q' z)    p <- d_i + R p            R = R_i0 Rz(q)     revolute
@@ -12,10 +13,10 @@ use super::state::State;
 use crate::robot::{JointKind, Model, Mount};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-/// A frame as seen from the root link, in its axes.
+/// Pose and velocity of a frame relative to the root link, in root axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelativeMotion {
-    /// Root from frame.
+    /// Rotation, root from frame.
     pub rotation: UnitQuaternion<f64>,
     /// Origin of the frame, m.
     pub position: Vector3<f64>,
@@ -25,7 +26,8 @@ pub struct RelativeMotion {
     pub omega: Vector3<f64>,
 }
 
-/// `mount` at joint positions `q` (rad, m) and rates `qd`, one each per joint.
+/// Motion of `mount` relative to the root at joint positions `q` (rad, m) and rates `qd`, one each
+/// per joint.
 pub fn from_root(model: &Model, mount: &Mount, q: &[f64], qd: &[f64]) -> RelativeMotion {
     let mut rotation: Matrix3<f64> = mount.pose.rotation.to_rotation_matrix().into_inner();
     let mut position = mount.pose.translation.vector;
@@ -54,10 +56,10 @@ pub fn from_root(model: &Model, mount: &Mount, q: &[f64], qd: &[f64]) -> Relativ
     RelativeMotion { rotation, position, velocity, omega }
 }
 
-/// How a frame moves, world axes.
+/// Pose and velocity of a frame, world axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameMotion {
-    /// World from frame.
+    /// Rotation, world from frame.
     pub rotation: UnitQuaternion<f64>,
     /// Origin, m.
     pub position: Vector3<f64>,
@@ -68,14 +70,14 @@ pub struct FrameMotion {
 }
 
 impl FrameMotion {
-    /// The base of a state; a fixed one does not move.
+    /// Motion of the base of a state; a fixed base does not move.
     pub fn of_base(state: &State) -> Self {
         let moves = state.v.len() > state.joints.len();
         let part = |k: usize| if moves { Vector3::from_column_slice(&state.v[k..k + 3]) } else { Vector3::zeros() };
         FrameMotion { rotation: state.rotation, position: state.position, velocity: part(0), omega: part(3) }
     }
 
-    /// Makes it the motion of a state's base; of a fixed one its place alone.
+    /// Writes it as the base motion of a state; a fixed base takes the pose alone.
     pub fn write_base(&self, state: &mut State) {
         (state.position, state.rotation) = (self.position, self.rotation);
         if state.v.len() > state.joints.len() {
@@ -86,7 +88,7 @@ impl FrameMotion {
 }
 
 impl RelativeMotion {
-    /// How the frame moves when the root moves as `root`.
+    /// Motion of the frame for the root motion `root`.
     pub fn carried_by(&self, root: &FrameMotion) -> FrameMotion {
         let arm = root.rotation * self.position;
         FrameMotion {
@@ -97,7 +99,8 @@ impl RelativeMotion {
         }
     }
 
-    /// How the root moves when the frame moves as `frame`: the inverse of [`carried_by`](Self::carried_by).
+    /// Motion of the root for the frame motion `frame`: the inverse of
+    /// [`carried_by`](Self::carried_by).
     pub fn carries(&self, frame: &FrameMotion) -> FrameMotion {
         let rotation = frame.rotation * self.rotation.inverse();
         let arm = rotation * self.position;

@@ -4,8 +4,8 @@
 //! Ic_i = I_i + sum of Ic over children,   M_kj = S_j . Ic_k S_k   for j on the path from the root to k
 //! ```
 //!
-//! and `armature` on the diagonal of joints. Source: Featherstone 2008, table 6.2, without its transforms because all
-//! inertias are about O.
+//! and `armature` on the diagonal of joints. Source: [Featherstone 2008], table 6.2, without its
+//! transforms because all inertias are about O.
 
 use super::spatial::Inertia;
 use super::tree_matrix::TreeMatrix;
@@ -39,8 +39,9 @@ pub fn mass_matrix(model: &Model, ws: &mut Workspace) {
     }
 }
 
-/// Writes into `out`, which has the pattern of M, the mass matrix of points alone: link, world point (m) and mass (kg). It is
-/// `sum m J^T J` with the Jacobians of the points. Needs `kinematics::positions`.
+/// Writes the mass matrix of point masses into `out`, which has the pattern of M. Each point has a
+/// link, a world position (m) and a mass (kg). The matrix is `sum m J^T J` with the Jacobians of
+/// the points. Needs `kinematics::positions`.
 pub fn point_masses(ws: &mut Workspace, points: &[(LinkId, Vector3<f64>, f64)], out: &mut TreeMatrix) {
     ws.composite.fill(Inertia::ZERO);
     for &(link, point, mass) in points {

@@ -1,7 +1,8 @@
-//! Branch-sparse factorisation M = L^T L with L lower triangular on the pattern of M, and its solves.
+//! Branch-sparse factorisation M = L^T L with L lower triangular on the pattern of M, and its
+//! solves.
 //!
-//! Eliminating the leaves first keeps every zero of M zero (Featherstone 2008, section 6.5, table 6.3). The factor
-//! stores 1 / L_kk on its diagonal.
+//! Eliminating the leaves first keeps every zero of M zero ([Featherstone 2008], section 6.5, table
+//! 6.3). The factor stores 1 / L_kk on its diagonal.
 
 use super::DynamicsError;
 use super::tree_matrix::TreeMatrix;
@@ -16,7 +17,8 @@ pub fn factorize(ws: &mut Workspace) -> Result<(), DynamicsError> {
     eliminate(&mut ws.factor, &mut ws.scratch)
 }
 
-/// As [`factorize`], of M + diag(`shift`): implicit joint damping has `shift = dt damping`. `shift` has length nv.
+/// As [`factorize`], of M + diag(`shift`): implicit joint damping has `shift = dt damping`. `shift`
+/// has length nv.
 ///
 /// # Errors
 /// As [`factorize`].
@@ -28,8 +30,8 @@ pub fn factorize_shifted(ws: &mut Workspace, shift: &[f64]) -> Result<(), Dynami
     eliminate(&mut ws.factor, &mut ws.scratch)
 }
 
-/// As [`factorize_shifted`], with the velocities `prescribed` cut off: their rows and columns are those of the unit
-/// matrix, so [`solve`] works on the others alone and leaves theirs as they are.
+/// As [`factorize_shifted`], without the velocities `prescribed`: their rows and columns become
+/// those of the unit matrix. [`solve`] then works on the others alone and leaves theirs unchanged.
 ///
 /// # Errors
 /// As [`factorize`].
@@ -61,7 +63,7 @@ pub fn factorize_with(
     eliminate(&mut ws.factor, &mut ws.scratch)
 }
 
-/// `least` is scratch of length nv.
+/// Factorises in place; `least` is scratch of length nv.
 fn eliminate(factor: &mut TreeMatrix, least: &mut [f64]) -> Result<(), DynamicsError> {
     for (k, least) in least.iter_mut().enumerate() {
         // A pivot this far below the diagonal it started from is rounding, not inertia.
@@ -71,12 +73,13 @@ fn eliminate(factor: &mut TreeMatrix, least: &mut [f64]) -> Result<(), DynamicsE
         let (before, row, pattern) = factor.split_row(k);
         let (diagonal, row) = row.split_last_mut().expect("a row holds its diagonal");
         let pivot = *diagonal;
-        // Written so that NaN is refused too.
+        // This form of the comparison also refuses NaN.
         if !(pivot > least[k] && pivot < f64::INFINITY) {
             return Err(DynamicsError::Singular { dof: k, pivot });
         }
-        // Row of the ancestor at depth e: its first e + 1 entries belong to the same velocities as ours. The next pivot
-        // waits only for 1 / pivot this way; the square root is off the critical path.
+        // Row of the ancestor at depth e: its first e + 1 entries belong to the same velocities as
+        // this row's. The next pivot then waits only for 1 / pivot; the square root is off the
+        // critical path.
         let reciprocal = 1.0 / pivot;
         for (e, &ancestor) in pattern.chain(k)[..row.len()].iter().enumerate() {
             let scale = row[e] * reciprocal;

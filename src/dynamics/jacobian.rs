@@ -1,14 +1,16 @@
 //! Velocities, accelerations and Jacobians of points and frames fixed in a link, in world axes.
 //!
-//! For a point at r from O: `J_k = (S_lin + S_ang x r, S_ang)`, its velocity `V_lin + omega x r` and its acceleration
-//! `A_lin + omega' x r + omega x (V_lin + omega x r)`, A the spatial acceleration.
+//! For a point at r from O: `J_k = (S_lin + S_ang x r, S_ang)`, its velocity `V_lin + omega x r`
+//! and its acceleration `A_lin + omega' x r + omega x (V_lin + omega x r)`, A the spatial
+//! acceleration.
 
 use super::spatial::Motion;
 use super::workspace::Workspace;
 use crate::robot::LinkId;
 use nalgebra::Vector3;
 
-/// Velocity (m/s, world axes) of the link's point now at the world position `point`. Needs `kinematics::update`.
+/// Velocity (m/s, world axes) of the link's point now at the world position `point`. Needs
+/// `kinematics::update`.
 #[inline]
 pub fn point_velocity(ws: &Workspace, link: LinkId, point: &Vector3<f64>) -> Vector3<f64> {
     ws.links[link.0].velocity.at(&(point - ws.position))
@@ -20,8 +22,9 @@ pub fn link_twist(ws: &Workspace, link: LinkId, point: &Vector3<f64>) -> Motion 
     Motion::new(point_velocity(ws, link, point), ws.links[link.0].velocity.angular)
 }
 
-/// Classical acceleration p'' (m/s^2) of the link's point now at `point`, and omega'. Gravity is not subtracted: a robot
-/// at rest reads zero. Needs `kinematics::accelerations` (or a pass that leaves them).
+/// Classical acceleration p'' (m/s^2) of the link's point now at `point`, and omega'. Gravity is
+/// not subtracted: a robot at rest reads zero. Needs `kinematics::accelerations` (or a pass that
+/// leaves them).
 pub fn point_acceleration(ws: &Workspace, link: LinkId, point: &Vector3<f64>) -> Motion {
     let l = &ws.links[link.0];
     classical(&l.acceleration, &l.velocity, &(point - ws.position))
@@ -34,16 +37,16 @@ pub(super) fn classical(acceleration: &Motion, velocity: &Motion, r: &Vector3<f6
     Motion::new(linear, acceleration.angular)
 }
 
-/// Column of the frame Jacobian for velocity `k` at the world point `point`: what the frame does at rate 1, if `k` moves
-/// its link.
+/// Column of the frame Jacobian for velocity `k` at the world point `point`: the motion of the
+/// frame at rate 1, if `k` moves its link.
 #[inline]
 pub fn column(ws: &Workspace, k: usize, point: &Vector3<f64>) -> Motion {
     let s = &ws.axes[k];
     Motion::new(s.at(&(point - ws.position)), s.angular)
 }
 
-/// Jacobian of the frame at world position `point` fixed to `link`: `(p', omega) = J v`, world axes, 6 x nv, column-major
-/// (`out[6 k + row]`, length 6 nv). Needs `kinematics::positions`.
+/// Jacobian of the frame at world position `point` fixed to `link`: `(p', omega) = J v`, world
+/// axes, 6 x nv, column-major (`out[6 k + row]`, length 6 nv). Needs `kinematics::positions`.
 pub fn frame(ws: &Workspace, link: LinkId, point: &Vector3<f64>, out: &mut [f64]) {
     out.fill(0.0);
     for &k in ws.support(link) {
@@ -53,8 +56,8 @@ pub fn frame(ws: &Workspace, link: LinkId, point: &Vector3<f64>, out: &mut [f64]
     }
 }
 
-/// Jacobian of the centre of mass: `c' = J v`, world axes, 3 x nv, column-major (`out[3 k + row]`, length 3 nv). Needs
-/// `crba::mass_matrix`, whose composite inertias it reads.
+/// Jacobian of the centre of mass: `c' = J v`, world axes, 3 x nv, column-major (`out[3 k + row]`,
+/// length 3 nv). Needs `crba::mass_matrix`, whose composite inertias it reads.
 pub fn center_of_mass(ws: &Workspace, out: &mut [f64]) {
     let nb = ws.nb;
     let whole = super::body::whole(ws);

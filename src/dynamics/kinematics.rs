@@ -1,4 +1,5 @@
-//! Forward kinematics: poses, joint axes, world inertias, twists and velocity products of all links.
+//! Forward kinematics: poses, joint axes, world inertias, twists and velocity products of all
+//! links.
 //!
 //! ```text
 //! R_i = R_p(i) R_i0 Rz(q_i),   p_i = p_p(i) + R_p(i) d_i          (revolute; prismatic adds z_i q_i to p_i)
@@ -6,9 +7,10 @@
 //! V_i = V_p(i) + S_i q'_i,     D_i = D_p(i) + V_i x S_i q'_i
 //! ```
 //!
-//! with p relative to O, V the twist and D the spatial acceleration at vdot = 0. The base has V = (p', omega) and
-//! D = (-omega x p', 0), because vdot holds the classical p'' and the spatial acceleration about the inertial point O is
-//! p'' - omega x p'. Source: Featherstone 2008, sections 2.9 to 2.11 and table 5.1.
+//! with p relative to O, V the twist and D the spatial acceleration at vdot = 0. The base has V =
+//! (p', omega) and D = (-omega x p', 0), because vdot holds the classical p'' and the spatial
+//! acceleration about the inertial point O is p'' - omega x p'. Source: [Featherstone 2008],
+//! sections 2.9 to 2.11 and table 5.1.
 
 use super::spatial::{Inertia, Motion};
 use super::state::State;
@@ -16,7 +18,7 @@ use super::workspace::Workspace;
 use crate::robot::{JointKind, Model};
 use nalgebra::{Matrix3, Vector3};
 
-/// Brings the workspace to `state`: [`positions`], then [`velocities`].
+/// Updates the workspace to `state`: [`positions`], then [`velocities`].
 pub fn update(model: &Model, state: &State, ws: &mut Workspace) {
     positions(model, state, ws);
     velocities(model, state, ws);
@@ -59,7 +61,8 @@ pub fn positions(model: &Model, state: &State, ws: &mut Workspace) {
     }
 }
 
-/// Twists and velocity products for the velocity of `state`, at the configuration last given to [`positions`].
+/// Twists and velocity products for the velocity of `state`, at the configuration last given to
+/// [`positions`].
 pub fn velocities(_model: &Model, state: &State, ws: &mut Workspace) {
     ws.v.copy_from_slice(&state.v);
     if ws.nb == 6 {
@@ -73,12 +76,13 @@ pub fn velocities(_model: &Model, state: &State, ws: &mut Workspace) {
         let up = &done[parent];
         let step = axis.scaled(rate);
         rest[0].velocity = up.velocity + step;
-        // V_p x S = V_i x S since S x S = 0; the parent's twist is there first.
+        // V_p x S = V_i x S since S x S = 0; the parent's twist is available first.
         rest[0].drift = up.drift + up.velocity.cross(&step);
     }
 }
 
-/// Spatial accelerations (without gravity) of all links for a given `vdot`, length nv, into `LinkMotion::acceleration`.
+/// Spatial accelerations (without gravity) of all links for a given `vdot`, length nv, into
+/// `LinkMotion::acceleration`.
 pub fn accelerations(_model: &Model, ws: &mut Workspace, vdot: &[f64]) {
     let base = if ws.nb == 6 { Motion::from_slice(vdot) } else { Motion::ZERO };
     ws.links[0].acceleration = ws.links[0].drift + base;
@@ -86,7 +90,8 @@ pub fn accelerations(_model: &Model, ws: &mut Workspace, vdot: &[f64]) {
     for (i, ((&a, axis), &parent)) in joints.enumerate() {
         let (done, rest) = ws.links.split_at_mut(i + 1);
         let up = &done[parent];
-        // The rates of vdot add to the drift along the same axes; the drift difference is this joint's own product.
+        // vdot adds to the velocity products along the same axes; their difference is this joint's
+        // own product.
         rest[0].acceleration = up.acceleration + axis.scaled(a) + (rest[0].drift - up.drift);
     }
 }

@@ -1,19 +1,22 @@
 //! Rigid-body dynamics of a tree: `M(q) vdot + h(q, v) = tau`.
 //!
-//! **One frame for everything.** All spatial quantities are written in world axes about one fixed point O, the place
-//! where the base is at this instant (the root of a fixed base). Twists, wrenches and inertias of all links then add
-//! without any 6-D transform, and the joint axes need one cross product each. O is an inertial point: it does not move
-//! with the base.
+//! **One frame for everything.** All spatial quantities are in world axes about one fixed point O,
+//! the current position of the base (the root of a fixed base). Twists, wrenches and inertias of
+//! all links then add without 6-D transforms, and each joint axis needs one cross product. O is an
+//! inertial point: it does not move with the base.
 //!
 //! - Stacking: linear first, then angular. A wrench is (force, moment about O).
-//! - `v = [p' (world), omega (world), joint rates]`, `vdot = [p'', omega', joint accelerations]`; a fixed base has the
-//!   joint part only. The spatial acceleration of the base about O is `(p'' - omega x p', omega')`.
-//! - Generalised forces `tau` are dual to `v`: base force, base moment about the base origin, joint efforts.
+//! - `v = [p' (world), omega (world), joint rates]`, `vdot = [p'', omega', joint accelerations]`; a
+//!   fixed base has the joint part only. The spatial acceleration of the base about O is
+//!   `(p'' - omega x p', omega')`.
+//! - Generalised forces `tau` are dual to `v`: base force, base moment about the base origin, joint
+//!   efforts.
 //!
-//! Algorithms are functions of ([`Model`], [`State`], [`Workspace`]); none of them allocates. The usual order per
-//! evaluation is [`prepare`], then [`reduced::assemble`] or [`factor::solve`].
+//! Algorithms are functions of ([`Model`], [`State`], [`Workspace`]); none of them allocates. The
+//! usual order per evaluation is [`prepare`], then [`reduced::assemble`] or [`factor::solve`].
 //!
-//! Source of the algorithms: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapters 5 to 8.
+//! Imports `robot` for the model. `task`, `force` and `sim` call it; it knows no contact rules.
+//! Source of the algorithms: [Featherstone 2008], chapters 5 to 8.
 
 pub mod aba;
 pub mod body;
@@ -39,10 +42,11 @@ pub use workspace::{LinkMotion, Workspace};
 use crate::robot::Model;
 use nalgebra::Vector3;
 
-/// What can go wrong in dynamics.
+/// Error of the dynamics algorithms.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum DynamicsError {
-    /// The mass matrix is not positive definite: a joint moves no inertia, or the state is not finite.
+    /// The mass matrix is not positive definite: a joint moves no inertia, or the state is not
+    /// finite.
     #[error("the mass matrix is singular at velocity {dof} (pivot {pivot:e}): it moves no mass, inertia or armature")]
     Singular {
         /// Index into `v`.
@@ -52,9 +56,10 @@ pub enum DynamicsError {
     },
 }
 
-/// Everything the equation of motion needs at one state: kinematics, bias `h`, mass matrix `M` and its factor.
+/// Evaluates the equation of motion at one state: kinematics, bias `h`, mass matrix `M` and its
+/// factor.
 ///
-/// `gravity` in m/s^2, world axes. Results are in `ws`.
+/// `gravity` in m/s^2, world axes. Results go to `ws`.
 ///
 /// # Errors
 /// [`DynamicsError::Singular`] when `M` cannot be factorised.

@@ -4,13 +4,15 @@
 //! W = J M^-1 J^T,   a0 = J M^-1 (tau - h) + Jdot v
 //! ```
 //!
-//! for F soles, each with a frame at its reference point (the centroid of its vertices, fixed in the link) and with the
-//! floor's axes. Rows of a sole: acceleration p'' of the reference point, then angular acceleration, in floor axes. `w`
-//! stacks the soles' wrenches: force, then moment about the reference point, in floor axes. `tau` holds all generalised
-//! forces but contact's.
+//! for F soles, each with a frame at its reference point (the centroid of its vertices, fixed in
+//! the link) and with the floor's axes. Rows of a sole: acceleration p'' of the reference point,
+//! then angular acceleration, in floor axes. `w` stacks the soles' wrenches: force, then moment
+//! about the reference point, in floor axes. `tau` holds all generalised forces except those of
+//! contact.
 //!
-//! With M = L^T L and Y = L^-T J^T: W = Y^T Y and a0 = Y^T L^-T (tau - h) + Jdot v. A sole's columns of Y live on its
-//! support chain only, and two chains share a leading part, so both are short contiguous sums.
+//! With M = L^T L and Y = L^-T J^T: W = Y^T Y and a0 = Y^T L^-T (tau - h) + Jdot v. A sole's
+//! columns of Y are nonzero on its support chain only, and two chains share a leading part, so both
+//! are short contiguous sums.
 
 use super::factor;
 use super::jacobian::classical;
@@ -37,9 +39,11 @@ pub struct Reduced {
     pub reference: Vec<Vector3<f64>>,
     /// Orientation of the carrying links, floor axes from the link's internal frame, one per sole.
     pub orientation: Vec<Matrix3<f64>>,
-    /// Velocities whose motion is prescribed, ascending; contact moves the others alone. See [`assemble`].
+    /// Velocities whose motion is prescribed, ascending; contact moves only the others. See
+    /// [`assemble`].
     pub prescribed: Vec<usize>,
-    /// Vertices relative to their sole's reference point, floor axes, m; all soles in a row, see [`Reduced::vertices`].
+    /// Vertices relative to their sole's reference point, floor axes, m; all soles in a row, see
+    /// [`Reduced::vertices`].
     pub arms: Vec<Vector3<f64>>,
     vertex_start: Vec<usize>,
     /// Reference points in the links' internal frames.
@@ -80,7 +84,7 @@ impl Reduced {
         }
     }
 
-    /// Where a sole's vertices are in `arms`.
+    /// Range of a sole's vertices in `arms`.
     #[inline(always)]
     pub fn vertex_range(&self, sole: SoleId) -> Range<usize> {
         self.vertex_start[sole.0]..self.vertex_start[sole.0 + 1]
@@ -106,17 +110,19 @@ impl Reduced {
     }
 }
 
-/// Fills `out` for the state in the workspace. `floor` turns floor axes into world axes; `tau` (length nv) is the
-/// generalised force of actuators, joint friction and external forces. Needs [`super::prepare`].
+/// Fills `out` for the state in the workspace. `floor` turns floor axes into world axes; `tau`
+/// (length nv) is the generalised force of actuators, joint friction and external forces. Needs
+/// [`super::prepare`].
 ///
-/// With velocities k in `out.prescribed` that accelerate by a given a_k the free ones f obey
+/// With velocities k in `out.prescribed` at given accelerations a_k the free velocities f obey
 ///
 /// ```text
 /// M_ff a_f = tau_f - M_fk a_k - h_f + J_f^T w
 /// ```
 ///
-/// The caller factorises by [`factor::factorize_prescribed`], takes `M_fk a_k` off tau and puts `h_k + a_k` into its
-/// prescribed entries. Their part in a0 is then right, and their part in W, [`apply`] and Y is taken out.
+/// The caller factorises by [`factor::factorize_prescribed`], subtracts `M_fk a_k` from tau and
+/// writes `h_k + a_k` into its prescribed entries. Their part in a0 is then right, and their part
+/// in W, [`apply`] and Y is removed.
 pub fn assemble(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
     for ((half, tau), h) in out.half.iter_mut().zip(tau).zip(&ws.bias) {
         *half = tau - h;
@@ -136,7 +142,8 @@ pub fn assemble(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64]
     }
 }
 
-/// Poses and velocities of the soles only: everything of [`assemble`] that needs no forces. Needs `kinematics::update`.
+/// Poses and velocities of the soles: the part of [`assemble`] that needs no forces. Needs
+/// `kinematics::update`.
 pub fn geometry(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, out: &mut Reduced) {
     let to_floor = floor.transpose();
     for (s, sole) in model.soles.iter().enumerate() {
@@ -194,7 +201,7 @@ fn free_motion(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, ou
     }
 }
 
-/// Takes the prescribed velocities out of Y of one sole.
+/// Removes the prescribed velocities from Y of one sole.
 fn hold_prescribed(model: &Model, ws: &Workspace, s: usize, out: &mut Reduced) {
     let chain = ws.support(model.soles[s].link);
     for k in &out.prescribed {
@@ -204,7 +211,8 @@ fn hold_prescribed(model: &Model, ws: &Workspace, s: usize, out: &mut Reduced) {
     }
 }
 
-/// Generalised force of sole wrenches on velocity `k`, `(J^T w)_k`; `w` has length 6F. Needs [`geometry`].
+/// Generalised force of sole wrenches on velocity `k`, `(J^T w)_k`; `w` has length 6F. Needs
+/// [`geometry`].
 pub fn load(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, reduced: &Reduced, w: &[f64], k: usize) -> f64 {
     let mut sum = 0.0;
     for (s, sole) in model.soles.iter().enumerate() {
@@ -241,8 +249,8 @@ fn block(model: &Model, ws: &Workspace, s: usize, other: usize, out: &mut Reduce
     }
 }
 
-/// Adds `M^-1 J^T w` to `out`, of length nv: accelerations for wrenches `w`, velocity jumps for impulses. `w` has length
-/// 6F. Needs [`assemble`].
+/// Adds `M^-1 J^T w` to `out`, of length nv: accelerations for wrenches `w`, velocity jumps for
+/// impulses. `w` has length 6F. Needs [`assemble`].
 pub fn apply(model: &Model, ws: &Workspace, reduced: &mut Reduced, w: &[f64], out: &mut [f64]) {
     reduced.half.fill(0.0);
     for (s, sole) in model.soles.iter().enumerate() {

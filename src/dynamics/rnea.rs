@@ -4,15 +4,17 @@
 //! f_i = I_i (A_i - g) + V_i x* I_i V_i,   tau_k = S_k . sum of f over the links that k carries
 //! ```
 //!
-//! with A_i the spatial acceleration about O and g = (gravity, 0). In world axes about one point the sums are plain.
-//! Joint armature adds `armature q''`. Source: Featherstone 2008, table 5.1.
+//! with A_i the spatial acceleration about O and g = (gravity, 0). In world axes about one point
+//! the sums need no transforms. Joint armature adds `armature q''`. Source: [Featherstone 2008],
+//! table 5.1.
 
 use super::spatial::{Force, Motion};
 use super::workspace::Workspace;
 use crate::robot::Model;
 use nalgebra::Vector3;
 
-/// Bias h = tau at vdot = 0, into `ws.bias`. `gravity` in m/s^2, world axes. Needs `kinematics::update`.
+/// Bias h = tau at vdot = 0, into `ws.bias`. `gravity` in m/s^2, world axes. Needs
+/// `kinematics::update`.
 pub fn bias(_model: &Model, ws: &mut Workspace, gravity: &Vector3<f64>) {
     for (force, link) in ws.forces.iter_mut().zip(&ws.links) {
         let momentum = link.inertia.apply(&link.velocity);
@@ -22,8 +24,8 @@ pub fn bias(_model: &Model, ws: &mut Workspace, gravity: &Vector3<f64>) {
     project(&ws.parent, &mut ws.forces, &ws.axes, ws.nb, &mut ws.bias);
 }
 
-/// Generalised force that makes the acceleration `vdot`; `vdot` and `tau` have length nv. Needs `kinematics::update`.
-/// Leaves the link accelerations of `vdot` in the workspace.
+/// Generalised force that makes the acceleration `vdot`; `vdot` and `tau` have length nv. Needs
+/// `kinematics::update`. The link accelerations of `vdot` remain in the workspace.
 pub fn inverse_dynamics(model: &Model, ws: &mut Workspace, vdot: &[f64], gravity: &Vector3<f64>, tau: &mut [f64]) {
     super::kinematics::accelerations(model, ws, vdot);
     for (force, link) in ws.forces.iter_mut().zip(&ws.links) {
@@ -37,7 +39,7 @@ pub fn inverse_dynamics(model: &Model, ws: &mut Workspace, vdot: &[f64], gravity
     }
 }
 
-/// Sums link forces towards the root and takes their power along each velocity.
+/// Sums link forces towards the root and computes their power along each velocity.
 #[inline(always)]
 fn project(parent: &[usize], forces: &mut [Force], axes: &[Motion], nb: usize, out: &mut [f64]) {
     let joints = axes[nb..].iter().zip(&mut out[nb..]).zip(&parent[1..]);

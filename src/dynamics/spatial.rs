@@ -1,14 +1,16 @@
 //! Spatial vectors and inertias in world axes about one common point O.
 //!
-//! A rigid body of mass m, centre c and inertia I_c has the spatial inertia (m, m c, I_O), ten numbers, with
-//! `I_O = I_c + m (|c|^2 1 - c c^T)` and momentum `I V = (m v - m c x omega, m c x v + I_O omega)`.
+//! A rigid body of mass m, centre c and inertia I_c has the spatial inertia (m, m c, I_O), ten
+//! numbers, with `I_O = I_c + m (|c|^2 1 - c c^T)` and momentum
+//! `I V = (m v - m c x omega, m c x v + I_O omega)`.
 //!
-//! Source: Featherstone 2008, sections 2.9 to 2.13 (his order is angular first, ours linear first).
+//! Source: [Featherstone 2008], sections 2.9 to 2.13 (angular first there, linear first here).
 
 use nalgebra::{Matrix3, Vector3};
 use std::ops::{Add, AddAssign, Sub, SubAssign};
 
-/// A twist or its rate: velocity (m/s) of the body-fixed point now at O, and angular velocity (rad/s).
+/// A twist or its rate: velocity (m/s) of the body-fixed point now at O, and angular velocity
+/// (rad/s).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Motion {
     /// Linear part at O.
@@ -143,10 +145,11 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// Nothing.
+    /// Inertia of nothing.
     pub const ZERO: Inertia = Inertia { mass: 0.0, moment: Vector3::new(0.0, 0.0, 0.0), rotational: [0.0; 6] };
 
-    /// Of a body with mass `m` (kg), centre `c` (m, from O) and inertia `R inertia R^T` about its centre (kg m^2).
+    /// Inertia of a body with mass `m` (kg), centre `c` (m, from O) and inertia `R inertia R^T`
+    /// about its centre (kg m^2).
     #[inline(always)]
     pub fn of_body(m: f64, c: &Vector3<f64>, r: &Matrix3<f64>, inertia: &Matrix3<f64>) -> Self {
         let t = r * inertia;

@@ -1,9 +1,10 @@
-//! What changes during a run: configuration, velocity, and the efforts of actuators that lag.
+//! Mechanical state of a robot: configuration, velocity, and the efforts of actuators with lag.
 
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Configuration, velocity and actuators at one time. Small and cloneable: saving one saves the mechanical state of a run.
+/// Configuration, velocity and actuators at one time. Small and cloneable: saving one saves the
+/// mechanical state of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct State {
     /// Time, s.
@@ -16,12 +17,12 @@ pub struct State {
     pub joints: Vec<f64>,
     /// Velocities `[p' (world), omega (world), joint rates]`, length `nv`.
     pub v: Vec<f64>,
-    /// Efforts of the actuators that lag, N m or N, in the order of [`Model::lagging`].
+    /// Efforts of actuators with lag, N m or N, in the order of [`Model::lagging`].
     pub actuators: Vec<f64>,
 }
 
 impl State {
-    /// At rest in the home posture, the root at the world's origin, upright, at time 0.
+    /// State at rest in the home posture at time 0, with the root upright at the world's origin.
     pub fn home(model: &Model) -> Self {
         State {
             time: 0.0,
@@ -38,7 +39,7 @@ impl State {
         &self.v[self.v.len() - self.joints.len()..]
     }
 
-    /// Becomes a copy of `other` (of the same model) without allocating.
+    /// Copies `other`, a state of the same model, without allocating.
     pub fn copy_from(&mut self, other: &State) {
         self.time = other.time;
         self.position = other.position;
@@ -48,15 +49,17 @@ impl State {
         self.actuators.copy_from_slice(&other.actuators);
     }
 
-    /// Moves the configuration by `d`, of length `nv` and laid out as `v`: base translation (world, m), base rotation
-    /// vector (world, rad), joint displacements. `displace(v dt)` is the configuration after turning with constant `v`.
+    /// Moves the configuration by `d`, of length `nv` and laid out as `v`: base translation (world,
+    /// m), base rotation vector (world, rad), joint displacements. `displace(v dt)` is the
+    /// configuration after turning with constant `v`.
     pub fn displace(&mut self, d: &[f64]) {
         let nb = d.len() - self.joints.len();
         if nb == 6 {
             self.position += Vector3::new(d[0], d[1], d[2]);
             let turn = UnitQuaternion::from_scaled_axis(Vector3::new(d[3], d[4], d[5]));
             self.rotation = turn * self.rotation;
-            // Products of unit quaternions leave the unit sphere by rounding; bring it back so it never accumulates.
+            // Rounding moves products of unit quaternions off the unit sphere; normalise so that it
+            // does not accumulate.
             self.rotation.renormalize();
         }
         for (q, d) in self.joints.iter_mut().zip(&d[nb..]) {

@@ -1,9 +1,10 @@
 //! Symmetric or triangular matrices with the branch sparsity of a tree.
 //!
-//! Entry (i, j), j <= i, can differ from zero only when velocity j lies on the path from the root to velocity i
-//! (Featherstone 2008, section 6.3). Row i therefore stores just its ancestors, root first, and itself last. Two rows
-//! share the columns of their common ancestors *at the same place in the row*, so row operations of the factorisation
-//! run over contiguous numbers without index lists.
+//! Entry (i, j), j <= i, can differ from zero only when velocity j lies on the path from the root
+//! to velocity i ([Featherstone 2008], section 6.3). Row i therefore stores only its ancestors,
+//! root first, and itself last. Two rows share the columns of their common ancestors *at the same
+//! offset in the row*, so row operations of the factorisation run over contiguous numbers without
+//! index lists.
 
 /// Which entries exist: for each row its ancestors, root first, itself last.
 #[derive(Clone, PartialEq, Debug)]
@@ -13,7 +14,8 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// From the parent velocity of each velocity (`None`: hangs on the ground). Parents have smaller indices.
+    /// Builds the pattern from the parent velocity of each velocity (`None`: attached to the
+    /// ground). Parents have smaller indices.
     pub fn new(parents: &[Option<usize>]) -> Self {
         let mut pattern = Pattern { start: vec![0], column: Vec::new() };
         for (i, parent) in parents.iter().enumerate() {
@@ -56,7 +58,7 @@ pub struct TreeMatrix {
 }
 
 impl TreeMatrix {
-    /// All zeros.
+    /// The zero matrix.
     pub fn zeros(pattern: Pattern) -> Self {
         let values = vec![0.0; pattern.column.len()];
         TreeMatrix { pattern, values }
@@ -72,7 +74,7 @@ impl TreeMatrix {
         self.pattern.is_empty()
     }
 
-    /// The sparsity.
+    /// Sparsity pattern.
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
@@ -120,7 +122,7 @@ impl TreeMatrix {
         }
     }
 
-    /// Adds another one of the same pattern.
+    /// Adds a matrix of the same pattern.
     pub(super) fn add(&mut self, other: &TreeMatrix) {
         self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
     }
@@ -136,7 +138,8 @@ impl TreeMatrix {
         (0..self.len()).map(row).sum()
     }
 
-    /// `out += factor A e_k`, the column of velocity `k` of the symmetric matrix; `out` has length nv.
+    /// `out += factor A e_k`, the column of velocity `k` of the symmetric matrix; `out` has length
+    /// nv.
     pub fn add_column(&self, k: usize, factor: f64, out: &mut [f64]) {
         for (&j, &a) in self.pattern.chain(k).iter().zip(self.row(k)) {
             out[j] += factor * a;
@@ -149,7 +152,7 @@ impl TreeMatrix {
         }
     }
 
-    /// Makes row and column `k` those of the unit matrix.
+    /// Replaces row and column `k` by those of the unit matrix.
     pub(super) fn decouple(&mut self, k: usize) {
         let depth = self.pattern.chain(k).len() - 1;
         let (_, row) = self.row_mut(k);
@@ -163,7 +166,7 @@ impl TreeMatrix {
         }
     }
 
-    /// Becomes a copy of `other`, which has the same pattern, without allocating.
+    /// Copies `other`, of the same pattern, without allocating.
     pub fn copy_from(&mut self, other: &TreeMatrix) {
         self.values.copy_from_slice(&other.values);
     }

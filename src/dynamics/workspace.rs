@@ -5,10 +5,10 @@ use super::tree_matrix::{Pattern, TreeMatrix};
 use crate::robot::{Base, LinkId, Model};
 use nalgebra::{Matrix3, Vector3};
 
-/// Where one link is and how it moves; world axes, spatial quantities about O.
+/// Pose, inertia and motion of one link; world axes, spatial quantities about O.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LinkMotion {
-    /// World from the link's internal frame.
+    /// Rotation, world from the link's internal frame.
     pub rotation: Matrix3<f64>,
     /// Origin of the internal frame relative to O, m.
     pub origin: Vector3<f64>,
@@ -16,9 +16,10 @@ pub struct LinkMotion {
     pub inertia: Inertia,
     /// Twist V.
     pub velocity: Motion,
-    /// Spatial acceleration the link has when `vdot = 0`, without gravity: the velocity products.
+    /// Spatial acceleration at `vdot = 0`, without gravity: the velocity products.
     pub drift: Motion,
-    /// Spatial acceleration at the `vdot` last given to [`super::kinematics::accelerations`], without gravity.
+    /// Spatial acceleration at the `vdot` last given to [`super::kinematics::accelerations`],
+    /// without gravity.
     pub acceleration: Motion,
 }
 
@@ -50,7 +51,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Allocates for a model.
+    /// Allocates the workspace of a model.
     pub fn new(model: &Model) -> Self {
         let (nb, nv, nl) = (model.nb(), model.nv(), model.links.len());
         let parent: Vec<usize> = model.links.iter().map(|l| l.parent.map_or(0, |p| p.0)).collect();

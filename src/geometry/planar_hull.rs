@@ -1,14 +1,15 @@
-//! Convex hull of points on a plane, by Andrew's monotone chain (A. M. Andrew, Information Processing Letters 9, 1979).
+//! Convex hull of points on a plane, by Andrew's monotone chain [Andrew 1979].
 
 use super::Plane;
 use nalgebra::Vector3;
 
-/// Points nearer to a side of the hull than this part of its size, roughly, are no corners of it.
+/// Points nearer to a side of the hull than about this fraction of its size are not corners.
 const FLAT: f64 = 1e-12;
 
-/// Replaces points by the corners of their convex hull as seen along the plane's normal, counter-clockwise from above, the
-/// leftmost first. Points on one line leave its two ends; equal points leave one. Works in place: a capacity of three
-/// times the points (and 2) is never outgrown.
+/// Replaces points by the corners of their convex hull, projected along the plane's normal.
+///
+/// Corners run counter-clockwise from above, the leftmost first. Collinear points leave two ends;
+/// equal points leave one. Works in place: a capacity of three times the points plus 2 suffices.
 pub fn convex_hull(points: &mut Vec<Vector3<f64>>, plane: &Plane) {
     let flat = |p: &Vector3<f64>| plane.flat(p);
     points.sort_unstable_by(|a, b| {
@@ -27,8 +28,9 @@ pub fn convex_hull(points: &mut Vec<Vector3<f64>>, plane: &Plane) {
         return;
     }
     let n = points.len();
-    // The chain is built behind the points and moved to the front. Its turns are judged as they are: a point at the end of a
-    // side, met before others of that side, looks no less flat than those.
+    // The chain is built behind the points and then moved to the front. Its turns are tested
+    // without tolerance: an end of a side, met before other points of that side, is as flat as
+    // those.
     for pass in 0..2 {
         let begin = points.len();
         for k in 0..n {
@@ -42,7 +44,7 @@ pub fn convex_hull(points: &mut Vec<Vector3<f64>>, plane: &Plane) {
         points.pop();
     }
     points.drain(..n);
-    // Between its neighbours, and on the line through them but for rounding: no corner.
+    // A point between its neighbours, on their line up to rounding, is not a corner.
     let flat_corner = |points: &[Vector3<f64>], i: usize| {
         let n = points.len();
         let (a, b, c) = (&points[(i + n - 1) % n], &points[i], &points[(i + 1) % n]);
@@ -52,7 +54,7 @@ pub fn convex_hull(points: &mut Vec<Vector3<f64>>, plane: &Plane) {
         let Some(i) = (0..points.len()).find(|i| flat_corner(points, *i)) else { break };
         points.remove(i);
     }
-    // The first is the leftmost, the lowest of those that are so but for rounding.
+    // The first corner is the leftmost, the lowest of those that are leftmost up to rounding.
     let before = |i: usize, k: usize| {
         let (a, b) = (flat(&points[i]), flat(&points[k]));
         a.x < b.x - FLAT * size || a.x < b.x + FLAT * size && a.y < b.y
@@ -89,7 +91,7 @@ mod tests {
                     points.push((if mask >> (4 * i + j) & 1 == 1 { x.next_up() } else { x }, y));
                 }
             }
-            // Which of the two leftmost comes first is up to the rounding.
+            // Rounding decides which of the two leftmost comes first.
             let mut found = hull(&points);
             let first = found.iter().position(|p| *p == (30, 10)).unwrap_or(0);
             found.rotate_left(first);
@@ -98,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_and_points_have_hulls_too() {
+    fn hulls_of_lines_and_points() {
         assert_eq!(hull(&[]), []);
         assert_eq!(hull(&[(0.1, 0.2); 3]), [(10, 20)]);
         assert_eq!(hull(&[(0.0, 0.0), (0.2, 0.4), (0.1, 0.2), (0.05, 0.1)]), [(0, 0), (20, 40)]);
@@ -121,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sliver_keeps_its_ends() {
+    fn a_thin_hull_keeps_its_ends() {
         let mut points: Vec<_> =
             [(0.0, 0.0), (2.0, 0.0), (2.0, 1e-13), (0.0, 1e-13)].map(|p| Vector3::new(p.0, p.1, 0.0)).into();
         convex_hull(&mut points, &Plane::LEVEL);

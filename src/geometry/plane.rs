@@ -1,4 +1,4 @@
-//! A plane with axes of its own.
+//! A plane with its own axes.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 

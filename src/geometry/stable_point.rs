@@ -1,32 +1,34 @@
-//! The point of optimal stability of a convex polygon: the mid-point of the locus of the centres of the largest discs
-//! that the polygon contains.
+//! The point of optimal stability of a convex polygon: the mid-point of the locus of centres of its
+//! largest inscribed discs.
 //!
 //! ```text
 //! r(x) = min_i (n_i . x - d_i),   locus = { x : r(x) = max r }        n_i inward unit normals of the edges
 //! ```
 //!
-//! Source: S. Hyon and others' task server paper, section II.B, footnote 2. r is concave, so the locus is a point or, where
-//! two edges are parallel, a segment between them. A line has its mid-point, a point itself.
+//! Source: [Hale 2008], section II.B, footnote 2. r is concave, so the locus is a point or, where
+//! two edges are parallel, a segment between them. The result for a line is its mid-point, for a
+//! point the point itself.
 //!
-//! The largest radius is found by shrinking the polygon: all edges move inward at unit speed, a corner between normals a
-//! and b at `(a + b) / (1 + a . b)`, and an edge that has vanished leaves its neighbours to meet. When the neighbours of a
-//! vanished edge are parallel or would part, nothing is left but a corner on the locus.
+//! The largest radius is found by shrinking the polygon. All edges move inward at unit speed, a
+//! corner between normals a and b at `(a + b) / (1 + a . b)`. The neighbours of a vanished edge
+//! meet. If they are parallel or would part, only a corner on the locus remains.
 //!
-//! **Nearly parallel edges.** Of two edges that taper by however little the definition takes the wide end of the strip between
-//! them, so the point would jump from the middle to an end by a rounding error. The locus is therefore measured on
-//! the level sets `r >= (1 - s) max r` for s = TAPER and TAPER / 2 and extrapolated to s = 0 along straight lines. That is
-//! exact for a single centre and for parallel edges, and continuous in between: edges count as parallel while the
-//! radius of the disc between them changes by less than TAPER / 2 over the strip.
+//! **Nearly parallel edges.** For two edges with the slightest taper the definition gives the wide
+//! end of the strip between them, so a rounding error would move the point from the middle to an
+//! end. The locus is therefore measured on the level sets `r >= (1 - s) max r` for s = TAPER and
+//! TAPER / 2 and extrapolated to s = 0 along straight lines. That is exact for a single centre and
+//! for parallel edges, and continuous in between: edges count as parallel while the radius of the
+//! disc between them changes by less than TAPER / 2 over the strip.
 
 use nalgebra::Vector2;
 
-/// See the module; relative to the radius.
+/// Taper below which edges count as parallel, relative to the radius; see the module.
 pub const TAPER: f64 = 1e-6;
 
 /// Sine of the angle below which neighbours no longer meet.
 const PARALLEL: f64 = 1e-12;
 
-/// What [`stable_point`] finds.
+/// Result of [`stable_point`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StablePoint {
     /// The point, m.
@@ -42,15 +44,16 @@ pub struct Edge {
     normal: Vector2<f64>,
     /// Unit vector along it, counter-clockwise.
     along: Vector2<f64>,
-    /// Where it starts at present, m.
+    /// Its current start, m.
     start: Vector2<f64>,
-    /// A point of it at the beginning, m.
+    /// A point of it before shrinking, m.
     anchor: Vector2<f64>,
 }
 
-/// The point of optimal stability of the convex polygon with these corners, counter-clockwise, no three on a line (as
-/// [`super::convex_hull`] leaves them); none without corners. `edges` is scratch: with a capacity of twice the corners
-/// nothing is allocated.
+/// The point of optimal stability of a convex polygon; `None` without corners.
+///
+/// Corners are counter-clockwise, no three collinear, as [`super::convex_hull`] leaves them.
+/// `edges` is scratch: with a capacity of twice the corners nothing is allocated.
 pub fn stable_point(
     corners: impl ExactSizeIterator<Item = Vector2<f64>> + Clone,
     edges: &mut Vec<Edge>,
@@ -66,7 +69,7 @@ pub fn stable_point(
         let along = (end - start).normalize();
         edges.push(Edge { normal: Vector2::new(-along.y, along.x), along, start, anchor: start });
     }
-    // The edges as given stay in the first half.
+    // The original edges stay in the first half.
     let n = edges.len();
     edges.extend_from_within(..);
     let (given, shrinking) = edges.split_at_mut(n);
@@ -74,23 +77,24 @@ pub fn stable_point(
     Some(StablePoint { point: middle(given, centre, radius), radius })
 }
 
-/// Velocity of the corner between two neighbours; none if they are parallel or part.
+/// Velocity of the corner between two neighbours; `None` if they are parallel or part.
 fn corner_velocity(before: &Edge, after: &Edge) -> Option<Vector2<f64>> {
     let (sine, cosine) = (before.along.perp(&after.along), before.along.dot(&after.along));
     if sine <= PARALLEL && (cosine < 0.0 || sine < -PARALLEL) {
         return None;
     }
-    // tan of half the turning angle, each form where it does not cancel.
+    // tan of half the turning angle, in the form without cancellation.
     let half = if cosine > 0.0 { sine / (1.0 + cosine) } else { (1.0 - cosine) / sine };
     Some(before.normal - before.along * half)
 }
 
-/// Shrinks the polygon to nothing. Returns a point of the locus and the largest radius.
+/// Shrinks the polygon until it vanishes. Returns a point of the locus and the largest radius.
 fn shrink(edges: &mut [Edge]) -> (Vector2<f64>, f64) {
     let mut n = edges.len();
     let mut time = 0.0;
     loop {
-        // The edge that vanishes first: its length over the speed at which its corners approach each other.
+        // The edge that vanishes first: its length over the speed at which its corners approach
+        // each other.
         let mut first = (f64::INFINITY, 0);
         for i in 0..n {
             let (before, here, after) = (&edges[(i + n - 1) % n], &edges[i], &edges[(i + 1) % n]);
@@ -122,7 +126,7 @@ fn shrink(edges: &mut [Edge]) -> (Vector2<f64>, f64) {
     }
 }
 
-/// From one centre of a largest disc to the middle of all of them.
+/// Moves from one centre of a largest disc to the middle of all of them.
 fn middle(edges: &[Edge], centre: Vector2<f64>, radius: f64) -> Vector2<f64> {
     let slack = |e: &Edge| (e.normal.dot(&(centre - e.anchor)) - radius).max(0.0);
     let active = |e: &&Edge| slack(e) <= TAPER * radius;

@@ -1,12 +1,12 @@
 //! Bogacki-Shampine 3(2) with dense output of order 3.
 //!
-//! Source: Bogacki and Shampine, A 3(2) pair of Runge-Kutta formulas, Appl. Math. Lett. 2 (1989). The error is the
-//! difference to the embedded method of order 2, b* = (7/24, 1/4, 1/3, 1/8); between the ends the cubic of Hermite is as
-//! good as the solution.
+//! Source: [Bogacki 1989]. The error is the difference to the embedded method of order 2, b* =
+//! (7/24, 1/4, 1/3, 1/8). Between the ends the cubic Hermite interpolant has the order of the
+//! solution.
 
 use super::runge_kutta::{DenseOutput, Tableau};
 
-/// See the module.
+/// Tableau of Bogacki and Shampine, order 3(2).
 pub static BS23: Tableau = Tableau {
     name: "bs23",
     order: 3,

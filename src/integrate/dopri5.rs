@@ -1,12 +1,11 @@
 //! Dormand-Prince 5(4) with dense output of order 4.
 //!
-//! Source: Dormand and Prince, A family of embedded Runge-Kutta formulae, J. Comp. Appl. Math. 6 (1980), table 2;
-//! dense output by Shampine as in Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
-//! section II.6, equation 6.12 and its coefficients d_i.
+//! Source: [Dormand 1980], table 2; dense output by Shampine as in [Hairer 1993], section II.6,
+//! equation 6.12 and its coefficients d_i.
 
 use super::runge_kutta::{DenseOutput, Tableau};
 
-/// See the module.
+/// Tableau of Dormand and Prince, order 5(4).
 pub static DOPRI5: Tableau = Tableau {
     name: "dopri5",
     order: 5,

@@ -1,12 +1,13 @@
-//! Locating the first event inside a step.
+//! Event location: finds the first sign change of event functions inside a step.
 //!
-//! Several event functions g_i(theta), theta in [0, 1], are positive before their events. Given a bracket with all of
-//! them positive on the left and some negative on the right, regula falsi with the Illinois weights per function and
-//! bisection as a safeguard close in on the first sign change.
+//! Several event functions g_i(theta), theta in [0, 1], are positive before their events. Given a
+//! bracket with all of them positive on the left and some negative on the right, regula falsi with
+//! Illinois weights per function, safeguarded by bisection, converges to the first sign change.
 
-/// Finds the first theta in (`a`, `b`] where any of the `n` functions is negative. `evaluate(theta, g)` fills the
-/// values. `left` and `right` hold the values at the ends and are overwritten; on return `right` holds those at the
-/// returned theta, where at least one is negative. The bracket is at most `width` wide at the end.
+/// Finds the first theta in (`a`, `b`] where any of the `n` functions is negative.
+/// `evaluate(theta, g)` fills the values. `left` and `right` hold the values at the ends and are
+/// overwritten; on return `right` holds those at the returned theta, where at least one is
+/// negative. The bracket is at most `width` wide at the end.
 pub fn first_crossing(
     mut a: f64,
     mut b: f64,
@@ -21,7 +22,7 @@ pub fn first_crossing(
         if b - a <= width {
             break;
         }
-        // The earliest of the secant estimates; every third round bisects, so that a bad shape cannot stall it.
+        // The earliest secant estimate; every third round bisects, which guarantees convergence.
         let mut theta = b;
         if round % 3 == 2 {
             theta = 0.5 * (a + b);
@@ -31,7 +32,7 @@ pub fn first_crossing(
                     theta = theta.min(a + (b - a) * l / (l - r));
                 }
             }
-            // A nudge beyond the estimate closes the bracket from the other side once converged.
+            // The guard closes the bracket from the other side after convergence.
             let guard = 0.5 * width;
             theta = theta.clamp(a + guard, b - guard);
         }
@@ -72,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_of_several_is_found() {
+    fn the_first_of_several_events_is_found() {
         let (x, count) = locate(&[&|x| 0.7 - x, &|x| 0.3 - x * x * x, &|x| (0.9 - x).powi(3)]);
         // Width of the final bracket.
         assert!((x - 0.3f64.cbrt()).abs() < 2e-13, "{x}");
@@ -80,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn hard_shapes_end_too() {
+    fn events_of_hard_shapes_are_located() {
         let (x, _) = locate(&[&|x| if x < 0.123 { 1.0 } else { -1e-9 }]);
         assert!((x - 0.123).abs() < 2e-13);
         let (x, _) = locate(&[&|x| (0.5f64 - x).cbrt()]);

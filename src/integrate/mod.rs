@@ -1,5 +1,11 @@
-//! Time integration: a small [`System`] trait, explicit Runge-Kutta methods with dense output, step size control and event
-//! location. Nothing here knows of robots or contact.
+//! Time integration of `dy/dt = f(t, y)`.
+//!
+//! A small [`System`] trait, explicit Runge-Kutta methods with dense output ([`RungeKutta`]; one
+//! [`Tableau`] per method: `dopri5`, `bs23`, `rk4`), step-size control ([`StepControl`]) and event
+//! location on dense output ([`event_location`]). A new explicit method is one file with a tableau.
+//!
+//! Imports nothing of this crate: no robots, no contact. `sim` steps with it, `assemble` chooses
+//! the tableau.
 
 pub mod bs23;
 pub mod dopri5;

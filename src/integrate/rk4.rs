@@ -1,12 +1,11 @@
 //! The classical Runge-Kutta method of order 4, for fixed steps, with dense output of order 3.
 //!
-//! Source: Kutta, Beitrag zur naeherungsweisen Integration totaler Differentialgleichungen, Z. Math. Phys. 46 (1901). A fifth
-//! evaluation at the end of the step gives the slope for the cubic of Hermite, whose error within a step, of the order h^4,
-//! vanishes towards its ends.
+//! Source: [Kutta 1901]. A fifth evaluation at the end of the step gives the slope for the cubic
+//! Hermite interpolant. Its error within a step is of order h^4 and vanishes towards the ends.
 
 use super::runge_kutta::{DenseOutput, Tableau};
 
-/// See the module.
+/// Tableau of the classical method of order 4.
 pub static RK4: Tableau = Tableau {
     name: "rk4",
     order: 4,

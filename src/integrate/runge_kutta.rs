@@ -4,41 +4,42 @@
 //! k_i = f(t + c_i h, y + h sum_j a_ij k_j)      y1 = y + h sum_j a_nj k_j      error = h sum_j e_j k_j
 //! ```
 //!
-//! A method is a [`Tableau`]. Its last row are the weights, so its last stage is evaluated at the end of the step: whoever
-//! evaluates has then been there. (It could serve as the first stage of the next step, "first same as last"; whoever
-//! changes the state between steps, as a projection does, evaluates again.)
+//! A method is a [`Tableau`]. Its last row holds the weights, so the last stage is evaluated at the
+//! end of the step, and the system is left there. (That stage could be the first of the next step,
+//! "first same as last". A projection changes the state between steps, so the stage is evaluated
+//! again.)
 
 use super::System;
 
-/// The numbers of a method, source in the file of each.
+/// Coefficients of a method; the file of each cites its source.
 #[derive(Debug, PartialEq)]
 pub struct Tableau {
-    /// Word in files.
+    /// Name in scenario files.
     pub name: &'static str,
     /// Order of the solution.
     pub order: u32,
     /// Order of the dense output.
     pub dense_order: u32,
-    /// Times of the stages, parts of the step.
+    /// Times of the stages, fractions of the step.
     pub c: &'static [f64],
-    /// What each stage takes of those before it; the last row are the weights of the solution.
+    /// Coefficients a_ij of each stage; the last row holds the weights of the solution.
     pub a: &'static [&'static [f64]],
-    /// Weights of the error estimate; none for a method without.
+    /// Weights of the error estimate; empty for a method without one.
     pub error: &'static [f64],
-    /// How the solution between the ends is found.
+    /// Dense output between the ends of a step.
     pub dense: DenseOutput,
 }
 
-/// Solution between the ends of a step.
+/// Dense output: the solution between the ends of a step.
 #[derive(Debug, PartialEq)]
 pub enum DenseOutput {
-    /// The cubic that meets value and slope at both ends, of order 3.
+    /// Cubic Hermite interpolant of value and slope at both ends, of order 3.
     Hermite,
-    /// The same and `h theta^2 (1 - theta)^2 sum_i d_i k_i`.
+    /// The cubic plus `h theta^2 (1 - theta)^2 sum_i d_i k_i`, of order 4.
     Quartic(&'static [f64]),
 }
 
-/// A method with its scratch; allocated once.
+/// A method with its scratch, allocated once.
 #[derive(Clone, Debug)]
 pub struct RungeKutta {
     tableau: &'static Tableau,
@@ -51,7 +52,7 @@ pub struct RungeKutta {
 }
 
 impl RungeKutta {
-    /// For systems of `n` equations.
+    /// Allocates for systems of `n` equations.
     pub fn new(tableau: &'static Tableau, n: usize) -> Self {
         RungeKutta {
             tableau,
@@ -63,14 +64,15 @@ impl RungeKutta {
         }
     }
 
-    /// Evaluates the derivative at the start of a step; needed before [`attempt`](Self::attempt) whenever t or y changed.
+    /// Evaluates the derivative at the start of a step; needed before [`attempt`](Self::attempt)
+    /// whenever t or y changed.
     pub fn begin(&mut self, system: &mut impl System, t: f64, y: &[f64]) {
         self.start.copy_from_slice(y);
         system.derivative(t, y, &mut self.k[0]);
     }
 
-    /// Tries a step of size `h` from the point given to [`begin`](Self::begin): an evaluation for every stage but the
-    /// first, the last one at the end point. The result is in `end`.
+    /// Tries a step of size `h` from the point given to [`begin`](Self::begin). Evaluates every
+    /// stage but the first, the last at the end point. The result is in `end`.
     pub fn attempt(&mut self, system: &mut impl System, t: f64, h: f64) {
         self.h = h;
         let last = self.k.len() - 1;
@@ -88,8 +90,9 @@ impl RungeKutta {
         }
     }
 
-    /// Largest component of the error estimate of the last attempt over `absolute + relative * max(|y|, |y1|)`, over the
-    /// first `controlled` components; infinite where it is not a number, zero for a method without an estimate.
+    /// Largest component of the error estimate of the last attempt over
+    /// `absolute + relative * max(|y|, |y1|)`, over the first `controlled` components; infinite
+    /// where it is not a number, zero for a method without an estimate.
     pub fn error(&self, relative: f64, absolute: f64, controlled: usize) -> f64 {
         let mut worst: f64 = 0.0;
         for i in 0..controlled {
@@ -143,7 +146,8 @@ mod tests {
         (y[0] - truth[0]).abs().max((y[1] - truth[1]).abs())
     }
 
-    /// Errors after `n` steps to t = 2 at its end, greatest within a step that starts from the truth, and of the estimate.
+    /// Errors after `n` steps to t = 2 at its end, greatest within a step that starts from the
+    /// truth, and of the estimate.
     fn errors(tableau: &'static Tableau, n: usize) -> [f64; 3] {
         let h = 2.0 / n as f64;
         let mut rk = RungeKutta::new(tableau, 2);
@@ -167,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn every_method_has_its_orders() {
+    fn errors_have_the_orders_of_the_method() {
         for tableau in [&DOPRI5, &BS23, &RK4] {
             let (coarse, fine) = (errors(tableau, 40), errors(tableau, 80));
             let order = |i: usize| (coarse[i] / fine[i]).log2();
@@ -187,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_add_up_to_their_times_and_weights_to_one() {
+    fn rows_sum_to_their_times_and_weights_to_one() {
         for tableau in [&DOPRI5, &BS23, &RK4] {
             assert_eq!(tableau.a.len(), tableau.c.len());
             for (row, c) in tableau.a.iter().zip(tableau.c) {
@@ -211,7 +215,7 @@ mod tests {
             assert_eq!(at(0.0), [0.3, -0.2]);
             let y = at(1.0);
             assert!((y[0] - rk.end[0]).abs() < 1e-15 && (y[1] - rk.end[1]).abs() < 1e-15);
-            // One-sided difference over 1e-6 of the step: its curvature, some 1e-6.
+            // One-sided difference over 1e-6 of the step: curvature leaves about 1e-6.
             for (theta, k) in [(0.0, &rk.k[0]), (1.0, &rk.k[rk.k.len() - 1])] {
                 let inside = if theta == 0.0 { 1e-6 } else { -1e-6 };
                 let slope = (at(theta + inside)[0] - at(theta)[0]) / (inside * 0.3);

@@ -1,6 +1,7 @@
-//! Step size control: the PI controller of Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.2.
+//! Step-size control: the PI controller of Hairer and Wanner, *Solving Ordinary Differential
+//! Equations II*, section IV.2.
 
-/// Chooses the next step from the error of the last.
+/// PI controller that chooses the next step from the errors of the last two.
 #[derive(Clone, Copy, Debug)]
 pub struct StepControl {
     order: f64,
@@ -8,13 +9,13 @@ pub struct StepControl {
 }
 
 impl StepControl {
-    /// For a pair whose error estimate behaves like h^`order`.
+    /// Controller for a pair whose error estimate is of order h^`order`.
     pub fn new(order: u32) -> Self {
         StepControl { order: f64::from(order), last: 1e-4 }
     }
 
-    /// Factor by which to change the step after `error` (1 is the tolerance); between 0.2 and 5, at most 1 after a
-    /// rejection.
+    /// Factor by which to change the step after `error` (1 is the tolerance); between 0.2 and 5, at
+    /// most 1 after a rejection.
     pub fn factor(&mut self, error: f64) -> f64 {
         let beta = 0.4 / self.order;
         let alpha = 1.0 / self.order - 0.75 * beta;

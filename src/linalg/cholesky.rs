@@ -1,15 +1,16 @@
-//! Small dense symmetric systems `A x = b`, A positive definite, by `A = L L^T` in place.
+//! Cholesky factorisation in place: small dense symmetric systems `A x = b`, `A = L L^T` positive
+//! definite.
 
 /// A symmetric matrix and its factor, row-major, `n` x `n`.
 #[derive(Clone, Debug)]
 pub struct Symmetric {
     n: usize,
-    /// The lower triangle counts.
+    /// Entries; only the lower triangle is read.
     pub entries: Vec<f64>,
 }
 
 impl Symmetric {
-    /// Zeros.
+    /// The zero matrix of order `n`.
     pub fn zeros(n: usize) -> Self {
         Symmetric { n, entries: vec![0.0; n * n] }
     }
@@ -34,7 +35,7 @@ impl Symmetric {
         true
     }
 
-    /// `b := A^-1 b` with the factor.
+    /// Solves `b := A^-1 b` with the factor.
     pub fn solve(&self, b: &mut [f64]) {
         let (n, l) = (self.n, &self.entries);
         for i in 0..n {
@@ -53,8 +54,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn solves_and_refuses() {
-        // Hilbert matrix of order 4: inverse times ones is (-4, 60, -180, 140); condition 1.6e4 times rounding.
+    fn solves_a_hilbert_matrix_and_refuses_an_indefinite_one() {
+        // Hilbert matrix of order 4: inverse times ones is (-4, 60, -180, 140); condition 1.6e4
+        // times rounding.
         let mut a = Symmetric::zeros(4);
         for i in 0..4 {
             for j in 0..4 {

@@ -4,28 +4,29 @@
 //! w = M z + q,    w >= 0,  z >= 0,  w . z = 0
 //! ```
 //!
-//! An artificial variable z0 makes `w = M z + q + z0` feasible. It enters the basis for the most negative row; from then
-//! on the complement of whatever has left enters, until z0 leaves (solved) or nothing blocks (a ray). For copositive M,
-//! as of contact with friction, a ray means that the constraints contradict each other.
+//! An artificial variable z0 makes `w = M z + q + z0` feasible. It enters the basis for the most
+//! negative row. From then on the complement of the variable that left enters, until z0 leaves
+//! (solved) or nothing blocks (a ray). For copositive M, as in contact with friction, a ray means
+//! that the constraints contradict each other.
 //!
-//! The dictionary, basic variables written in the others, is kept dense: n rows, n + 1 columns and the constants. Ties
-//! of the ratio test, which the singular matrices of four vertices on one sole bring about, are broken lexicographically
-//! by the rows of the inverse basis, so that no basis returns; z0 leaves whenever it can.
+//! The dictionary (basic variables in terms of the others) is dense: n rows, n + 1 columns and the
+//! constants. The singular matrices of four vertices on one sole cause ties of the ratio test. They
+//! are broken lexicographically by the rows of the inverse basis, so that no basis recurs; z0
+//! leaves whenever it can.
 //!
-//! Sources: C. E. Lemke, Bimatrix equilibrium points and mathematical programming, Management Science 11 (1965);
-//! R. W. Cottle, J.-S. Pang and R. E. Stone, The linear complementarity problem (1992), sections 4.4 and 4.9.
+//! Sources: [Lemke 1965]; [Cottle 1992], sections 4.4 and 4.9.
 
-/// Coefficients smaller than this do not block: rounding of a singular matrix with entries of order one, as it grows over
-/// some hundred pivots.
+/// Smaller coefficients do not block: rounding of a singular matrix with entries of order one,
+/// grown over some hundred pivots.
 const BLOCKS: f64 = 1e-9;
-/// How it ended.
+/// Outcome of the algorithm.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LemkeOutcome {
-    /// With a solution.
+    /// A solution was found.
     Solved,
-    /// On a ray: no solution was reached.
+    /// Ended on a ray, without a solution.
     Ray,
-    /// Too many pivots.
+    /// Ended after too many pivots.
     Limit,
 }
 
@@ -39,16 +40,16 @@ pub struct Lemke {
     table: Vec<f64>,
     basic: Vec<usize>,
     nonbasic: Vec<usize>,
-    /// Where each variable is: row, or n + column.
+    /// Position of each variable: row, or n + column.
     position: Vec<usize>,
     pivot_row: Vec<f64>,
     ties: Vec<usize>,
-    /// What makes a tie: between entries of the inverse basis, and between constants.
+    /// Tie thresholds: between entries of the inverse basis, and between constants.
     tie: [f64; 2],
 }
 
 impl Lemke {
-    /// For problems of at most `n` unknowns.
+    /// Allocates for problems of at most `n` unknowns.
     pub fn new(n: usize) -> Self {
         Lemke {
             n: 0,
@@ -76,7 +77,8 @@ impl Lemke {
         self.position[2 * n] = 2 * n;
     }
 
-    /// Row `i` of M, n numbers, to be filled between [`begin`](Self::begin) and [`solve`](Self::solve).
+    /// Row `i` of M, n numbers, to be filled between [`begin`](Self::begin) and
+    /// [`solve`](Self::solve).
     pub fn row(&mut self, i: usize) -> &mut [f64] {
         &mut self.table[i * (self.n + 2)..][..self.n]
     }
@@ -86,8 +88,9 @@ impl Lemke {
         self.table[(i + 1) * (self.n + 2) - 1] = q;
     }
 
-    /// Solves; `z` is the solution, or zero. Ratios that differ by less than `tie`, relative to the constants, count as
-    /// equal: small is accurate, large survives rounding. Returns the number of pivots with the end. M and q are used up.
+    /// Solves; `z` is the solution, or zero. Ratios that differ by less than `tie`, relative to the
+    /// constants, count as equal: small is accurate, large survives rounding. Returns the outcome
+    /// and the number of pivots. M and q are overwritten.
     pub fn solve(&mut self, z: &mut [f64], tie: f64) -> (LemkeOutcome, usize) {
         let (n, stride) = (self.n, self.n + 2);
         z[..n].fill(0.0);
@@ -127,7 +130,7 @@ impl Lemke {
         self.table[(i + 1) * (self.n + 2) - 1]
     }
 
-    /// The row whose variable reaches zero first as the one of `column` grows.
+    /// Row whose variable reaches zero first as that of `column` grows.
     fn blocking(&mut self, column: usize) -> Option<usize> {
         let (n, stride) = (self.n, self.n + 2);
         let mut least = f64::INFINITY;
@@ -150,7 +153,7 @@ impl Lemke {
                 self.ties.push(i);
             }
         }
-        // Column by column of the inverse basis the rows that are not least drop out.
+        // Rows that are not least drop out, column by column of the inverse basis.
         for j in 0..n {
             if self.ties.len() == 1 {
                 break;
@@ -217,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn textbook_problems() {
+    fn textbook_problems_are_solved() {
         // Positive definite: unique solutions, by hand.
         let (end, z, _) = solve(&[&[2.0, 1.0], &[1.0, 2.0]], &[-5.0, -6.0]);
         assert_eq!(end, LemkeOutcome::Solved);
@@ -230,9 +233,9 @@ mod tests {
         assert_eq!(solve(&[&[0.0, -1.0], &[1.0, 0.0]], &[-1.0, 1.0]).0, LemkeOutcome::Ray);
     }
 
-    /// K. G. Murty, Computational complexity of complementary pivot methods, Math. Programming Study 7 (1978): M lower
-    /// triangular, 1 on and 2 below the diagonal, and -q_i = 2^n + 2^(n-1) + .. of i + 1 terms makes Lemke's path visit
-    /// 2^n bases. A rule that chose other rows would take another number.
+    /// [Murty 1978]: M lower triangular, 1 on and 2 below the diagonal, and -q_i = 2^n + 2^(n-1) +
+    /// .. of i + 1 terms makes Lemke's path visit 2^n bases. Another pivot rule would take another
+    /// number.
     #[test]
     fn murtys_problem_takes_two_to_the_n_pivots() {
         for n in 2..=6 {
@@ -248,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_rows_are_no_trouble() {
+    fn equal_rows_are_solved() {
         // Rank one, every ratio a tie: the load of one body on many equal points.
         for n in [2, 5, 12] {
             let m = vec![vec![1.0; n]; n];

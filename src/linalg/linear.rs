@@ -1,14 +1,16 @@
-//! Dense linear solve that survives redundant constraints.
+//! Dense linear solve with redundant constraints: complete pivoting, least-norm solution.
 //!
-//! Gaussian elimination with complete pivoting on a small square system. Pivots below `RANK` times the largest are
-//! taken as zero. Of the many solutions of a consistent redundant system the one of least norm is returned: its motions do
-//! not depend on which redundant rows were dropped, and it does not depend on the order of the unknowns.
+//! Gaussian elimination with complete pivoting on a small square system. Pivots below `RANK` times
+//! the largest count as zero. A consistent redundant system has many solutions; the one of least
+//! norm is returned. Its motions do not depend on which redundant rows were dropped, nor the
+//! solution on the order of the unknowns.
 //!
-//! With the pivoted factors U = [U_1 U_2] of rank r, the null space is spanned by the columns of [-Z; 1],
-//! `U_1 Z = U_2`, and the least-norm solution of the basic one (x_b, 0) is `(x_b - Z y, y)`, `(1 + Z^T Z) y = Z^T x_b`.
+//! With the pivoted factors U = [U_1 U_2] of rank r, the null space is spanned by the columns of
+//! [-Z; 1], `U_1 Z = U_2`, and the least-norm solution of the basic one (x_b, 0) is
+//! `(x_b - Z y, y)`, `(1 + Z^T Z) y = Z^T x_b`.
 
-/// Pivot, relative to the first, under which a row counts as redundant. Rounding of a 12 x 12 elimination stays near
-/// 1e-14; closed kinematic loops of real robots leave honest pivots above 1e-9.
+/// Pivot, relative to the first, under which a row counts as redundant. Rounding of a 12 x 12
+/// elimination stays near 1e-14; closed kinematic loops of real robots have pivots above 1e-9.
 const RANK: f64 = 1e-12;
 
 /// Scratch for systems up to a given size, and the last factorisation.
@@ -26,7 +28,7 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// For systems of at most `n` unknowns.
+    /// Allocates for systems of at most `n` unknowns.
     pub fn new(n: usize) -> Self {
         Linear {
             column: vec![0; n],
@@ -38,7 +40,8 @@ impl Linear {
         }
     }
 
-    /// Solves `A x = b` in place: `a` is n x n row-major and becomes its factors, `b` becomes x. Returns the rank.
+    /// Solves `A x = b` in place: `a` is n x n row-major and becomes its factors, `b` becomes x.
+    /// Returns the rank.
     pub fn solve(&mut self, a: &mut [f64], b: &mut [f64]) -> usize {
         self.factor(a, b.len());
         self.apply(a, b);
@@ -97,7 +100,7 @@ impl Linear {
     /// Solves with the factors that [`factor`](Self::factor) left in `a`: `b` becomes x.
     pub fn apply(&mut self, a: &[f64], b: &mut [f64]) {
         let (n, rank) = (b.len(), self.rank);
-        // The multipliers have been exchanged along with their rows.
+        // The multipliers were exchanged along with their rows.
         (0..rank).for_each(|k| b.swap(k, self.row[k]));
         for k in 0..rank {
             let pivot = b[k];
@@ -174,7 +177,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn solves_and_finds_rank() {
+    fn solves_a_regular_system_and_finds_its_rank() {
         let mut lin = Linear::new(3);
         let mut a = [4.0, -2.0, 1.0, 3.0, 6.0, -4.0, 2.0, 1.0, 8.0];
         let mut b = [12.0, -25.0, 32.0];
@@ -186,8 +189,9 @@ mod tests {
     }
 
     #[test]
-    fn redundant_unknowns_share_evenly() {
-        // x + y + z = 6 three times over, and x - y = 1 hidden in the second row: least norm x = 2.5, y = 1.5, z = 2.
+    fn redundant_unknowns_get_the_least_norm() {
+        // x + y + z = 6 three times over, and x - y = 1 hidden in the second row: least norm x =
+        // 2.5, y = 1.5, z = 2.
         let mut a = [1.0, 1.0, 1.0, 2.0, 0.0, 1.0, 2.0, 2.0, 2.0];
         let mut b = [6.0, 7.0, 12.0];
         assert_eq!(Linear::new(3).solve(&mut a, &mut b), 2);

@@ -10,19 +10,18 @@
 //! A' = A W A,   G' = G + A W G A^T,   H' = H + A^T H W A,   W = (1 + G H)^-1;   H -> P
 //! ```
 //!
-//! from `A, G = b b^T / R, H = Q`, which squares the closed loop in each step. Source: Chu, Fan, Lin and Wang,
-//! Structure-preserving algorithms for periodic discrete-time algebraic Riccati equations, Int. J. Control 77 (2004),
+//! from `A, G = b b^T / R, H = Q`, which squares the closed loop in each step. Source: [Chu 2004],
 //! section 3.
 
 use nalgebra::{Matrix4, Vector4};
 
-/// Doublings before it is given up; each squares the closed loop, so that 30 are a thousand million steps.
+/// Greatest number of doublings. Each squares the closed loop, so 30 are a thousand million steps.
 const MOST_DOUBLINGS: usize = 30;
 
-/// The stabilising P and how far it misses the equation, relative to its greatest entry.
+/// The stabilising P and its residual, relative to its greatest entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
-    /// P.
+    /// Solution P.
     pub p: Matrix4<f64>,
     /// Greatest entry of the right side less the left over the greatest of P.
     pub residual: f64,
@@ -33,7 +32,8 @@ pub fn gain(a: &Matrix4<f64>, b: &Vector4<f64>, r: f64, p: &Matrix4<f64>) -> Vec
     a.transpose() * p * b / (r + (b.transpose() * p * b)[0])
 }
 
-/// Solves the equation; `None` when the doubling does not settle (no stabilising solution, or numbers out of range).
+/// Solves the equation; `None` if the doubling does not converge (no stabilising solution, or
+/// numbers out of range).
 pub fn solve(a: &Matrix4<f64>, b: &Vector4<f64>, q: &Matrix4<f64>, r: f64) -> Option<Solution> {
     let (mut ak, mut g, mut h) = (*a, b * b.transpose() / r, *q);
     for _ in 0..MOST_DOUBLINGS {
@@ -47,7 +47,7 @@ pub fn solve(a: &Matrix4<f64>, b: &Vector4<f64>, q: &Matrix4<f64>, r: f64) -> Op
             break;
         }
     }
-    // Newton takes out the rounding of the doubling.
+    // Newton steps remove the rounding of the doubling.
     for _ in 0..2 {
         let k = gain(a, b, r, &h);
         h = lyapunov(a - b * k.transpose(), k * k.transpose() * r + q);
@@ -56,11 +56,11 @@ pub fn solve(a: &Matrix4<f64>, b: &Vector4<f64>, q: &Matrix4<f64>, r: f64) -> Op
     (residual < SOLVED).then_some(Solution { p: h, residual })
 }
 
-/// Residual above which a solution is none.
+/// Residual above which a solution is rejected.
 const SOLVED: f64 = 1e-10;
 
-/// `P = A^T P A + Q` for a stable A, by doubling: a step of Newton's method for the Riccati equation when A is the closed
-/// loop and Q what it costs.
+/// `P = A^T P A + Q` for a stable A, by doubling: a step of Newton's method for the Riccati
+/// equation when A is the closed loop and Q what it costs.
 fn lyapunov(mut a: Matrix4<f64>, mut p: Matrix4<f64>) -> Matrix4<f64> {
     for _ in 0..MOST_DOUBLINGS {
         let more = a.transpose() * p * a;
@@ -73,7 +73,7 @@ fn lyapunov(mut a: Matrix4<f64>, mut p: Matrix4<f64>) -> Matrix4<f64> {
     (p + p.transpose()) * 0.5
 }
 
-/// How far `p` misses the equation, relative to its greatest entry.
+/// Residual of the equation at `p`, relative to its greatest entry.
 pub fn residual(a: &Matrix4<f64>, b: &Vector4<f64>, q: &Matrix4<f64>, r: f64, p: &Matrix4<f64>) -> f64 {
     let k = gain(a, b, r, p);
     let right = a.transpose() * p * (a - b * k.transpose()) + q;

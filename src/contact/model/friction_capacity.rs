@@ -1,13 +1,19 @@
-//! Exact isotropic friction capacity of a vertex, an edge and a face (`contact.md` section 5).
+//! Exact isotropic Coulomb friction capacity of a vertex, an edge and a face: the friction cone of
+//! a sole.
+//!
+//! Rules of `docs/contact.md`, section 5; [Hale 2008], section III.A:
 //!
 //! - Vertex: `|t| <= c`, with `c = mu N`.
 //! - Edge: `|T_along| <= sqrt(c_1^2 - t_1perp^2) + sqrt(c_2^2 - t_2perp^2)`, both roots real.
-//! - Face: a tangential force F and yaw moment tau can be carried iff no slip twist (v, w) could extract more power
-//!   from the load than friction takes: `F . v + tau w <= sum c_i |v + w z x r_i|`. The set of carried loads is a
-//!   Minkowski sum of discs. Pure translation gives `|F| <= sum c_i`; for w = +1 and -1 the best `v` solves a weighted
-//!   Fermat-Weber problem with a linear term, here by vertex tests and damped Newton steps.
+//! - Face: a tangential force F and yaw moment tau are carried if and only if no slip twist (v, w)
+//!   extracts more power from the load than friction dissipates:
+//!   `F . v + tau w <= sum c_i |v + w z x r_i|`. The set of carried loads is a Minkowski sum of
+//!   discs. Pure translation gives `|F| <= sum c_i`; for w = +1 and -1 the best `v` solves a
+//!   weighted Fermat-Weber problem with a linear term, solved here by vertex tests and damped
+//!   Newton steps.
 //!
-//! Every margin is in newtons, positive inside, and continuous in the load, so that its zero can be located.
+//! Every margin is in newtons, positive inside, and continuous in the load, so that its zero can be
+//! located.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -16,8 +22,8 @@ pub fn vertex(c: f64, t: &Vector2<f64>) -> f64 {
     c - t.norm()
 }
 
-/// Margin of an edge with capacities `c`, perpendicular tangential forces `across` at its two ends and the sum `along`
-/// of the tangential forces along it.
+/// Margin of an edge with capacities `c`, perpendicular tangential forces `across` at its two ends
+/// and the sum `along` of the tangential forces along it.
 pub fn edge(c: [f64; 2], across: [f64; 2], along: f64) -> f64 {
     let root = |c: f64, t: f64| (c * c - t * t).max(0.0).sqrt();
     let reach = root(c[0], across[0]) + root(c[1], across[1]) - along.abs();
@@ -27,8 +33,11 @@ pub fn edge(c: [f64; 2], across: [f64; 2], along: f64) -> f64 {
 /// A slip twist of a sole: velocity of its reference point and yaw rate times the sole radius.
 pub type Slip = Vector3<f64>;
 
-/// Margin of a face and the twist of least margin, along the load (a sole slips against the friction it carries). `points` gives capacity `c_i` and horizontal position `r_i` (m)
-/// of each vertex; `force` (N) and `yaw` (N m, about the reference point) is the load; `radius` scales the yaw rate.
+/// Margin of a face and the twist of least margin.
+///
+/// The twist points along the load: a sole slips against the friction it carries. `points` gives
+/// capacity `c_i` and horizontal position `r_i` (m) of each vertex. `force` (N) and `yaw` (N m,
+/// about the reference point) are the load; `radius` (m) scales the yaw rate.
 pub fn face(points: &[(f64, Vector2<f64>)], force: &Vector2<f64>, yaw: f64, radius: f64) -> (f64, Slip) {
     let total: f64 = points.iter().map(|p| p.0).sum();
     let size = force.norm();
@@ -52,8 +61,11 @@ pub fn face(points: &[(f64, Vector2<f64>)], force: &Vector2<f64>, yaw: f64, radi
     best
 }
 
-/// Do these tangential forces, one per point, carry the load, each clearly within its capacity? Then the margin of the
-/// face is positive and need not be computed. A load that they do not carry may still be carried by others.
+/// Whether these tangential forces, one per point, carry the load, each clearly within its
+/// capacity.
+///
+/// If so the margin of the face is positive and need not be computed. If not, other forces may
+/// still carry the load.
 pub fn carries(
     points: &[(f64, Vector2<f64>)],
     tangent: &[Vector2<f64>],
@@ -61,7 +73,7 @@ pub fn carries(
     yaw: f64,
     radius: f64,
 ) -> bool {
-    /// Part of the capacity left free, far more than rounding leaves open.
+    /// Fraction of the capacity that must stay unused, far above rounding.
     const SPARE: f64 = 1e-9;
     let (mut sum, mut turn, mut total) = (-*force, -yaw, 0.0);
     for ((c, r), t) in points.iter().zip(tangent) {
@@ -82,13 +94,13 @@ fn fermat_weber(
     force: &Vector2<f64>,
     cost: &impl Fn(&Vector2<f64>) -> f64,
 ) -> Vector2<f64> {
-    // Mostly the minimum is smooth and not far from the middle.
+    // Usually the minimum is smooth and near the weighted mean.
     let total: f64 = points.iter().map(|p| p.0).sum();
     let middle = points.iter().fold(Vector2::zeros(), |sum, (c, r)| sum + place(r) * (c / total));
     if let (v, true) = newton(points, place, force, cost, middle, 8) {
         return v;
     }
-    // A data point is the minimiser iff the pull of all the others stays within its own weight.
+    // A data point is the minimiser if and only if the pull of all others is within its own weight.
     let mut start = Vector2::zeros();
     let mut lowest = f64::INFINITY;
     for (j, (cj, rj)) in points.iter().enumerate() {
@@ -107,14 +119,14 @@ fn fermat_weber(
         let value = cost(&pj);
         if value < lowest {
             lowest = value;
-            // Leave the kink along its steepest descent, so that Newton starts where the cost is smooth.
+            // Start on the steepest descent from the kink, where the cost is smooth.
             start = pj - pull * (1e-3 / pull.norm());
         }
     }
     newton(points, place, force, cost, start, 60).0
 }
 
-/// Damped Newton steps from `v`; with the point reached, whether it is the minimum.
+/// Damped Newton steps from `v`. Returns the last point and whether it is the minimum.
 fn newton(
     points: &[(f64, Vector2<f64>)],
     place: &impl Fn(&Vector2<f64>) -> Vector2<f64>,
@@ -123,9 +135,11 @@ fn newton(
     mut v: Vector2<f64>,
     rounds: usize,
 ) -> (Vector2<f64>, bool) {
-    /// Decrease of the cost, relative to the capacity, from which on it drowns in rounding and full steps are taken.
+    /// Decrease of the cost, relative to the capacity, below which rounding hides it and full steps
+    /// are taken.
     const ROUNDED: f64 = 1e-11;
-    /// Decrease that a step promises when it is the last; being quadratic, it leaves the square of that.
+    /// Predicted decrease of the last step. Convergence is quadratic, so the remaining error is its
+    /// square.
     const LAST: f64 = 1e-18;
     let total: f64 = points.iter().map(|p| p.0).sum();
     for _ in 0..rounds {
@@ -174,7 +188,7 @@ mod tests {
     const R: f64 = 0.05 * std::f64::consts::SQRT_2;
 
     #[test]
-    fn pure_push_and_pure_twist() {
+    fn limits_of_pure_push_and_pure_twist() {
         for angle in [0.0, 0.3, 1.0, 2.5] {
             let push = Vector2::new(f64::cos(angle), f64::sin(angle));
             assert!(face(&square(), &(push * 3.999_999), 0.0, R).0 > 0.0);
@@ -186,8 +200,9 @@ mod tests {
     }
 
     #[test]
-    fn push_leaves_the_known_part_of_the_twist() {
-        // 0.6 of the push limit leaves 0.704 of the twist limit (contact.md, to its three digits).
+    fn a_push_of_six_tenths_leaves_704_thousandths_of_the_twist_limit() {
+        // 0.6 of the push limit leaves 0.704 of the twist limit (docs/contact.md, section 5, to
+        // three digits).
         let (mut lo, mut hi) = (0.0, 1.0);
         for _ in 0..60 {
             let mid = 0.5 * (lo + hi);
@@ -242,14 +257,14 @@ mod tests {
             let carried = carries(&points, &tangent, &force, yaw, R);
             seen[usize::from(carried)] += 1;
             assert!(!carried || face(&points, &force, yaw, R).0 > 0.0, "{k}");
-            // Another load than the forces add up to is not carried by them.
+            // The forces do not carry a load that differs from their sum.
             assert!(!carries(&points, &tangent, &force, yaw + 1e-6, R));
         }
         assert!(seen.iter().all(|&n| n > 100), "{seen:?}");
     }
 
     #[test]
-    fn edge_and_vertex() {
+    fn margins_of_an_edge_and_a_vertex() {
         assert!((edge([5.0, 5.0], [3.0, 4.0], 6.9) - 0.1).abs() < 1e-12);
         assert!(edge([5.0, 1.0], [3.0, 1.1], 0.0) < 0.0);
         assert!((vertex(2.0, &Vector2::new(0.6, 0.8)) - 1.0).abs() < 1e-15);

@@ -1,27 +1,29 @@
-//! How a face shares its load among more than three vertices.
+//! Pressure rule: splits the normal load of a face over its vertices.
 //!
-//! The split of a normal load over k >= 4 vertices is statically indeterminate. Rule (`contact.md` section 3): the
-//! non-negative N of least norm that carries the normal force and the two tilting moments,
+//! The split over k >= 4 vertices is statically indeterminate. Rule (`docs/contact.md`, section 3):
+//! the non-negative N of least norm that carries the normal force and the two tilting moments,
 //!
 //! ```text
 //! min 1/2 |N|^2   with   sum A_i N_i = q,  N_i >= 0,      A_i = (1, x_i / rho, y_i / rho)
 //! ```
 //!
-//! Its optimality conditions give `N_i = max(0, A_i . y)`: a linear pressure cut off at zero. `y` minimises the convex
-//! dual `1/2 sum max(0, A_i . y)^2 - q . y`, here by Newton steps on the active set with step halving.
+//! Its optimality conditions give `N_i = max(0, A_i . y)`: a linear pressure cut off at zero. `y`
+//! minimises the convex dual `1/2 sum max(0, A_i . y)^2 - q . y`, found here by Newton steps on the
+//! active set with step halving.
 
 use crate::contact::model::problem::SoleProblem;
 use nalgebra::{Matrix3, Vector3};
 
-/// A_i of the module comment.
+/// Row A_i of the pressure rule, see the module.
 pub fn basis(sole: &SoleProblem, i: usize) -> Vector3<f64> {
     let r = &sole.vertices[i].r;
     Vector3::new(1.0, r.x / sole.radius, r.y / sole.radius)
 }
 
-/// Splits a face load. `force` is the normal force (N), `moment` the tilting moments about x and y at the reference
-/// point (N m). Fills `normal` (one per vertex, N) and returns true when the centre of pressure lies inside the
-/// polygon; otherwise the plain linear pressure, with negative entries, is left there.
+/// Splits a face load. `force` is the normal force (N), `moment` the tilting moments about x and y
+/// at the reference point (N m). Fills `normal` (one per vertex, N). Returns true if the centre of
+/// pressure is inside the polygon. Otherwise `normal` holds the plain linear pressure, with
+/// negative entries.
 pub fn share(sole: &SoleProblem, force: f64, moment: [f64; 2], normal: &mut [f64]) -> bool {
     // Moments of N_i at (x_i, y_i): M_x = sum y_i N_i, M_y = -sum x_i N_i.
     let q = Vector3::new(force, -moment[1] / sole.radius, moment[0] / sole.radius);
@@ -47,7 +49,8 @@ pub fn share(sole: &SoleProblem, force: f64, moment: [f64; 2], normal: &mut [f64
         y = next;
     }
     (0..k).for_each(|i| normal[i] = basis(sole, i).dot(&y).max(0.0));
-    // With the centre of pressure outside, the damped step settles on something that does not carry the load.
+    // With the centre of pressure outside, the damped steps converge to a pressure that does not
+    // carry the load.
     let carried: Vector3<f64> = (0..k).map(|i| basis(sole, i) * normal[i]).sum();
     let inside = settled && (carried - q).norm() <= 1e-9 * q.norm();
     if !inside {
@@ -74,8 +77,8 @@ fn newton_point(sole: &SoleProblem, q: &Vector3<f64>, at: Option<&Vector3<f64>>)
             gram += a * a.transpose();
         }
     }
-    // A two-vertex active set (centre of pressure on an edge) leaves one direction open; a whisper of damping picks the
-    // least y there and moves N by its relative size, 1e-14.
+    // A two-vertex active set (centre of pressure on an edge) leaves one direction undetermined.
+    // Damping of relative size 1e-14 selects the least y and changes N by as much.
     gram += Matrix3::identity() * (1e-14 * gram.trace());
     gram.cholesky().map(|c| c.solve(q))
 }
@@ -106,13 +109,13 @@ mod tests {
     }
 
     #[test]
-    fn central_load_is_even() {
+    fn a_central_load_is_shared_evenly() {
         let (inside, n) = carry((0.0, 0.0));
         assert!(inside && n.iter().all(|x| (x - 2.5).abs() < 1e-12));
     }
 
     #[test]
-    fn any_load_inside_is_carried_exactly_without_pull() {
+    fn any_load_inside_is_carried_exactly_without_tension() {
         for cop in [(0.3, 0.1), (0.8, 0.7), (0.95, -0.9), (-0.99, 0.0), (0.5, 0.5)] {
             let (inside, n) = carry(cop);
             assert!(inside, "{cop:?}");
@@ -127,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_is_refused() {
+    fn a_centre_of_pressure_outside_is_refused() {
         for cop in [(1.01, 0.0), (1.2, 1.2), (0.0, -3.0)] {
             assert!(!carry(cop).0, "{cop:?}");
         }

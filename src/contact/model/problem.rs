@@ -1,19 +1,21 @@
 //! The reduced contact problem that every method solves.
 //!
-//! `contact.md` section 2, in floor axes (z = floor normal). The motions of the F sole frames answer the sole wrenches
+//! `docs/contact.md`, section 2, in floor axes (z = floor normal). The motions m of the F sole
+//! frames depend on the sole wrenches w through
 //!
 //! ```text
 //! m = b + W w        W = J M^-1 J^T (6F x 6F)
 //! ```
 //!
-//! At the acceleration level `m` are accelerations and `b = a0`; at the velocity level `m` are velocities after an
-//! impulse `w` and `b` those before. Per sole the order is linear 3, angular 3 for motions and force 3, moment 3 for
-//! wrenches, both at the sole's reference point. Vertex i of a sole moves with `m_lin + m_ang x r_i + c_i`, where `c_i`
-//! is the centripetal term `omega x (omega x r_i)` at the acceleration level and zero at the velocity level.
+//! At the acceleration level `m` are accelerations and `b = a0`. At the velocity level `m` are
+//! velocities after an impulse `w`, and `b` those before. Per sole the order is linear 3, angular 3
+//! for motions and force 3, moment 3 for wrenches, both at the sole's reference point. Vertex i of
+//! a sole moves with `m_lin + m_ang x r_i + c_i`, where `c_i` is the centripetal term
+//! `omega x (omega x r_i)` at the acceleration level and zero at the velocity level.
 
 use nalgebra::{Vector2, Vector3};
 
-/// What the motions of a [`Problem`] are.
+/// Level of a [`Problem`]: the meaning of its motions and wrenches.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Level {
     /// Accelerations and forces.
@@ -31,7 +33,8 @@ pub struct Tolerances {
     pub velocity: f64,
     /// a_t, m/s^2.
     pub acceleration: f64,
-    /// Speed below which a sliding vertex counts as at rest, m/s: what the integrator cannot resolve.
+    /// Speed below which a sliding vertex counts as at rest, m/s: what the integrator cannot
+    /// resolve.
     pub rest: f64,
 }
 
@@ -70,12 +73,13 @@ pub struct Vertex {
     pub mu_s: f64,
     /// Kinetic friction coefficient under it.
     pub mu_k: f64,
-    /// Unit direction in which it slides or is about to; zero when it has none.
+    /// Unit direction in which it slides or begins to slide; zero when it has none.
     pub direction: Vector2<f64>,
-    /// True when `direction` is given by its velocity; false when a sliding state must find it from the motion that
-    /// results (slip onset, impact).
+    /// True if the velocity gives `direction`. False if a sliding state must find it from the
+    /// resulting motion (slip onset, impact).
     pub moving: bool,
-    /// At the velocity level: may this vertex meet the floor (in this impact, or before the end of this step)?
+    /// At the velocity level: whether this vertex may meet the floor (in this impact, or before the
+    /// end of this step).
     pub near: bool,
 }
 
@@ -120,25 +124,27 @@ impl Default for Vertex {
 pub struct SoleProblem {
     /// Its vertices in order around the polygon.
     pub vertices: Vec<Vertex>,
-    /// Length that makes moments comparable with forces: the greatest vertex distance from the reference point, m.
+    /// Length that relates moments to forces: the greatest vertex distance from the reference
+    /// point, m.
     pub radius: f64,
-    /// The body it belongs to: soles of one body keep their places to each other.
+    /// Index of its body. Soles of one body do not move relative to each other.
     pub body: usize,
     /// Reference point relative to the floor's origin, floor axes, m.
     pub position: Vector3<f64>,
-    /// Motion wanted along clamped normals: of the reference point, and about x and y (restitution, gap closing).
+    /// Target motion along clamped normals: of the reference point, and about x and y (restitution,
+    /// gap closing).
     pub target: Vector3<f64>,
 }
 
 impl SoleProblem {
-    /// Wanted normal motion of vertex `i`: `(target_lin + target_ang x r_i) . n`.
+    /// Target normal motion of vertex `i`: `(target_lin + target_ang x r_i) . n`.
     pub fn vertex_target(&self, i: usize) -> f64 {
         let r = &self.vertices[i].r;
         self.target.x + self.target.y * r.y - self.target.z * r.x
     }
 }
 
-/// The problem; see the module.
+/// A reduced contact problem; the module page has the equations.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Problem {
     /// Accelerations or velocities.
@@ -147,11 +153,11 @@ pub struct Problem {
     pub w: Vec<f64>,
     /// b, 6F.
     pub b: Vec<f64>,
-    /// The soles.
+    /// Soles, in the order of the rows.
     pub soles: Vec<SoleProblem>,
-    /// A typical load, N or N s (the robot's weight, or its momentum): what a force is small against.
+    /// Typical load, N or N s (the robot's weight or momentum): the scale of rounding and margins.
     pub scale: f64,
-    /// Length of the step that the impulses are spread over, s; zero where there is none.
+    /// Length of the step over which impulses are spread, s; zero without a step.
     pub step: f64,
 }
 

@@ -1,17 +1,20 @@
-//! Residuals of the contact laws, computed from forces, motions and places by nobody who solved for them
-//! (`contact.md` section 12).
+//! Residuals of the contact laws (Signorini, Coulomb, complementarity), computed independently of
+//! every solver.
 //!
-//! | residual | of a right solution zero |
+//! Inputs are forces, motions and positions alone (`docs/contact.md`, section 12).
+//!
+//! | residual | expression, zero for an exact solution |
 //! |---|---|
 //! | Signorini | `max(0, -N)`, `max(0, -gap)`, `|N gap|` of every vertex |
 //! | cone excess | `max(0, |t| - mu N)` of every vertex; of a static edge or face its resultant against what its N can carry |
-//! | dissipation gap | `|mu_k N |v| + t . v|` of every sliding vertex: friction takes all the power it can |
+//! | dissipation gap | `|mu_k N |v| + t . v|` of every sliding vertex: friction dissipates maximally |
 //! | creep speed | `|v|` of every static vertex, and of a pivot |
 //! | resultant gap | sum of the vertex forces minus the sole's wrench |
 //!
-//! with N and t the normal and tangential force, v the sliding velocity, gap the height of a vertex. How a static edge or
-//! face splits its tangential load is a rule, so there the resultant is judged, by the exact capacity of
-//! [`crate::contact::model::friction_capacity`]. Nothing here asks a solver how well it did.
+//! with N and t the normal and tangential force, v the sliding velocity, gap the height of a
+//! vertex. The split of the tangential load of a static edge or face is a rule, so the resultant is
+//! tested against the exact capacity of [`crate::contact::model::friction_capacity`]. The solver's
+//! own verdict is not used.
 
 use crate::contact::model::friction_capacity;
 use crate::contact::model::problem::{Problem, SoleProblem, Vertex};
@@ -20,24 +23,25 @@ use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use nalgebra::{Vector2, Vector3};
 
-/// What the contact laws miss at one instant, greatest over all vertices and soles.
+/// Violation of the contact laws at one instant, greatest over all vertices and soles.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Residual {
     /// Deepest vertex below the floor, m.
     pub penetration: f64,
-    /// Height of the lowest vertex of all, m; infinite without soles. No residual.
+    /// Height of the lowest vertex, m; infinite without soles. This is not a residual.
     pub lift: f64,
     /// Tension the floor exerts on a vertex, N.
     pub tension: f64,
     /// Tangential load beyond the friction capacity, N.
     pub cone_excess: f64,
-    /// Tangential speed of a vertex that is said to stick, m/s.
+    /// Tangential speed of a static vertex, m/s.
     pub creep_speed: f64,
-    /// What maximum dissipation lacks, or exceeds, W.
+    /// Deviation of the friction power from maximum dissipation, W.
     pub dissipation_gap: f64,
     /// Product of normal force and gap, N m.
     pub signorini: f64,
-    /// Distance between the sum of a sole's vertex forces and its wrench, N (moments over the sole's radius).
+    /// Distance between the sum of a sole's vertex forces and its wrench, N (moments over the
+    /// sole's radius).
     pub resultant_gap: f64,
 }
 
@@ -45,8 +49,8 @@ pub struct Residual {
 pub const RESIDUALS: usize = 7;
 
 impl Residual {
-    /// Penetration (m), tension (N), Signorini product (N m), cone excess (N), dissipation gap (W), creep speed (m/s),
-    /// resultant gap (N).
+    /// Penetration (m), tension (N), Signorini product (N m), cone excess (N), dissipation gap (W),
+    /// creep speed (m/s), resultant gap (N).
     pub fn values(&self) -> [f64; RESIDUALS] {
         [
             self.penetration,
@@ -60,8 +64,8 @@ impl Residual {
     }
 }
 
-/// Evaluates the residuals. `solution` must hold wrenches and the forces of all vertices; of `p` only the places,
-/// velocities and friction coefficients of the vertices are read.
+/// Evaluates the residuals. `solution` must hold wrenches and the forces of all vertices; of `p`
+/// only positions, velocities and friction coefficients of the vertices are read.
 pub fn evaluate(p: &Problem, states: &States, solution: &Solution) -> Residual {
     let mut r = Residual { lift: f64::INFINITY, ..Residual::default() };
     for (s, sole) in p.soles.iter().enumerate() {
@@ -127,7 +131,8 @@ impl Residual {
     }
 }
 
-/// How far the load of a static pattern is inside what its normal forces can carry, N; zero for any that is inside.
+/// Distance of the load of a static pattern from the limit that its normal forces allow, N; a load
+/// inside may give zero.
 fn static_margin(
     sole: &SoleProblem,
     pattern: Pattern,
@@ -150,7 +155,8 @@ fn static_margin(
         Pattern::Face => {
             let mut points = [(0.0, Vector2::zeros()); 64];
             (0..k).for_each(|i| points[i] = (carries(i), sole.vertices[i].r.xy()));
-            // The wrench acts; its split over the vertices need not exist when nothing presses them down.
+            // The wrench is tested itself: its split over the vertices need not exist without
+            // normal load.
             let (points, force) = (&points[..k], Vector2::new(wrench[0], wrench[1]));
             match friction_capacity::carries(points, tangent, &force, wrench[5], sole.radius) {
                 true => 0.0,

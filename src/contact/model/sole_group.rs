@@ -1,9 +1,10 @@
-//! Several static soles on one body.
+//! Joint friction capacity of several static soles on one body.
 //!
-//! How two or more sticking soles of one rigid body share their load is statically indeterminate, but whether they hold
-//! is not: they can only slip together. With their clamped vertices taken as one set of points, the capacity of a face
-//! ([`crate::contact::model::friction_capacity::face`]) is that of the group: a tangential force F and yaw moment tau can be carried by some split
-//! iff for every planar slip twist (v, w) of the body `F . v + tau w <= sum mu_s N_i |v + w z x r_i|`.
+//! How sticking soles of one rigid body share their load is statically indeterminate. Whether they
+//! hold is not: they can only slip together. With their clamped vertices as one set of points, the
+//! capacity of a face ([`crate::contact::model::friction_capacity::face`]) is that of the group.
+//! Some split carries a tangential force F and yaw moment tau if and only if for every planar slip
+//! twist (v, w) of the body `F . v + tau w <= sum mu_s N_i |v + w z x r_i|`.
 //!
 //! The normal forces are those of the least-norm solution (see [`crate::linalg::linear`]).
 
@@ -16,18 +17,20 @@ use nalgebra::Vector2;
 /// Most vertices of one group: sixteen soles of eight.
 const MAX_POINTS: usize = 128;
 
-/// What the static soles of a body can still carry together.
+/// Friction margin of the static soles of one body together.
 #[derive(Clone, Copy, Debug)]
 pub struct GroupMargin {
     /// Margin, N.
     pub margin: f64,
-    /// Velocity of the floor's origin in the twist of least margin, against the friction carried, and yaw rate.
+    /// Velocity of the floor's origin in the twist of least margin, against the friction carried,
+    /// and yaw rate.
     linear: Vector2<f64>,
     turn: f64,
 }
 
 impl GroupMargin {
-    /// The twist as slip of sole `s`: velocity of its reference point, and yaw rate times its radius.
+    /// The twist as slip of sole `s`: velocity of its reference point, and yaw rate times its
+    /// radius.
     pub fn slip(&self, p: &Problem, s: usize) -> friction_capacity::Slip {
         let (r, radius) = (&p.soles[s].position, p.soles[s].radius);
         let v = self.linear + Vector2::new(-r.y, r.x) * self.turn;
@@ -40,12 +43,13 @@ pub fn members<'a>(p: &'a Problem, states: &'a States, s: usize) -> impl Iterato
     (0..p.soles.len()).filter(move |&t| states[t].is_static() && p.soles[t].body == p.soles[s].body)
 }
 
-/// Does the static sole `s` hold together with others?
+/// Whether the static sole `s` shares its body with other static soles.
 pub fn is_shared(p: &Problem, states: &States, s: usize) -> bool {
     states[s].is_static() && members(p, states, s).nth(1).is_some()
 }
 
-/// The joint margin of the group of sole `s`; None for more points than [`MAX_POINTS`]. Needs per-vertex normal forces.
+/// Margin of the group of sole `s`; `None` for more points than [`MAX_POINTS`]. Needs the normal
+/// forces of the vertices.
 pub fn group_margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Option<GroupMargin> {
     let mut points = [(0.0, Vector2::zeros()); MAX_POINTS];
     let mut count = 0;
@@ -65,7 +69,7 @@ pub fn group_margin(p: &Problem, states: &States, s: usize, solution: &Solution)
             count += 1;
         }
     }
-    // About the middle of the points, so that far from the floor's origin nothing is lost.
+    // Moments about the mean of the points: no cancellation far from the floor's origin.
     middle /= count as f64;
     yaw -= middle.perp(&force);
     let points = &mut points[..count];

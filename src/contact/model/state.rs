@@ -1,9 +1,10 @@
 //! Contact states of a sole.
 //!
-//! A convex planar sole on a plane touches at nothing, a vertex, an edge or its face, and each touching pattern sticks
-//! or slides: 1 + 2 (k + k + 1) states for k >= 3 vertices (19 for a rectangle), 7 for a line foot, 3 for a point. A
-//! biped on rectangles has 19 x 19 = 361. `Pivoting` refines sliding: the sole turns about one clamped vertex that is
-//! itself at rest; it is reported as dynamic and not counted as a state of its own.
+//! A convex planar sole on a plane is free or touches with a vertex, an edge or its face; each
+//! touching pattern sticks or slides: 1 + 2 (k + k + 1) states for k >= 3 vertices (19 for a
+//! rectangle), 7 for a line foot, 3 for a point. A biped on rectangles has 19 x 19 = 361.
+//! `Pivoting` refines sliding: the sole turns about one clamped vertex at rest. It is reported as
+//! dynamic and not counted as a separate state.
 
 use std::fmt;
 
@@ -46,20 +47,20 @@ pub struct SoleState {
 }
 
 impl SoleState {
-    /// Touches nothing.
+    /// The state of a sole that touches nothing.
     pub const FREE: SoleState = SoleState { pattern: Pattern::Free, mode: Mode::Static };
 
-    /// A sticking pattern.
+    /// The static state of a pattern.
     pub fn fixed(pattern: Pattern) -> Self {
         SoleState { pattern, mode: Mode::Static }
     }
 
-    /// A sliding pattern.
+    /// The sliding state of a pattern.
     pub fn sliding(pattern: Pattern) -> Self {
         SoleState { pattern, mode: Mode::Sliding }
     }
 
-    /// Is vertex `i` of `k` clamped?
+    /// Whether vertex `i` of `k` is clamped.
     pub fn clamps(self, i: usize, k: usize) -> bool {
         match self.pattern {
             Pattern::Free => false,
@@ -69,17 +70,17 @@ impl SoleState {
         }
     }
 
-    /// Does the sole slide?
+    /// Whether the sole slides.
     pub fn is_dynamic(self) -> bool {
         self.pattern != Pattern::Free && self.mode != Mode::Static
     }
 
-    /// Does it touch and stick?
+    /// Whether the sole touches and sticks.
     pub fn is_static(self) -> bool {
         self.pattern != Pattern::Free && self.mode == Mode::Static
     }
 
-    /// Degrees of freedom that the normal direction takes away: 0 free, 1 vertex, 2 edge, 3 face.
+    /// Number of normal constraints: 0 free, 1 vertex, 2 edge, 3 face.
     pub fn normal_rows(self) -> usize {
         match self.pattern {
             Pattern::Free => 0,
@@ -109,7 +110,8 @@ impl SoleState {
         vertices.chain(edges).chain((k > 2).then_some(Pattern::Face))
     }
 
-    /// Every state with its refinements: those of [`all`](Self::all) and turning about each clamped vertex.
+    /// Every state with its refinements: those of [`all`](Self::all) and turning about each clamped
+    /// vertex.
     pub fn refined(k: usize) -> impl Iterator<Item = SoleState> {
         let pivots = Self::patterns(k).filter(|p| !matches!(p, Pattern::Vertex(_))).flat_map(move |pattern| {
             let about = move |j: usize| SoleState { pattern, mode: Mode::Pivoting(j as u8) };
@@ -159,7 +161,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts() {
+    fn numbers_of_states_by_number_of_vertices() {
         for (k, n) in [(1, 3), (2, 7), (3, 15), (4, 19), (6, 27)] {
             assert_eq!(SoleState::all(k).count(), n, "{k} vertices");
         }

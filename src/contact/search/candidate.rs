@@ -1,7 +1,7 @@
-//! One candidate: given a contact state for every sole, the wrenches and motions that follow.
+//! Solves one candidate: wrenches and motions for a given contact state of every sole.
 //!
-//! Each clamped sole brings unknowns x (columns B, a wrench each) and as many conditions (rows R) on its motion, so
-//! that with `m = b + W w`, `w = B x` (see [`crate::contact::model::problem`])
+//! Each clamped sole adds unknowns x (columns B, a wrench each) and as many conditions (rows R) on
+//! its motion. With `m = b + W w`, `w = B x` (see [`crate::contact::model::problem`])
 //!
 //! ```text
 //! R W B x = target - R (b + c)
@@ -12,11 +12,12 @@
 //! | vertex static | force at the vertex | its motion is zero |
 //! | edge static | force at one end; normal and crosswise force at the other | no motion but rotation about the edge |
 //! | face static | the whole wrench | no motion |
-//! | sliding | normal forces, each with friction `-mu_k N_i u_i` | no normal motion of the pattern |
+//! | sliding | normal forces, each with Coulomb friction `-mu_k N_i u_i` | no normal motion of the pattern |
 //! | pivoting | as sliding, and a free tangential force at the pivot | as sliding, and no tangential motion there |
 //!
-//! The sliding systems are not symmetric and are solved as they are. A sliding face follows the pressure rule of
-//! [`crate::contact::model::pressure`]: `N_i = max(0, A_i . y)`, its unknowns are y and the set of loaded vertices is iterated.
+//! The sliding systems are not symmetric and are solved as they are. A sliding face follows the
+//! pressure rule of [`crate::contact::model::pressure`]: `N_i = max(0, A_i . y)`. Its unknowns are
+//! y; the set of loaded vertices is iterated.
 
 use crate::contact::model::pressure;
 use crate::contact::model::problem::{Problem, SoleProblem};
@@ -35,7 +36,7 @@ pub struct Kernel {
     rows: Vec<(usize, Six, f64)>,
     /// W B, one column after the other, each 6F long.
     wb: Vec<f64>,
-    /// R W B, or its factors after a solve, of this size.
+    /// R W B of order `size`, or its factors after a solve.
     a: Vec<f64>,
     size: usize,
     x: Vec<f64>,
@@ -88,8 +89,9 @@ impl Kernel {
         }
     }
 
-    /// Solves a candidate for wrenches and motions, with the sliding directions as they stand in the problem. The
-    /// normal forces of sliding soles are filled too; those of static ones by [`share_static`].
+    /// Solves a candidate for wrenches and motions, with the sliding directions in the problem.
+    /// Normal forces of sliding soles are filled in; [`share_static`] fills in those of static
+    /// soles.
     pub fn solve(&mut self, p: &Problem, states: &States, out: &mut Solution) {
         self.loaded = [u64::MAX; MAX_SOLES];
         out.inside = [true; MAX_SOLES];
@@ -106,9 +108,12 @@ impl Kernel {
         }
     }
 
-    /// The set of loaded vertices of a sliding face feeds back on itself through friction, and the iteration may miss the
-    /// set that reproduces itself. Linear pressure is positive on one side of a line, so the sets are runs of neighbours:
-    /// they are tried, the longest first. Without success the last solution is restored.
+    /// Tries every run of neighbouring vertices as the loaded set of a sliding face, the longest
+    /// first.
+    ///
+    /// Friction feeds back on the loaded set, so the iteration may miss a consistent set. Linear
+    /// pressure is positive on one side of a line, hence the sets are runs of neighbours. Without
+    /// success the last solution is restored.
     fn try_arcs(&mut self, p: &Problem, states: &States, s: usize, out: &mut Solution) {
         let k = p.soles[s].vertices.len();
         let kept = (self.loaded, out.inside);
@@ -167,8 +172,8 @@ impl Kernel {
         }
     }
 
-    /// How the motions answer a small wrench `six` on sole `s` while the conditions of the last solve go on holding:
-    /// `motion` (6F) = W e + W B x' with R W (e + B x') = 0.
+    /// Response of the motions to a small wrench `six` (e) on sole `s` under the conditions of the
+    /// last solve: `motion` (6F) = W e + W B x' with R W (e + B x') = 0.
     pub fn answer(&mut self, p: &Problem, s: usize, six: &[f64; 6], motion: &mut [f64]) {
         let (dim, n) = (p.dim(), self.size);
         for (i, m) in motion.iter_mut().enumerate() {
@@ -237,7 +242,7 @@ impl Kernel {
         }
     }
 
-    /// A free force at a vertex along `d`, and no motion of the vertex along `d`.
+    /// Adds an unknown force at a vertex along `d`, and the condition of no motion along `d`.
     fn tie(&mut self, s: usize, sole: &SoleProblem, i: usize, d: &Vector3<f64>) {
         let v = &sole.vertices[i];
         let six = wrench_at(&v.r, d);
@@ -245,15 +250,15 @@ impl Kernel {
         self.rows.push((s, six, d.z * sole.vertex_target(i) - d.dot(&v.bias)));
     }
 
-    /// A normal force with its friction at a vertex, and no normal motion of the vertex.
+    /// Adds a normal force with its friction at a vertex, and the condition on its normal motion.
     fn slide(&mut self, s: usize, sole: &SoleProblem, i: usize, mode: Mode) {
         let v = &sole.vertices[i];
         self.columns.push((s, sliding_wrench(sole, i, mode)));
         self.rows.push((s, wrench_at(&v.r, &Vector3::z()), sole.vertex_target(i) - v.bias.z));
     }
 
-    /// Reads the normal forces of sliding soles; true when a face's set of loaded vertices changed and the candidate
-    /// must be solved again.
+    /// Reads the normal forces of sliding soles. Returns true if the loaded set of a face changed,
+    /// so that the candidate must be solved again.
     fn reload(&mut self, p: &Problem, states: &States, out: &mut Solution, give_up: bool) -> bool {
         let mut again = false;
         for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| states[*s].is_dynamic()) {
@@ -278,8 +283,9 @@ impl Kernel {
                     let all = u64::MAX >> (64 - k);
                     let settled = positive == self.loaded[s] & all || out.normal[s].iter().all(|&n| n == 0.0);
                     if !settled && out.inside[s] {
-                        // On fewer than three vertices the centre of pressure has left the polygon; the forces of the
-                        // last set then go on smoothly, with a negative one, so that the instant can be located.
+                        // With fewer than three loaded vertices the centre of pressure has left the
+                        // polygon. The forces of the last set continue smoothly, one of them
+                        // negative, so that the event can be located.
                         out.inside[s] = !give_up && positive.count_ones() >= 3;
                         if out.inside[s] {
                             self.loaded[s] = positive;
@@ -335,8 +341,8 @@ pub fn share_static(p: &Problem, states: &States, out: &mut Solution) {
     }
 }
 
-/// Load of a static edge: normal forces of its two ends, tangential forces across it at the two ends, the sum along it
-/// and the horizontal unit vector along it.
+/// Load of a static edge: normal forces of its two ends, tangential forces across it at the two
+/// ends, the sum along it and the horizontal unit vector along it.
 pub fn edge_load(sole: &SoleProblem, i: usize, j: usize, w: &[f64]) -> ([f64; 2], [f64; 2], f64, Vector2<f64>) {
     let (ri, rj) = (&sole.vertices[i].r, &sole.vertices[j].r);
     let d = (rj - ri).xy();
@@ -352,7 +358,8 @@ pub fn edge_load(sole: &SoleProblem, i: usize, j: usize, w: &[f64]) -> ([f64; 2]
     ([f.z - normal_j, normal_j], [f.xy().dot(&across) - side_j, side_j], f.xy().dot(&along), along)
 }
 
-/// Tangential forces proportional to the normal ones times a common translation and rotation field that carry (t, yaw).
+/// Tangential forces proportional to the normal ones times a common translation and rotation field
+/// that carry (t, yaw).
 pub fn share_tangent(sole: &SoleProblem, t: Vector2<f64>, yaw: f64, normal: &[f64], out: &mut [Vector2<f64>]) {
     let sum: f64 = normal.iter().sum();
     if sum <= 0.0 {

@@ -1,10 +1,14 @@
-//! Is a candidate valid, and if not, what is wrong with it? (`contact.md` section 4.)
+//! Judges a solved candidate: validity and violations (`docs/contact.md`, section 4).
 //!
-//! Criteria in order of importance: *geometric* (nothing unclamped below the floor, nothing clamped above it),
-//! *kinematic* (no unclamped vertex driven into the floor, no clamped one that pulls or separates), *friction* (loads
-//! inside the exact capacity; sliding opposed). Each level adds up its violations in units of its tolerance. At the
-//! velocity level the kernel's answer needs no anti-chatter band, so there an unclamped touching vertex must not
-//! approach at all beyond rounding.
+//! Criteria in order of importance:
+//!
+//! 1. *geometric*: no unclamped vertex below the floor, no clamped one above it;
+//! 2. *kinematic* (Signorini): no unclamped vertex driven into the floor, no clamped one that pulls
+//!    or separates;
+//! 3. *friction* (Coulomb): loads inside the exact capacity, sliding opposed.
+//!
+//! Each level sums its violations in units of its tolerance. At the velocity level no anti-chatter
+//! band is needed: an unclamped touching vertex must not approach beyond rounding.
 
 use crate::contact::model::friction_capacity::{self, Slip};
 use crate::contact::model::problem::{Level, Problem, SoleProblem, TOUCHING, Tolerances, Vertex};
@@ -16,28 +20,28 @@ use crate::contact::search::sliding_directions::Onset;
 use nalgebra::{Vector2, Vector3};
 use std::cmp::Ordering;
 
-/// What is wrong with one sole of a candidate.
+/// Violations of one sole of a candidate, by kind.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Faults {
     /// Unclamped vertices that enter the floor, one bit each.
     pub penetrating: u64,
     /// Unclamped vertices that touch and do not leave, one bit each.
     pub resting: u64,
-    /// The floor would have to pull, or a clamped vertex is above the floor or leaving it.
+    /// Whether the floor would have to pull, or a clamped vertex is above the floor or leaves it.
     pub pulling: bool,
-    /// The friction law does not allow it.
+    /// Whether the friction law is violated.
     pub friction: bool,
 }
 
-/// How far each sole is from leaving its state, in units of [`Problem::scale`]; positive inside.
+/// Distance of a sole from leaving its state, in units of [`Problem::scale`]; positive inside.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Margin {
-    /// Until the floor would have to pull: least vertex load, or for a face load times the distance of the centre of
-    /// pressure from the border over the sole radius.
+    /// Distance from a pulling floor: least vertex load, or for a face load times the distance of
+    /// the centre of pressure from the border over the sole radius.
     pub normal: f64,
-    /// Until a static pattern slips, or a pivot does.
+    /// Distance from slip of a static pattern or a pivot.
     pub friction: f64,
-    /// The slip twist with least margin: how the sole gives way, against the friction it carries.
+    /// Slip twist of least margin, in which the sole gives way against the friction it carries.
     pub slip: Slip,
 }
 
@@ -50,26 +54,30 @@ impl Default for Margin {
 /// A judged candidate.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Verdict {
-    /// Violations: geometric, kinematic, friction.
+    /// Violations by level: geometric, kinematic, friction.
     pub levels: [f64; 3],
-    /// Tie-breakers among equals: unclamped vertices that neither carry nor leave, normal rows, number of dynamic soles,
-    /// rows, soles that changed state.
+    /// Tie-breakers among equals: unclamped vertices that neither carry nor leave, normal rows,
+    /// number of dynamic soles, rows, soles that changed state.
     pub rank: [usize; 5],
-    /// What the floor does to the motion, `w . W w`: the last tie-breaker, independent of how soles and vertices are listed.
+    /// Action of the floor, `w . W w`: the last tie-breaker, independent of the order of soles and
+    /// vertices.
     pub action: f64,
-    /// By sole.
+    /// Violations by sole.
     pub faults: [Faults; MAX_SOLES],
 }
 
 impl Verdict {
-    /// No violation at all.
+    /// Whether there is no violation.
     pub fn valid(&self) -> bool {
         self.levels == [0.0; 3]
     }
 
-    /// Better candidates are less. A touching vertex that stays on the floor anyway had better be clamped: on a body with
-    /// more feet than it needs, the fewest that carry it would be an accident of their order. Fewer clamped normals come before sticking before sliding: counting rows alone would
-    /// prefer slip onset (3 rows) to a face that sticks within its capacity (6 rows).
+    /// Orders candidates; the better one is less.
+    ///
+    /// A touching vertex that stays on the floor is better clamped: on a body with more feet than
+    /// it needs, the fewest that carry it would depend on their order. Fewer clamped normals count
+    /// first, then sticking before sliding: rows alone would prefer slip onset (3 rows) to a face
+    /// that sticks within its capacity (6 rows).
     pub fn compare(&self, other: &Verdict) -> Ordering {
         self.levels
             .iter()
@@ -81,41 +89,43 @@ impl Verdict {
     }
 }
 
-/// What a clamped vertex may miss of the normal velocity asked of it, relative to the greatest speed: far above the rounding
-/// of any solve, far below what contradicting demands leave.
+/// Allowed deviation of a clamped vertex from its target normal velocity, relative to the greatest
+/// speed: far above rounding, far below the deviation that contradicting targets cause.
 const MISSED: f64 = 1e-6;
 
-/// Order of two numbers that differ by more than the order of summation can.
+/// Order of two numbers; differences that the order of summation can cause count as equal.
 fn clearly(a: f64, b: f64) -> Ordering {
     if (a - b).abs() <= 1e-9 * (a.abs() + b.abs()) { Ordering::Equal } else { a.total_cmp(&b) }
 }
 
-/// What the judge needs to know besides the candidate.
+/// Inputs of the judge other than the candidate.
 #[derive(Clone, Copy, Debug)]
 pub struct Rules {
     /// The scenario's tolerances.
     pub tolerances: Tolerances,
-    /// States before.
+    /// Previous states.
     pub previous: States,
-    /// Soles whose previous state an event has just put at the limit of its load: bit 0 normal, bit 1 friction. Their
-    /// margin must then be clearly positive for that state to be kept.
+    /// Soles whose previous state an event has just put at the limit of its load: bit 0 normal, bit
+    /// 1 friction. Their margin must then be clearly positive for that state to be kept.
     pub suspect: [u8; MAX_SOLES],
-    /// May an unclamped vertex that leaves the floor at up to v_t go, though it will come back? Such hops are stopped to
-    /// keep bouncing finite; where no valid state stops them they are real.
+    /// Whether an unclamped vertex may leave the floor at up to v_t although it will return. Such
+    /// hops are normally stopped to keep bouncing finite; where no valid state stops them they are
+    /// real.
     pub hops: bool,
 }
 
-/// Suspect for its normal load.
+/// Bit of `Rules::suspect`: the normal load is in doubt.
 pub const SUSPECT_NORMAL: u8 = 1;
-/// Suspect for its friction load.
+/// Bit of `Rules::suspect`: the friction load is in doubt.
 pub const SUSPECT_FRICTION: u8 = 2;
 
-/// Rounding allowed in margins, relative to the load scale: solves with condition numbers up to about 1e4.
+/// Rounding allowed in margins, relative to the load scale: solves with condition numbers up to
+/// about 1e4.
 const ROUNDING: f64 = 1e-12;
 /// Margin that clears a suspicion, relative to the load scale.
 pub const CLEAR: f64 = 1e-9;
 
-/// Judges a solved candidate. `slides` tells for each sole whether the implicit sliding directions were found.
+/// Judges a solved candidate. `slides` is true if all undetermined sliding directions were found.
 pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, rules: &Rules) -> Verdict {
     let tol = &rules.tolerances;
     let mut verdict = Verdict { levels: [0.0; 3], rank: [0; 5], action: 0.0, faults: [Faults::default(); MAX_SOLES] };
@@ -130,15 +140,17 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             let clamped = state.clamps(i, k);
             let (geometric, kinematic) = match p.level {
                 Level::Acceleration => at_rest_level(v, clamped, motion, tol, rules.hops),
-                // What counts is where the vertex goes after the impulse.
+                // The motion after the impulse decides.
                 Level::Velocity if clamped => {
-                    // Redundant soles may be asked for rebounds that contradict each other; what is missed must show.
+                    // Redundant soles may have contradicting rebound targets; the deviation counts
+                    // as a violation.
                     let missed = (motion - sole.vertex_target(i)).abs() / speed;
                     let far = if v.near { 0.0 } else { 1.0 + v.height.max(0.0) / tol.distance };
                     (far, if missed > MISSED { missed } else { 0.0 })
                 }
                 Level::Velocity => {
-                    // Above the floor, within d of it, an approach up to v_t may wait until it gets there.
+                    // Above the floor and within d of it, an approach up to v_t is tolerated until
+                    // the vertex arrives.
                     let patience = if v.height > TOUCHING { tol.velocity } else { 0.0 };
                     let short = (sole.vertex_target(i) - motion - patience) / speed;
                     (0.0, if v.near && short > 1e-10 { short } else { 0.0 })
@@ -159,10 +171,12 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             continue;
         }
         let normal = normal_margin(p, state, s, solution);
-        // In another state its friction is another; what it lost of its normal load, a smaller pattern may lack as well.
+        // In another state the friction differs; a lost normal load may also be missing in a
+        // smaller pattern.
         let suspect = rules.suspect[s] & if state == rules.previous[s] { u8::MAX } else { SUSPECT_NORMAL };
         let floor = |bit: u8| if suspect & bit != 0 { CLEAR } else { -ROUNDING };
-        // A face whose pressure rule gave up holds negative forces, wherever its centre of pressure is.
+        // A face whose pressure rule failed has negative forces, wherever its centre of pressure
+        // is.
         if !(normal >= floor(SUSPECT_NORMAL)) || !solution.inside[s] {
             verdict.levels[1] += 1.0 + (-normal).max(0.0);
             faults.pulling = true;
@@ -172,7 +186,8 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             Mode::Sliding => true,
             Mode::Pivoting(j) => !sole.vertices[j as usize].moving,
         };
-        // Mostly the forces at hand show that the load is carried, and how far it is from slipping need not be known.
+        // Usually the vertex forces already show that the load is carried; the margin is then not
+        // needed.
         let certain = suspect & SUSPECT_FRICTION == 0 && carried(p, states, s, solution);
         let friction = if certain { 0.0 } else { margin(p, states, s, solution).friction };
         if !legal || (state.is_dynamic() && !slides) || !(friction >= floor(SUSPECT_FRICTION)) {
@@ -203,14 +218,14 @@ fn at_rest_level(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances, hops:
         } else {
             0.0
         };
-        // One that an event has found at the edge of the band may go on there.
+        // A vertex that an event found at the edge of the band may continue there.
         let deep = v.height < -(tol.distance + TOUCHING);
         (if deep && speed <= 0.0 { -height } else { 0.0 }, kinematic)
     }
 }
 
-/// Margins of one sole in its state; see [`Margin`]. Needs the per-vertex forces of the solution. Static soles of one body
-/// have the friction margin of their group.
+/// Margins of one sole in its state. Needs the vertex forces of the solution. Static soles of one
+/// body have the friction margin of their group.
 pub fn margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Margin {
     let state = states[s];
     let sole = &p.soles[s];
@@ -279,11 +294,12 @@ fn normal_margin(p: &Problem, state: SoleState, s: usize, solution: &Solution) -
             border(sole, n.iter().sum(), [moment(0), moment(1)])
         }
     } / p.scale;
-    // No non-negative pressure carries such a load, wherever its centre is.
+    // No non-negative pressure carries this load, wherever its centre of pressure is.
     if solution.inside[s] { margin } else { margin.min(-ROUNDING) }
 }
 
-/// Do the vertex forces of a static face show that its friction carries the load? No says nothing.
+/// Whether the vertex forces of a static face prove that friction carries the load. False proves
+/// nothing.
 pub fn carried(p: &Problem, states: &States, s: usize, solution: &Solution) -> bool {
     let sole = &p.soles[s];
     let w = &solution.wrench[6 * s..6 * s + 6];
@@ -296,8 +312,8 @@ pub fn carried(p: &Problem, states: &States, s: usize, solution: &Solution) -> b
         && friction_capacity::carries(points, &solution.tangent[s], &Vector2::new(w[0], w[1]), w[5], sole.radius)
 }
 
-/// The directions in which the vertices of a sole give way whose friction load in `state` is at its limit. Vertices that
-/// go on holding, as the centre of a turn, are left out.
+/// Slip directions of the vertices of a sole whose friction load is at its limit. Vertices that
+/// hold, such as the centre of a turn, are left out.
 pub fn onset(p: &Problem, states: &States, s: usize, solution: &Solution, out: &mut Onset) {
     let state = states[s];
     let sole = &p.soles[s];
@@ -317,7 +333,8 @@ pub fn onset(p: &Problem, states: &States, s: usize, solution: &Solution, out: &
             let room = [0, 1].map(|c| (capacity[c] * capacity[c] - side[c] * side[c]).max(0.0).sqrt());
             let spare = [0, 1].map(|c| capacity[c] - side[c].abs());
             let reach = room[0] + room[1] - along.abs();
-            // Either the whole edge gives way along itself, or one end across it, turning about the other.
+            // Either the whole edge slips along itself, or one end slips across it and turns about
+            // the other.
             for (c, vertex) in [i, j].into_iter().enumerate() {
                 if reach <= spare[0].min(spare[1]) {
                     out.against(vertex, &(across * side[c] + unit * (room[c] * along.signum())));
@@ -330,7 +347,7 @@ pub fn onset(p: &Problem, states: &States, s: usize, solution: &Solution, out: &
             let slip = margin(p, states, s, solution).slip;
             for (i, v) in sole.vertices.iter().enumerate().filter(|(i, _)| state.clamps(*i, k)) {
                 let motion = slip.xy() + Vector2::new(-v.r.y, v.r.x) * (slip.z / sole.radius);
-                // What does not move in the twist of least margin is its centre.
+                // A vertex that does not move in the twist of least margin is its centre.
                 if motion.norm() > 1e-9 * slip.norm() {
                     out.against(i, &-motion);
                 }
@@ -339,8 +356,8 @@ pub fn onset(p: &Problem, states: &States, s: usize, solution: &Solution, out: &
     }
 }
 
-/// Least over the polygon's edges of load times distance of the centre of pressure inside the edge, over the radius.
-/// `moment` is the first moment of the pressure, sum of r N, in x and y.
+/// Load times the least distance of the centre of pressure from the polygon's edges (positive
+/// inside), over the radius. `moment` is the first moment of the pressure, sum of r N, in x and y.
 fn border(sole: &SoleProblem, load: f64, moment: [f64; 2]) -> f64 {
     let k = sole.vertices.len();
     let first = Vector2::new(moment[0], moment[1]);

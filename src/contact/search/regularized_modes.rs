@@ -1,9 +1,11 @@
-//! Which vertices stick and which slip, for given clamped patterns.
+//! Finds which vertices stick and which slip, for given clamped patterns, by regularized friction.
 //!
-//! The friction law is given a little viscosity, `u_i = t_i / sqrt(|t_i|^2 + e^2)`, with t_i the tangential motion of vertex i
-//! and `-mu_k N_i u_i` its friction, and the solution is followed as e goes to zero: the vertices that slip keep a motion,
-//! those that stick follow e. At every e the equations `s = G(s)` of [`crate::contact::search::sliding_directions`] are smooth; Newton steps with the
-//! candidate solve's own Jacobian keep to the path, with strides that shorten where it bends.
+//! The friction law gets a small viscosity e, `u_i = t_i / sqrt(|t_i|^2 + e^2)`, with t_i the
+//! tangential motion of vertex i and `-mu_k N_i u_i` its friction. The solution is followed as e
+//! goes to zero (a homotopy): vertices that slip keep a motion, vertices that stick follow e. At
+//! every e the equations `s = G(s)` of [`crate::contact::search::sliding_directions`] are smooth;
+//! Newton steps with the candidate solve's own Jacobian follow the path; strides shorten where it
+//! bends.
 
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
@@ -15,21 +17,22 @@ use crate::contact::search::sliding_directions::{
 };
 use nalgebra::Vector3;
 
-/// Viscosity at which the path to none ends, relative to the frictionless motion.
+/// Viscosity at which the path ends, relative to the frictionless motion.
 const LEAST: f64 = 1e-12;
 
-/// Strides of the viscosity: the usual, and the shortest that is tried.
+/// Factors of the viscosity per stride: the default, and the shortest stride.
 const PACE: f64 = 0.2;
 const SHORTEST: f64 = 0.9;
 
-/// Viscosity from which on the path may end early.
+/// Viscosity from which the path may end early.
 const ENOUGH: f64 = 1e-8;
 
 /// Rounding of a candidate solve, relative to the frictionless motion.
 const ROUNDING: f64 = 3e-14;
 
 impl DirectionFinder {
-    /// Follows the slips of the clamped patterns of `states` as viscosity goes to zero. None when the path is lost.
+    /// Follows the slips of the clamped patterns of `states` as viscosity goes to zero. `None` if
+    /// the path is lost.
     pub fn regularized_modes(
         &mut self,
         kernel: &mut Kernel,
@@ -75,7 +78,8 @@ impl DirectionFinder {
                 });
                 factor = (factor * factor).max(PACE);
             } else {
-                // Once more from the last point with a shorter stride; rounding ends the path where vertices stick fast.
+                // Retry from the last point with a shorter stride. Rounding ends the path where
+                // vertices stick.
                 (slips, search.points) = start;
                 let last = reached.as_ref()?.viscosity;
                 if last <= ENOUGH * drive || factor > SHORTEST {
@@ -90,11 +94,11 @@ impl DirectionFinder {
     }
 }
 
-/// Slips at hardly any viscosity.
+/// Slips at the least viscosity reached.
 pub struct RegularizedSlips {
-    /// The patterns, all as sliding.
+    /// The clamped patterns, all sliding.
     all: States,
-    /// How the soles slip, at the means of their vertices.
+    /// Slips of the soles, at the means of their vertices.
     pub slips: Slips,
     /// The same at `points`.
     at_points: Slips,
@@ -103,7 +107,7 @@ pub struct RegularizedSlips {
 }
 
 impl RegularizedSlips {
-    /// The modes, when vertices that move up to so many times the viscosity are said to stick.
+    /// Modes of the soles; vertices that move at most `threshold` times the viscosity stick.
     pub fn modes(&self, p: &Problem, threshold: f64) -> States {
         let mut modes = self.all;
         for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| self.all[*s].pattern != Pattern::Free) {
@@ -127,7 +131,7 @@ impl RegularizedSlips {
 }
 
 impl DirectionSearch<'_> {
-    /// Takes the slip of each sole at its slowest open vertex, if that is slow.
+    /// Moves the slip point of each sole to its slowest open vertex, if that is slow.
     fn replace(&mut self, slips: &mut Slips) {
         for &s in self.which {
             let centre = slip_point(self.p, self.states, s, self.points[s]).0;
@@ -144,7 +148,7 @@ impl DirectionSearch<'_> {
         }
     }
 
-    /// Newton steps at the present viscosity, to a tenth of it.
+    /// Newton steps at the current viscosity, to a tenth of it.
     fn approach(&mut self, mut slips: Slips, out: &mut Solution) -> Option<Slips> {
         let mut image = self.evaluate(&slips, out);
         for _ in 0..40 {

@@ -1,11 +1,16 @@
-//! Finding the contact state: a best-first search over candidates (`contact.md` section 4, the paper's section III.A).
+//! Selects the contact state by a best-first search over candidates (`docs/contact.md`, section 4;
+//! [Hale 2008], section III.A).
 //!
-//! The search starts from the state that continuity suggests. Candidates wait in a priority queue ordered by
-//! [`Verdict::compare`]; the best is expanded by the local moves that its faults suggest, never the same candidate
-//! twice. It stops at the first valid candidate that none of its smaller neighbours beats. If the queue runs dry
-//! without one, the search is repeated over clamped patterns whose modes are solved for ([`crate::contact::search::regularized_modes`]), then with
-//! slow hops allowed, and at last all states of all soles are tried; if none is valid the least violating is returned and
-//! the selection says so.
+//! The search starts from the state that continuity suggests. Candidates wait in a priority queue
+//! ordered by [`Verdict::compare`]. The best is expanded by the local moves that its faults
+//! suggest; no candidate is tested twice. The search ends at the first valid candidate that none of
+//! its smaller neighbours beats. If the queue empties first:
+//!
+//! 1. the search is repeated over clamped patterns, with modes from
+//!    [`crate::contact::search::regularized_modes`];
+//! 2. both are repeated with slow hops allowed;
+//! 3. all states of all soles are tried;
+//! 4. the least violating candidate is returned, marked as inconsistent.
 
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::Solution;
@@ -23,14 +28,14 @@ const ENUMERABLE: usize = 20_000;
 struct Entry {
     states: States,
     verdict: Verdict,
-    /// How its soles slip, for the directions to be found again.
+    /// Slips of its soles, from which its directions are found again.
     slips: Slips,
-    /// Were its directions sought from a unchanged start?
+    /// Whether its directions were found from a regularized start.
     guessed: bool,
     expanded: bool,
 }
 
-/// Outcome of a selection; wrenches and forces are in the solution that was passed in.
+/// Outcome of a selection. Wrenches and forces are in the solution passed in.
 #[derive(Clone, Copy, Debug)]
 pub struct Selection {
     /// The states chosen.
@@ -39,18 +44,18 @@ pub struct Selection {
     pub tested: usize,
     /// False when no candidate was valid.
     pub consistent: bool,
-    /// How it was judged.
+    /// Verdict on the chosen states.
     pub verdict: Verdict,
 }
 
-/// The search and its scratch.
+/// The state search, with its scratch.
 #[derive(Clone, Debug)]
 pub struct Selector {
     kernel: Kernel,
     finder: DirectionFinder,
-    /// Slips to start from when directions are sought, beside those that the loads suggest.
+    /// First guess of slips for directions, in addition to those that the loads suggest.
     guess: Option<Slips>,
-    /// How soles give way whose load an event has put at its limit.
+    /// Slip onset of soles whose load an event has put at its limit.
     onset: Vec<Onset>,
     queue: Vec<Entry>,
     /// Clamped patterns whose modes have been solved for.
@@ -70,14 +75,14 @@ impl Selector {
         }
     }
 
-    /// The candidate solve, for the states that were chosen.
+    /// The candidate solver, which has solved the chosen states.
     pub fn kernel(&mut self) -> &mut Kernel {
         &mut self.kernel
     }
 
     /// Solves and judges one candidate.
     pub fn test(&mut self, p: &mut Problem, states: &States, rules: &Rules, out: &mut Solution) -> Verdict {
-        // A static load beyond its capacity tells in which direction it gives way.
+        // A static load beyond its capacity gives the direction of slip.
         let mut hint = [Vector3::zeros(); MAX_SOLES];
         if (0..p.soles.len()).any(|s| sliding_directions::is_implicit(p, states, s)) {
             let mut stuck = *states;
@@ -97,9 +102,10 @@ impl Selector {
         judge(p, states, out, slides, rules)
     }
 
-    /// Selects the states. `start` is tried first; unless `unchanged` (nothing happened since it was chosen), smaller
-    /// neighbours of a valid candidate are tried too. `out` holds the solution of the states before. `allowed` restricts
-    /// the states of each sole (forced states).
+    /// Selects the states. `start` is tried first. Smaller neighbours of a valid candidate are
+    /// tried too, unless `unchanged` is set: no event since `start` was chosen. `out` holds the
+    /// solution of the previous states. `allowed` restricts the states of each sole (forced
+    /// states).
     pub fn select(
         &mut self,
         p: &mut Problem,
@@ -122,7 +128,7 @@ impl Selector {
         self.explore(p, unchanged, false, rules, allowed, &mut tested, out);
         let mut best = self.best();
         if !best.verdict.valid() {
-            // Again from the best, patterns only: what sticks and what slips is then solved for.
+            // Search again from the best over patterns alone; the modes are solved for.
             self.queue.iter_mut().for_each(|e| e.expanded = true);
             self.complete(p, &best.states, rules, allowed, &mut tested, out);
             self.explore(p, false, true, rules, allowed, &mut tested, out);
@@ -196,7 +202,7 @@ impl Selector {
                         self.push(p, &next, rules, tested, out);
                     }
                 }
-                // Soles of one body begin and stop slipping together.
+                // Soles of one body begin and end slipping together.
                 let others = (0..p.soles.len()).filter(|&t| t != s && p.soles[t].body == p.soles[s].body);
                 if faults.friction && !completing && others.clone().any(|t| entry.states[t] != SoleState::FREE) {
                     let mut next = entry.states;
@@ -212,7 +218,7 @@ impl Selector {
         }
     }
 
-    /// Tests the patterns of `states` with the modes that follow from them.
+    /// Tests the patterns of `states` with the modes that regularized friction gives them.
     fn complete(
         &mut self,
         p: &mut Problem,
@@ -230,11 +236,11 @@ impl Selector {
         self.patterns.push(patterns);
         *tested += 1;
         let Some(regularized) = self.finder.regularized_modes(&mut self.kernel, p, &patterns, out) else { return };
-        // A slip that has hardly begun can be told from viscous creep only by trying.
+        // Only a trial distinguishes a slip that has just begun from viscous creep.
         for threshold in [10.0, 1e3, 1e6] {
             let states = regularized.modes(p, threshold);
             if (0..p.soles.len()).all(|s| allowed(s, states[s])) {
-                // What failed before for want of a good start is tried once more.
+                // Candidates that failed without a good first guess are tried again.
                 self.queue.retain(|e| e.states != states || e.verdict.valid() || e.guessed);
                 self.guess = Some(regularized.slips);
                 self.push(p, &states, rules, tested, out);
@@ -286,12 +292,12 @@ impl Selector {
     }
 }
 
-/// Verdicts first, then a fixed order of the states, so that the outcome is deterministic.
+/// Orders by verdict, then by a fixed order of the states: the outcome is deterministic.
 fn order(a: &Entry, b: &Entry) -> Ordering {
     a.verdict.compare(&b.verdict).then_with(|| a.states.cmp(&b.states))
 }
 
-/// The mode in which a pattern is tried first: sliding if one of its vertices moves, else sticking.
+/// First mode to try for a pattern: sliding if one of its vertices moves, else static.
 pub fn first_mode(p: &Problem, s: usize, pattern: Pattern) -> SoleState {
     let sole = &p.soles[s];
     let k = sole.vertices.len();
@@ -300,7 +306,7 @@ pub fn first_mode(p: &Problem, s: usize, pattern: Pattern) -> SoleState {
     if moving > 0 { SoleState::sliding(pattern) } else { state }
 }
 
-/// Local moves of one sole, on the stack. A sole has at most 64 vertices, so at most 64 + 64 + 1 patterns.
+/// Local moves of one sole, on the stack. At most 64 vertices give at most 64 + 64 + 1 patterns.
 struct Moves {
     list: [SoleState; 200],
     count: usize,
@@ -325,14 +331,14 @@ impl Moves {
         let rows = state.normal_rows();
         for pattern in SoleState::patterns(k) {
             let next = SoleState::fixed(pattern);
-            let wanted = faults.penetrating | if valid { faults.resting } else { 0 };
-            let clamps_fault = (0..k).any(|i| wanted >> i & 1 == 1 && next.clamps(i, k));
+            let to_clamp = faults.penetrating | if valid { faults.resting } else { 0 };
+            let clamps_fault = (0..k).any(|i| to_clamp >> i & 1 == 1 && next.clamps(i, k));
             let nested = |a: SoleState, b: SoleState| (0..k).all(|i| !a.clamps(i, k) || b.clamps(i, k));
-            // Clamp what enters the floor, keeping what is clamped or moving over to it.
+            // Clamp a vertex that enters the floor, keeping or replacing clamped vertices.
             let clamp = clamps_fault && (next.normal_rows() > rows || next.normal_rows() == rows);
-            // Release what pulls; for a valid candidate, see whether less would do.
+            // Release a pulling vertex; for a valid candidate, try smaller patterns.
             let release = (faults.pulling || valid) && next.normal_rows() < rows && nested(next, state);
-            // A pulling edge may have to make room for its neighbour.
+            // A pulling edge may have to be replaced by its neighbour.
             let shift = faults.pulling && faults.penetrating != 0 && clamps_fault;
             if pattern != state.pattern && (clamp || release || shift) {
                 self.add(first_mode(p, s, pattern));

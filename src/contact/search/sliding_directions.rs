@@ -1,16 +1,18 @@
-//! Sliding directions that are not known beforehand: slip onset and impact.
+//! Finds sliding directions that the velocities do not give: slip onset and impact.
 //!
-//! Where a sliding vertex has no velocity yet, its friction opposes the motion that results:
-//! `u_i = t_i(s) / |t_i(s)|`, with `t_i` the tangential motion of vertex i under the sole's tangential motion `s`, and
-//! `s = G(s)` the one that the candidate solve gives with these directions (`contact.md` section 5). For fixed normal
-//! forces this is the optimality condition of a strictly convex function of s, smooth but where a vertex stands still;
-//! such a vertex is a pivot and a state of its own. Solved by fixed-point steps and damped Newton steps on `s - G(s)`, to
-//! 1e-10 of the frictionless motion. The Jacobian is that of the candidate solve itself: a slip `ds` turns the friction of
-//! vertex i by `-mu_k N_i du_i`, `du_i = (1 - u_i u_i^T) dt_i / |t_i|`, and the motions answer that small wrench with the
-//! candidate's conditions still held.
+//! Where a sliding vertex has no velocity yet, its friction opposes the resulting motion:
+//! `u_i = t_i(s) / |t_i(s)|`, with `t_i` the tangential motion of vertex i under the sole's
+//! tangential motion `s`, and `s = G(s)` the motion that the candidate solve gives with these
+//! directions (`docs/contact.md`, section 5). For fixed normal forces this is the optimality
+//! condition of a strictly convex function of s, smooth except where a vertex is at rest; such a
+//! vertex is a pivot, with its own state. Fixed-point steps and damped Newton steps on `s - G(s)`
+//! solve it to 1e-10 of the frictionless motion. The Jacobian is that of the candidate solve
+//! itself: a slip `ds` turns the friction of vertex i by `-mu_k N_i du_i`,
+//! `du_i = (1 - u_i u_i^T) dt_i / |t_i|`, and the motions respond to that small wrench under the
+//! candidate's conditions.
 //!
-//! Where one vertex alone has an open direction that is an angle, and all angles are looked over.
-//! Which vertices stick and which slip is found by [`crate::contact::search::regularized_modes`].
+//! A single open direction is an angle, found by a scan over all angles.
+//! [`crate::contact::search::regularized_modes`] finds which vertices stick and which slip.
 
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
@@ -19,30 +21,31 @@ use crate::contact::search::candidate::{Kernel, wrench_at};
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 
-/// Tangential motions of all soles: that of the mean of the clamped vertices, and the yaw motion times the radius.
+/// Tangential motions of all soles: that of the mean of the clamped vertices, and the yaw motion
+/// times the radius.
 pub type Slips = [Vector3<f64>; MAX_SOLES];
 
-/// Slip, relative to the frictionless motion, up to which a load at its limit is taken not to accelerate yet: what is left
-/// after its event has been located.
+/// Slip, relative to the frictionless motion, up to which a load at its limit counts as not yet
+/// accelerating: the residue of event location.
 const ONSET_SLIP: f64 = 1e-7;
 
-/// Slip of a vertex, relative to that of its sole, below which it stands still.
+/// Slip of a vertex, relative to that of its sole, below which the vertex is at rest.
 const STILL: f64 = 1e-14;
 
-/// Residual asked for, relative to the motion without friction.
+/// Tolerance of the residual, relative to the frictionless motion.
 const TOLERANCE: f64 = 1e-10;
 
-/// Does this state leave any direction to be found?
+/// Whether this state leaves any sliding direction undetermined.
 pub fn is_implicit(p: &Problem, states: &States, s: usize) -> bool {
     states[s].is_dynamic() && open_vertices(p, states, s).next().is_some()
 }
 
-/// How a sole gives way whose friction load has just reached its limit.
+/// Slip onset of a sole whose friction load has just reached its limit.
 #[derive(Clone, Copy, Debug)]
 pub struct Onset {
     /// Vertices that begin to slip, one bit each.
     pub vertices: u64,
-    /// In which direction.
+    /// Direction of slip of each vertex.
     pub directions: [Vector2<f64>; 64],
 }
 
@@ -53,7 +56,7 @@ impl Default for Onset {
 }
 
 impl Onset {
-    /// Vertex `i` gives way against the friction that it carries.
+    /// Marks vertex `i` as slipping against the friction that it carries.
     pub fn against(&mut self, i: usize, friction: &Vector2<f64>) {
         if let Some(u) = friction.try_normalize(0.0) {
             self.vertices |= 1 << i;
@@ -62,7 +65,7 @@ impl Onset {
     }
 }
 
-/// The search for implicit directions, with its scratch.
+/// Solver for undetermined sliding directions, with its scratch.
 #[derive(Clone, Debug)]
 pub struct DirectionFinder {
     linear: Linear,
@@ -71,16 +74,17 @@ pub struct DirectionFinder {
 }
 
 impl DirectionFinder {
-    /// For problems of this size.
+    /// Allocates for problems of this size.
     pub fn new(p: &Problem) -> Self {
         let n = 3 * p.soles.len();
         DirectionFinder { linear: Linear::new(n), jacobian: vec![0.0; n * n], motion: vec![0.0; p.dim()] }
     }
 
-    /// Solves a candidate, finding the implicit directions, which are left in the problem. `hints` are first guesses of
-    /// the slip of each sole, zero where there is none; `onset` says how soles slip whose load has just reached its limit
-    /// and which therefore do not accelerate yet.
-    /// False when no consistent directions were found.
+    /// Solves a candidate and leaves the directions found in the problem.
+    ///
+    /// `hints` are first guesses of the slip of each sole, zero where there is none. `onset`
+    /// describes soles whose load has just reached its limit and which do not accelerate yet.
+    /// Returns false if no consistent directions were found.
     pub fn solve(
         &mut self,
         kernel: &mut Kernel,
@@ -97,7 +101,8 @@ impl DirectionFinder {
         self.find(kernel, p, states, hints, out)
     }
 
-    /// Loads at their limit give way along `onset`, to first order without motion; all else is solved for.
+    /// Slips loads at their limit along `onset`, to first order without motion; solves for all
+    /// other directions.
     fn at_limit(
         &mut self,
         kernel: &mut Kernel,
@@ -130,7 +135,7 @@ impl DirectionFinder {
         found && still
     }
 
-    /// The directions of all open vertices.
+    /// Finds the directions of all open vertices.
     fn find(
         &mut self,
         kernel: &mut Kernel,
@@ -150,7 +155,7 @@ impl DirectionFinder {
             return true;
         }
         let which = &which[..count];
-        // Without friction on the implicit vertices: the drive, and a first guess.
+        // The motion without friction on these vertices is the drive, and a first guess.
         let zero = [Vector3::zeros(); MAX_SOLES];
         set_directions(p, states, which, &MEANS, &zero, 0.0);
         kernel.solve(p, states, out);
@@ -181,7 +186,7 @@ impl DirectionFinder {
         }
         if let [s] = *which {
             if let Mode::Pivoting(j) = states[s].mode {
-                // About a pivot only the sense of rotation is open.
+                // About a pivot only the sense of rotation is undetermined.
                 let radius = search.p.soles[s].radius;
                 let r = search.p.soles[s].vertices[j as usize].r - slip_point(search.p, states, s, None).0;
                 for turn in [1.0, -1.0] {
@@ -203,7 +208,7 @@ impl DirectionFinder {
     }
 }
 
-/// Clamped vertices of sole `s` whose sliding direction is open.
+/// Clamped vertices of sole `s` whose sliding direction is undetermined.
 pub(super) fn open_vertices<'a>(p: &'a Problem, states: &'a States, s: usize) -> impl Iterator<Item = usize> + 'a {
     let sole = &p.soles[s];
     let k = sole.vertices.len();
@@ -212,32 +217,32 @@ pub(super) fn open_vertices<'a>(p: &'a Problem, states: &'a States, s: usize) ->
     })
 }
 
-/// One candidate whose directions are sought.
+/// Search for the directions of one candidate.
 pub(super) struct DirectionSearch<'a> {
     pub(super) finder: &'a mut DirectionFinder,
     pub(super) kernel: &'a mut Kernel,
     pub(super) p: &'a mut Problem,
     pub(super) states: &'a States,
-    /// Soles with open directions.
+    /// Soles with undetermined directions.
     pub(super) which: &'a [usize],
-    /// Where their slips are taken.
+    /// Points at which their slips are measured.
     pub(super) points: SlipPoints,
     /// Size of the slips without friction.
     pub(super) drive: f64,
-    /// e of the module comment.
+    /// Viscosity e of [`crate::contact::search::regularized_modes`]; zero without.
     pub(super) viscosity: f64,
 }
 
 impl DirectionSearch<'_> {
-    /// The candidate solve with directions from `slips`: G of the module comment.
+    /// Solves the candidate with directions from `slips`: the map G of the module page.
     pub(super) fn evaluate(&mut self, slips: &Slips, out: &mut Solution) -> Slips {
         set_directions(self.p, self.states, self.which, &self.points, slips, self.viscosity);
         self.kernel.solve(self.p, self.states, out);
         read_slips(self.p, self.states, self.which, &self.points, &out.motion, true)
     }
 
-    /// One open direction, that of vertex `i`: finds the angles at which it opposes the motion that results, and takes
-    /// the first (from the direction +x) with a pushing floor.
+    /// Scans the one undetermined direction, of vertex `i`, for angles at which friction opposes
+    /// the resulting motion. Takes the first (from +x) at which the floor pushes.
     fn scan_angles(&mut self, s: usize, i: usize, out: &mut Solution) -> bool {
         const STEPS: usize = 48;
         let mut across = |search: &mut Self, angle: f64| {
@@ -265,7 +270,7 @@ impl DirectionSearch<'_> {
                 if (value.1.0 < 0.0) == (a.1.0 < 0.0) { a = value } else { b = value }
             }
             let best = if a.1.0.abs() < b.1.0.abs() { a } else { b };
-            // A jump through a pole changes sign too.
+            // A jump through a pole changes sign as well.
             if best.1.0.abs() <= 1e3 * TOLERANCE * self.drive && across(self, best.0).1 {
                 return true;
             }
@@ -275,7 +280,8 @@ impl DirectionSearch<'_> {
 
     fn iterate(&mut self, mut slips: Slips, rounds: usize, out: &mut Solution) -> bool {
         let mut image = self.evaluate(&slips, out);
-        // A load at the very limit of its capacity does not accelerate yet; the directions are then those of the guess.
+        // A load at the limit of its capacity does not accelerate yet; the directions of the guess
+        // remain.
         if norm(self.which, &image) <= 0.01 * ONSET_SLIP * self.drive {
             return true;
         }
@@ -285,7 +291,8 @@ impl DirectionSearch<'_> {
             if size <= TOLERANCE * self.drive {
                 return self.opposes(&image);
             }
-            // A fixed-point step where it helps, else a Newton step, each only as far as the residual falls.
+            // A fixed-point step where it helps, else a Newton step, each limited by descent of the
+            // residual.
             let fixed_point = round < 2 && self.descend((&mut slips, &mut image), &residual, 0.3, out);
             if !fixed_point {
                 let step = self.newton_step(&slips, &residual, out);
@@ -297,8 +304,9 @@ impl DirectionSearch<'_> {
         false
     }
 
-    /// Goes along `-step` as far as the residual falls below `share` of its size (any fall will do for a share of 1,
-    /// with shorter and shorter steps); false when it does not. On return the kernel has solved at the slips.
+    /// Moves along `-step` if the residual falls below `share` of its size. A share of 1 accepts
+    /// any decrease and halves the step until there is one. Returns false without a decrease. On
+    /// return the kernel has solved at the slips.
     pub(super) fn descend(
         &mut self,
         (slips, image): (&mut Slips, &mut Slips),
@@ -326,7 +334,7 @@ impl DirectionSearch<'_> {
         false
     }
 
-    /// After convergence: every implicit vertex really moves along its direction (or not at all).
+    /// Checks after convergence that every open vertex moves along its direction or rests.
     fn opposes(&self, slips: &Slips) -> bool {
         self.which.iter().all(|&s| {
             let centre = slip_point(self.p, self.states, s, self.points[s]).0;
@@ -339,7 +347,7 @@ impl DirectionSearch<'_> {
         })
     }
 
-    /// Newton step on `s - G(s)`, all implicit soles at once, where the kernel has just been evaluated.
+    /// Newton step on `s - G(s)` for all these soles at once, at the last evaluation of the kernel.
     pub(super) fn newton_step(&mut self, slips: &Slips, residual: &Slips, out: &Solution) -> Slips {
         let n = 3 * self.which.len();
         let a = &mut self.finder.jacobian[..n * n];
@@ -357,7 +365,7 @@ impl DirectionSearch<'_> {
                     if speed <= STILL * slips[s].norm() {
                         continue;
                     }
-                    // With |u| < 1 this is the derivative of t / sqrt(|t|^2 + e^2) as well.
+                    // With |u| < 1 this is also the derivative of t / sqrt(|t|^2 + e^2).
                     let u = t / speed;
                     let dt = tangential(&unit, &v.r, &centre, sole.radius);
                     let df = (dt - u * u.dot(&dt)) * (-v.mu_k * out.normal[s][i] / speed);
@@ -397,15 +405,18 @@ pub(super) fn subtract(which: &[usize], a: &Slips, b: &Slips) -> Slips {
     d
 }
 
-/// Where the slip of each sole is taken: at the mean of its clamped vertices, or at one of them. Motions of other points
-/// contain rotations that the pattern leaves free and that no friction opposes. A vertex that hardly moves while its sole
-/// turns must be the place itself, or its motion would drown in the rounding of the others'.
+/// Point at which the slip of each sole is measured: the mean of its clamped vertices, or one of
+/// them.
+///
+/// Motions of other points contain rotations that the pattern leaves free and that no friction
+/// opposes. A vertex that hardly moves while its sole turns must be the point itself; otherwise
+/// rounding of the others' motion hides its own.
 pub type SlipPoints = [Option<u8>; MAX_SOLES];
 
-/// The mean for all soles.
+/// The mean of the clamped vertices for every sole.
 pub(super) const MEANS: SlipPoints = [None; MAX_SOLES];
 
-/// The points for a candidate: a vertex that alone has an open direction, or the mean.
+/// Slip points of a candidate: the only vertex with an undetermined direction, or the mean.
 fn slip_points(p: &Problem, states: &States, which: &[usize]) -> SlipPoints {
     let mut points = MEANS;
     for &s in which {
@@ -417,7 +428,7 @@ fn slip_points(p: &Problem, states: &States, which: &[usize]) -> SlipPoints {
     points
 }
 
-/// Slips taken at the means, as they are at `points`.
+/// Converts slips measured at the means to slips at `points`.
 fn shift_slips(p: &Problem, states: &States, which: &[usize], points: &SlipPoints, slips: &Slips) -> Slips {
     let mut moved = *slips;
     for &s in which.iter().filter(|&&s| slips[s] != Vector3::zeros()) {
@@ -428,7 +439,7 @@ fn shift_slips(p: &Problem, states: &States, which: &[usize], points: &SlipPoint
     moved
 }
 
-/// Position of a place relative to the reference point, and its centripetal term.
+/// Position of a slip point relative to the reference point, and its centripetal term.
 pub(super) fn slip_point(p: &Problem, states: &States, s: usize, at: Option<u8>) -> (Vector3<f64>, Vector3<f64>) {
     let sole = &p.soles[s];
     if let Some(i) = at {
@@ -445,13 +456,13 @@ pub(super) fn slip_point(p: &Problem, states: &States, s: usize, at: Option<u8>)
     (r / count, bias / count)
 }
 
-/// Tangential motion of a vertex at `r` under the slip of its sole, taken at `centre`.
+/// Tangential motion of a vertex at `r` under the slip of its sole, measured at `centre`.
 pub(super) fn tangential(slip: &Vector3<f64>, r: &Vector3<f64>, centre: &Vector3<f64>, radius: f64) -> Vector2<f64> {
     let d = r - centre;
     slip.xy() + Vector2::new(-d.y, d.x) * (slip.z / radius)
 }
 
-/// Slips of the sliding soles under these sole motions (6F).
+/// Slips of the sliding soles under the sole motions `motion` (6F).
 pub fn slips(p: &Problem, states: &States, motion: &[f64]) -> Slips {
     let mut which = [0usize; MAX_SOLES];
     let mut count = 0;
@@ -462,7 +473,8 @@ pub fn slips(p: &Problem, states: &States, motion: &[f64]) -> Slips {
     read_slips(p, states, &which[..count], &MEANS, motion, true)
 }
 
-/// Slips of sole motions (6F); of changes of motion when `whole` is false, which have no centripetal part.
+/// Slips of the sole motions `motion` (6F). With `whole` false `motion` is a change of motion,
+/// without centripetal part.
 pub(super) fn read_slips(
     p: &Problem,
     states: &States,
@@ -485,7 +497,7 @@ pub(super) fn read_slips(
     slips
 }
 
-/// Sets the implicit directions from the slips; a vertex that stands still gets none.
+/// Sets the undetermined directions from the slips; a vertex at rest gets none.
 pub(super) fn set_directions(
     p: &mut Problem,
     states: &States,

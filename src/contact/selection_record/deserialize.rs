@@ -1,4 +1,4 @@
-//! From plain numbers back to a problem, and to the choice made again.
+//! Restores a problem from its record and repeats the selection.
 
 use crate::contact::methods::method::{self, Method, Question};
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
@@ -12,14 +12,14 @@ use crate::contact::selection_record::{
 use nalgebra::{Vector2, Vector3};
 
 impl SelectionRecord {
-    /// The problem as it was posed.
+    /// The problem before its selection.
     ///
     /// # Errors
     /// Lists of wrong length.
     pub fn problem(&self) -> Result<Problem, SelectionRecordError> {
         let n = 6 * self.soles.len();
-        let length = |what, found, wanted| {
-            if found == wanted { Ok(()) } else { Err(SelectionRecordError::Length { what, found, wanted }) }
+        let length = |what, found, expected| {
+            if found == expected { Ok(()) } else { Err(SelectionRecordError::Length { what, found, expected }) }
         };
         length("W", self.w.len(), n * n)?;
         length("b", self.b.len(), n)?;
@@ -53,10 +53,10 @@ impl SelectionRecord {
         })
     }
 
-    /// Tolerances, states before and suspicions.
+    /// Tolerances, previous states and suspect soles.
     ///
     /// # Errors
-    /// A state that is none.
+    /// Names of unknown states.
     pub fn rules(&self) -> Result<Rules, SelectionRecordError> {
         let t = &self.tolerances;
         let mut rules = Rules {
@@ -81,16 +81,16 @@ impl SelectionRecord {
     /// The states that the scenario imposes.
     ///
     /// # Errors
-    /// A state that is none.
+    /// Names of unknown states.
     pub fn forced(&self) -> Result<[Option<SoleState>; MAX_SOLES], SelectionRecordError> {
         let mut forced = [None; MAX_SOLES];
         for (sole, forced) in self.soles.iter().zip(&mut forced) {
-            *forced = sole.forced.as_ref().map(|word| sole.state(word)).transpose()?;
+            *forced = sole.forced.as_ref().map(|name| sole.state(name)).transpose()?;
         }
         Ok(forced)
     }
 
-    /// The last known solution, as far as any method reads it: wrenches and vertex forces.
+    /// The last known solution, in the parts that methods read: wrenches and vertex forces.
     ///
     /// # Errors
     /// Lists of wrong length.
@@ -99,7 +99,7 @@ impl SelectionRecord {
         for (s, sole) in self.soles.iter().enumerate() {
             if sole.last_wrench.len() != 6 {
                 let found = sole.last_wrench.len();
-                return Err(SelectionRecordError::Length { what: "last_wrench", found, wanted: 6 });
+                return Err(SelectionRecordError::Length { what: "last_wrench", found, expected: 6 });
             }
             last.wrench[6 * s..6 * s + 6].copy_from_slice(&sole.last_wrench);
             for (i, v) in sole.vertices.iter().enumerate() {
@@ -110,11 +110,11 @@ impl SelectionRecord {
         Ok(last)
     }
 
-    /// Chooses again, with the method that chose then. On the same machine kind and program the answer is the same bit
-    /// for bit.
+    /// Repeats the selection with the recorded method. The same program on the same kind of machine
+    /// gives the same answer bit for bit.
     ///
     /// # Errors
-    /// Whatever of the above is wrong, or a method that does not exist.
+    /// Those of the functions above, or an unknown method.
     pub fn replay(&self) -> Result<Answer, SelectionRecordError> {
         let (mut p, rules, forced, mut out) = (self.problem()?, self.rules()?, self.forced()?, self.last()?);
         let mut method = method::make(&self.method, &self.parameters, &p)
@@ -127,7 +127,8 @@ impl SelectionRecord {
     }
 }
 
-/// May a sole on which the scenario imposes `forced` take `state`? An impulse may stick or slip whatever is imposed.
+/// Whether a sole with the imposed state `forced` may take `state`. In an impulse only the pattern
+/// is imposed.
 fn allows(level: Level, forced: SoleState, state: SoleState) -> bool {
     match level {
         Level::Acceleration => forced == state,
@@ -135,7 +136,7 @@ fn allows(level: Level, forced: SoleState, state: SoleState) -> bool {
     }
 }
 
-/// Asks the method at the problem's own level.
+/// Selects at the level of the problem.
 fn choose(method: &mut dyn Method, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
     match p.level {
         Level::Acceleration => method.select(p, question, out),
@@ -144,12 +145,12 @@ fn choose(method: &mut dyn Method, p: &mut Problem, question: &Question, out: &m
 }
 
 impl SoleRecord {
-    fn state(&self, word: &str) -> Result<SoleState, SelectionRecordError> {
+    fn state(&self, name: &str) -> Result<SoleState, SelectionRecordError> {
         let vertices = self.vertices.len();
-        state_named(word, vertices).ok_or_else(|| SelectionRecordError::State {
+        state_named(name, vertices).ok_or_else(|| SelectionRecordError::State {
             sole: self.name.clone(),
             vertices,
-            word: word.to_owned(),
+            name: name.to_owned(),
         })
     }
 }

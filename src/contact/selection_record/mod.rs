@@ -1,9 +1,12 @@
-//! A selection frozen: the contact problem as it was posed, before the choice turned any direction, and the answer, as
-//! plain numbers that JSON carries bit for bit. [`SelectionRecord::replay`] chooses again from nothing but these.
+//! Records of selections: a contact problem before its selection, and the answer, as plain numbers.
 //!
-//! Axes are the floor's (z the normal). See [`crate::contact::model::problem`] for the equation `m = b + W w` and the order of its rows.
+//! JSON carries them bit for bit, and [`SelectionRecord::replay`] repeats the selection from them
+//! alone.
 //!
-//! `freeze` makes it, `thaw` brings it back; here is its shape.
+//! Axes are the floor's (z is the normal). See [`crate::contact::model::problem`] for the equation
+//! `m = b + W w` and the order of its rows.
+//!
+//! This file defines the format; `serialize` fills a record, `deserialize` restores the problem.
 
 mod deserialize;
 mod serialize;
@@ -12,42 +15,44 @@ use crate::contact::methods::method::Parameters;
 use crate::contact::model::state::{Mode, SoleState};
 use serde::{Deserialize, Serialize};
 
-/// A selection: what was asked, of whom, and what was answered.
+/// One selection: method, problem and answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SelectionRecord {
     /// Simulated time, s.
     pub time_s: f64,
-    /// The contact method asked.
+    /// Name of the contact method.
     pub method: String,
-    /// What the methods were told.
+    /// Parameters of the methods.
     #[serde(default)]
     pub parameters: Parameters,
-    /// Units of the numbers whose names do not say them.
+    /// Units of numbers whose names do not contain them.
     pub units: Units,
-    /// `acceleration`: motions are accelerations, wrenches forces. `velocity`: velocities after, impulses.
+    /// `acceleration`: motions are accelerations, wrenches forces. `velocity`: velocities after,
+    /// impulses.
     pub level: LevelName,
-    /// Did anything happen since the previous states were chosen?
+    /// Whether an event has occurred since the previous states were chosen.
     pub event: bool,
-    /// What a force is small against, [`Problem::scale`](crate::contact::model::problem::Problem::scale).
+    /// What a force is small against,
+    /// [`Problem::scale`](crate::contact::model::problem::Problem::scale).
     pub scale: f64,
     /// [`Problem::step`](crate::contact::model::problem::Problem::step).
     #[serde(default)]
     pub step_s: f64,
-    /// W by rows, 6F x 6F.
+    /// Matrix W by rows, 6F x 6F.
     #[serde(rename = "W")]
     pub w: Vec<f64>,
-    /// b, 6F: the motions without contact.
+    /// Vector b, 6F: the motions without contact.
     pub b: Vec<f64>,
-    /// The scenario's tolerances as they stood in the selection.
+    /// Tolerances that applied in the selection.
     pub tolerances: ToleranceRecord,
-    /// The soles.
+    /// Soles, in the order of the rows.
     pub soles: Vec<SoleRecord>,
-    /// What was chosen.
+    /// The answer of the method.
     pub answer: Answer,
 }
 
-/// [`Level`](crate::contact::model::problem::Level) as a word.
+/// [`Level`](crate::contact::model::problem::Level) as written in files.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LevelName {
@@ -61,13 +66,14 @@ pub enum LevelName {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Units {
-    /// Of `b`, `answer.motion`: linear 3, angular 3.
+    /// Units of `b` and `answer.motion`: linear 3, angular 3.
     pub motion: String,
-    /// Of wrenches: force 3, moment 3, at the reference point.
+    /// Units of wrenches: force 3, moment 3, at the reference point.
     pub wrench: String,
-    /// Of `normal`, `tangent` and `scale`.
+    /// Unit of `normal`, `tangent` and `scale`.
     pub force: String,
-    /// Of `bias` and the first number of `target`; its others are angular motions about x and y.
+    /// Unit of `bias` and the first number of `target`; its others are angular motions about x and
+    /// y.
     pub vertex: String,
 }
 
@@ -75,17 +81,17 @@ pub struct Units {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToleranceRecord {
-    /// d.
+    /// Distance tolerance d.
     pub distance_m: f64,
-    /// v_t.
+    /// Velocity tolerance v_t.
     pub velocity_m_per_s: f64,
-    /// a_t.
+    /// Acceleration tolerance a_t.
     pub acceleration_m_per_s2: f64,
     /// Speed below which a sliding vertex counts as at rest.
     pub rest_m_per_s: f64,
 }
 
-/// One sole before the choice.
+/// One sole before the selection.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoleRecord {
@@ -93,36 +99,37 @@ pub struct SoleRecord {
     pub name: String,
     /// Reference point of motion, wrench and vertices, relative to the floor's origin.
     pub reference_m: [f64; 3],
-    /// Soles with the same number are fixed to the same body; each has its own when it is left out.
+    /// Soles with the same number belong to the same body; each has its own body if this is left
+    /// out.
     #[serde(default)]
     pub body: Option<usize>,
     /// [`SoleProblem::radius`](crate::contact::model::problem::SoleProblem::radius).
     pub radius_m: f64,
     /// [`SoleProblem::target`](crate::contact::model::problem::SoleProblem::target).
     pub target: [f64; 3],
-    /// State before: `free`, or pattern and mode, such as `face-static`, `edge-1-dynamic`, `face-pivot-2` (turning about
-    /// vertex 2).
+    /// Previous state: `free`, or pattern and mode, such as `face-static`, `edge-1-dynamic`,
+    /// `face-pivot-2` (turning about vertex 2).
     pub previous: String,
-    /// The state the scenario imposes, if it does: at the acceleration level as it stands, at the velocity level its
-    /// pattern.
+    /// State that the scenario imposes, if any: in full at the acceleration level, its pattern
+    /// alone at the velocity level.
     pub forced: Option<String>,
     /// An event has put its normal load in doubt.
     pub suspect_normal: bool,
     /// An event has put its friction load in doubt.
     pub suspect_friction: bool,
-    /// Wrench of the last known solution (forces), which the one-step method decides by.
+    /// Wrench of the last known solution (forces), on which the one-step method decides.
     pub last_wrench: Vec<f64>,
     /// Its vertices in order around the polygon.
     pub vertices: Vec<VertexRecord>,
 }
 
-/// One vertex before the choice.
+/// One vertex before the selection.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VertexRecord {
     /// Position from the sole's reference point.
     pub r_m: [f64; 3],
-    /// Centripetal term, added to the motion of the vertex.
+    /// Centripetal term in the motion of the vertex.
     pub bias: [f64; 3],
     /// Height above the floor.
     pub height_m: f64,
@@ -134,9 +141,9 @@ pub struct VertexRecord {
     pub mu_k: f64,
     /// Unit direction of sliding; zero when it has none.
     pub direction: [f64; 2],
-    /// Is the direction given by its velocity?
+    /// Whether its velocity gives the direction.
     pub moving: bool,
-    /// At the velocity level: may it meet the floor?
+    /// At the velocity level: whether it may meet the floor.
     pub near: bool,
     /// Normal force of the last known solution, N.
     #[serde(rename = "last_normal_N")]
@@ -150,11 +157,11 @@ pub struct VertexRecord {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answer {
-    /// Was a state valid?
+    /// Whether a valid state was found.
     pub consistent: bool,
     /// Candidates tested.
     pub tested: usize,
-    /// What the chosen states violate, in units of the tolerances, by level of importance.
+    /// Violations of the chosen states, in units of the tolerances, by level.
     pub violations: Violations,
     /// State of each sole.
     pub states: Vec<String>,
@@ -180,38 +187,39 @@ pub struct Violations {
     pub friction: f64,
 }
 
-/// Why a frozen problem cannot be thawed.
+/// Error in a recorded problem.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SelectionRecordError {
     /// A list has another length than the soles need.
-    #[error("`{what}` has {found} numbers, {wanted} are wanted")]
+    #[error("`{what}` has {found} numbers, expected {expected}")]
     Length {
         /// Name of the list.
         what: &'static str,
-        /// Its length.
+        /// Its length in the record.
         found: usize,
-        /// What the number of soles asks for.
-        wanted: usize,
+        /// Length that the number of soles requires.
+        expected: usize,
     },
-    /// More soles, or more or fewer vertices, than the methods can do.
+    /// Number of soles or vertices outside what the methods support.
     #[error("{0}")]
     Size(String),
-    /// A word that is no state of a sole with that many vertices.
-    #[error("sole `{sole}` with {vertices} vertices has no state `{word}`")]
+    /// Name of no state of a sole with this number of vertices.
+    #[error("sole `{sole}` with {vertices} vertices has no state `{name}`")]
     State {
         /// The sole.
         sole: String,
         /// Number of its vertices.
         vertices: usize,
-        /// What was read.
-        word: String,
+        /// Name found in the record.
+        name: String,
     },
-    /// No such method.
+    /// Name of no registered method.
     #[error("unknown contact method `{0}`")]
     Method(String),
 }
 
-/// The name of a state with its refinement: [`SoleState`]'s own, but `face-pivot-2` for turning about vertex 2.
+/// The name of a state with its refinement: [`SoleState`]'s own, but `face-pivot-2` for turning
+/// about vertex 2.
 pub fn state_name(state: SoleState) -> String {
     let plain = state.to_string();
     match state.mode {
@@ -230,7 +238,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_refined_state_has_a_name_of_its_own() {
+    fn names_of_refined_states_are_unique_and_read_back() {
         for k in [1, 2, 3, 4, 6] {
             for state in SoleState::refined(k) {
                 assert_eq!(state_named(&state_name(state), k), Some(state), "{}", state_name(state));

@@ -1,4 +1,4 @@
-//! From a problem and a selection to plain numbers.
+//! Writes a problem and its answer into a record.
 
 use crate::contact::methods::method::{Parameters, Question};
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Vertex};
@@ -22,8 +22,8 @@ impl Units {
 }
 
 impl SelectionRecord {
-    /// Freezes a problem before the method sees it; `last` is the last known solution. Names, reference points and the
-    /// answer are left empty.
+    /// Records a problem before its selection; `last` is the last known solution. Names, reference
+    /// points and the answer remain empty.
     pub fn from_problem(
         time: f64,
         (method, parameters): (&str, &Parameters),
@@ -80,7 +80,7 @@ impl SelectionRecord {
         }
     }
 
-    /// Adds what the method answered.
+    /// Adds the answer of the method.
     pub fn set_answer(&mut self, selection: &Selection, solution: &Solution) {
         self.answer = Answer::new(self.soles.len(), selection, solution);
     }
