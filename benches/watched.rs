@@ -5,7 +5,7 @@ use divan::Bencher;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stiction::assemble;
-use stiction::log::{Document, LogHeader, LogWriter, Outlet, Topics};
+use stiction::log::{AttachedText, LogHeader, LogWriter, MessageSink, TopicGroups};
 use stiction::remote::{Address, MotorServer, Pace, Remote};
 use stiction::robot;
 use stiction::scenario;
@@ -47,20 +47,20 @@ fn each(bencher: Bencher, setup: Setup, observer: &mut dyn Observer) {
 }
 
 /// A log in this folder, and other outlets.
-fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn Outlet>>) -> LogWriter {
+fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn MessageSink>>) -> LogWriter {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.urdf");
     let urdf = std::fs::read_to_string(file).expect("our own robot");
     let header = LogHeader {
         scenario_name: "bench",
         key: "bench",
         method: "exact",
-        scenario: Document { name: "bench.toml", text: "" },
+        scenario: AttachedText { name: "bench.toml", text: "" },
         robot: None,
-        urdf: Document { name: "hoap2.urdf", text: &urdf },
+        urdf: AttachedText { name: "hoap2.urdf", text: &urdf },
         inputs: &[],
         floor: nalgebra::Isometry3::identity(),
         patches: &[],
-        topics: Topics::ALL,
+        topics: TopicGroups::ALL,
     };
     let path = folder.map(|folder| folder.join("log.mcap"));
     LogWriter::open(path.as_deref(), outlet, &setup.model, &header).expect("a log can be written")

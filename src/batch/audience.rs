@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::log::Outlet;
+use crate::log::MessageSink;
 
 /// How often a second of a run is told when its scenario wants no log.
 pub(super) const RATE: f64 = 60.0;
@@ -16,7 +16,7 @@ const SLICE: Duration = Duration::from_millis(50);
 /// Somebody who looks on.
 pub trait Audience: Sync {
     /// Takes what the log holds.
-    fn outlet(&self) -> Box<dyn Outlet>;
+    fn outlet(&self) -> Box<dyn MessageSink>;
     /// Called once the run has described itself, before its first step: may wait for somebody, until it is cancelled.
     fn wait(&self, cancel: &AtomicBool);
     /// How often somebody began to look: whoever came while nothing moved has seen nothing yet.

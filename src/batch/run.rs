@@ -8,8 +8,8 @@ use super::schedule::Against;
 use super::{Body, Cancellation, Finished, Job, Options, Reason, Role, Track, Wanted, guard};
 use crate::files::{confined, remove_partial};
 use crate::results::{
-    Comparison, InputHash, LeftLog, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, hash_input,
-    metric,
+    Comparison, InputHash, LogFingerprint, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError,
+    hash_input, metric,
 };
 use crate::script::interruptible;
 use crate::sim::{AvoidanceTime, Metrics, Outcome, Problems};
@@ -95,7 +95,7 @@ pub(super) fn run(
     (record.outcome, record.message) = (row.outcome, row.message.clone());
     record.verdicts.clone_from(&row.verdicts);
     // What cannot be read now cannot be taken for whole later.
-    record.log = wanted.log.as_deref().and_then(|log| LeftLog::of(log).ok());
+    record.log = wanted.log.as_deref().and_then(|log| LogFingerprint::of(log).ok());
     let path = folder.join("run.json");
     let left = [wanted.log, wanted.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
     let finished = match confined.and_then(|()| record.write(&path)) {

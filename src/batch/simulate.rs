@@ -12,7 +12,7 @@ use super::{End, Job, Role, Track, Wanted};
 use crate::assemble::setup;
 use crate::contact::selection_record::SelectionRecord;
 use crate::files::RecordError;
-use crate::log::{Document, LogHeader, LogWriter, Outlet, ProblemWriter, Topics};
+use crate::log::{AttachedText, LogHeader, LogWriter, MessageSink, ProblemWriter, TopicGroups};
 use crate::remote::{Address, Remote};
 use crate::results::{Comparator, ReferenceMotion};
 use crate::robot::{Model, Robot};
@@ -226,7 +226,7 @@ fn elsewhere(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &
 
 fn open_log(
     path: Option<&Path>,
-    outlet: Option<Box<dyn Outlet>>,
+    outlet: Option<Box<dyn MessageSink>>,
     job: &Job,
     setup: &Setup,
 ) -> Result<LogWriter, RecordError> {
@@ -244,28 +244,28 @@ fn open_log(
 
 /// Opens the log of a run whose robot and floor are these.
 pub(crate) fn open_log_of(
-    (path, outlet): (Option<&Path>, Option<Box<dyn Outlet>>),
+    (path, outlet): (Option<&Path>, Option<Box<dyn MessageSink>>),
     run: &Run,
     key: &str,
     robot: &Robot,
     (model, floor): (&Model, &Floor),
     method: &str,
-    topics: Topics,
+    topics: TopicGroups,
 ) -> Result<LogWriter, RecordError> {
     let (robot_file, urdf) = documents(robot);
     let scenario_name = format!("{}.toml", run.name);
     // What is no text, such as a log that is played back, is only hashed.
     let texts = run.inputs.iter().filter_map(|i| Some((i.name(), std::str::from_utf8(&i.bytes).ok()?)));
     let texts: Vec<_> = texts.collect();
-    let inputs: Vec<_> = texts.iter().map(|(name, text)| Document { name, text }).collect();
+    let inputs: Vec<_> = texts.iter().map(|(name, text)| AttachedText { name, text }).collect();
     let patches: Vec<_> = floor.patches.iter().map(|p| floor.outline(p)).collect();
     let header = LogHeader {
         scenario_name: &run.name,
         key,
         method,
-        scenario: Document { name: &scenario_name, text: &run.resolved_toml },
-        robot: robot_file.as_ref().map(|(name, text)| Document { name, text }),
-        urdf: Document { name: &urdf, text: &robot.urdf_text },
+        scenario: AttachedText { name: &scenario_name, text: &run.resolved_toml },
+        robot: robot_file.as_ref().map(|(name, text)| AttachedText { name, text }),
+        urdf: AttachedText { name: &urdf, text: &robot.urdf_text },
         inputs: &inputs,
         floor: pose(floor),
         patches: &patches,
@@ -293,8 +293,8 @@ fn pose(floor: &Floor) -> Isometry3<f64> {
 }
 
 /// The topics that a scenario wants.
-pub(crate) fn topics(wanted: &[LogTopic]) -> Topics {
-    Topics {
+pub(crate) fn topics(wanted: &[LogTopic]) -> TopicGroups {
+    TopicGroups {
         state: wanted.contains(&LogTopic::State),
         contact: wanted.contains(&LogTopic::Contact),
         scene: wanted.contains(&LogTopic::Scene),

@@ -4,7 +4,8 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use stiction::export::{self, DataTable, ExportError, Format, Header, NumberFormat, Selection, TextFormat, TimeUnit};
+use stiction::export::{self, DataTable, ExportError, HeaderStyle, NumberFormat};
+use stiction::export::{Selection, TableFormat, TextFormat, TimeUnit};
 use stiction::log::{LogError, Trajectory};
 
 use super::terminal::{complain, complain_of, print};
@@ -52,7 +53,7 @@ struct Text {
     #[arg(long, value_name = "WORD", value_parser = export::separator)]
     separator: Option<String>,
     /// Numbers: `exact`, or as printf does, such as `%.9g` [default: exact]
-    #[arg(long, value_name = "FORMAT", value_parser = number_format)]
+    #[arg(long, value_name = "FORMAT")]
     numbers: Option<NumberFormat>,
     /// The names: as a row of their own, behind the comment sign, or not at all [default: plain]
     #[arg(long, value_enum)]
@@ -150,7 +151,7 @@ impl Export {
         })
     }
 
-    fn format(&self) -> Result<Format, Exit> {
+    fn format(&self) -> Result<TableFormat, Exit> {
         let kind = match (self.format, &self.output) {
             (Some(kind), _) => kind,
             (None, None) => {
@@ -168,12 +169,12 @@ impl Export {
             ));
         }
         match kind {
-            Kind::Csv => Ok(Format::Csv),
+            Kind::Csv => Ok(TableFormat::Csv),
             Kind::Parquet if self.output.is_none() && !self.list_columns => {
                 Err(refuse("Parquet is no text: name a file with `--output`"))
             }
-            Kind::Parquet => Ok(Format::Parquet),
-            Kind::Gnuplot => Ok(Format::Text(self.text.format())),
+            Kind::Parquet => Ok(TableFormat::Parquet),
+            Kind::Gnuplot => Ok(TableFormat::Text(self.text.format())),
         }
     }
 }
@@ -196,9 +197,9 @@ impl Text {
             separator: self.separator.clone().unwrap_or(plain.separator),
             numbers: self.numbers.unwrap_or(plain.numbers),
             header: self.header.map_or(plain.header, |h| match h {
-                HeaderKind::Comment => Header::Comment,
-                HeaderKind::Plain => Header::Plain,
-                HeaderKind::None => Header::None,
+                HeaderKind::Comment => HeaderStyle::Comment,
+                HeaderKind::Plain => HeaderStyle::Plain,
+                HeaderKind::None => HeaderStyle::None,
             }),
             comment: self.comment.clone().unwrap_or(plain.comment),
             missing: self.missing.clone().unwrap_or(plain.missing),
@@ -233,8 +234,4 @@ fn same_file(a: &Path, b: &Path) -> bool {
 fn refuse(why: impl Display) -> Exit {
     complain_of(why);
     Exit::Invalid
-}
-
-fn number_format(text: &str) -> Result<NumberFormat, String> {
-    text.parse().map_err(|error: ExportError| error.to_string())
 }

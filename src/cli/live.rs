@@ -72,7 +72,7 @@ struct Stage {
 
 #[cfg(feature = "live")]
 impl Audience for Stage {
-    fn outlet(&self) -> Box<dyn stiction::log::Outlet> {
+    fn outlet(&self) -> Box<dyn stiction::log::MessageSink> {
         self.server.outlet()
     }
 

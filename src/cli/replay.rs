@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use clap::Args;
 use stiction::batch::{BatchError, Interrupter, Severity};
-use stiction::replay::{self, Change, Left, ReplayError};
+use stiction::replay::{self, InputChange, RecordedRun, ReplayError};
 use stiction::text::visible::visible;
 
 use super::each::Which;
@@ -41,7 +41,7 @@ pub struct Replay {
 impl Replay {
     /// Runs each again and says what came of it.
     pub fn execute(self) -> Result<Exit, Exit> {
-        let mut all: Vec<Left> = Vec::new();
+        let mut all: Vec<RecordedRun> = Vec::new();
         for what in &self.what {
             all.extend(replay::find(what, &self.results).map_err(refuse)?);
         }
@@ -75,7 +75,7 @@ impl Replay {
     }
 
     /// Makes one run again; did it give the same?
-    fn is_same(&self, left: &Left, running: &Mutex<Option<Interrupter>>) -> Result<bool, Exit> {
+    fn is_same(&self, left: &RecordedRun, running: &Mutex<Option<Interrupter>>) -> Result<bool, Exit> {
         let temporary = tempfile::tempdir().map_err(|error| refuse(format!("no temporary folder: {error}")))?;
         let output: &Path = self.output.as_deref().unwrap_or(temporary.path());
         let prepared =
@@ -90,19 +90,21 @@ impl Replay {
         let again = prepared.run(left).map_err(refuse)?;
         let name = format!("{} {}", visible(&left.record.scenario), left.record.key);
         again.changes.iter().for_each(|change| complain(&format!("warning: {name}: {change}")));
-        if again.left.was_cut() && !left.was_cut() {
-            let at = again.left.record.metrics.duration_s;
+        if again.run.terminated_externally() && !left.terminated_externally() {
+            let at = again.run.record.metrics.duration_s;
             complain_of(format!("{name}: not finished within --timeout, it stands at {at} s: nothing is compared"));
             return Err(Exit::Unfinished);
         }
         let differences = replay::compare(left, &again);
         let files = if left.log.is_some() { "run.json and log.mcap" } else { "run.json; it left no log" };
         let words = match differences.as_slice() {
-            [] if left.was_cut() && left.log.is_none() => {
+            [] if left.terminated_externally() && left.log.is_none() => {
                 format!("{name}: it was ended from outside and left no log: there is nothing to compare\n")
             }
-            [] if left.was_cut() => format!("{name}: same bits up to where it was ended from outside (log.mcap)\n"),
-            [] if !again.changes.iter().any(Change::is_of_inputs) => format!("{name}: same bits ({files})\n"),
+            [] if left.terminated_externally() => {
+                format!("{name}: same bits up to where it was ended from outside (log.mcap)\n")
+            }
+            [] if !again.changes.iter().any(InputChange::affects_result) => format!("{name}: same bits ({files})\n"),
             [] => format!("{name}: same values, though not all is as it was ({files})\n"),
             all => all.iter().fold(format!("{name}: differs\n"), |text, one| format!("{text}  {one}\n")),
         };

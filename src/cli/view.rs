@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use clap::Args;
-use stiction::view::{Replay, Runs, Server, file_page, pack};
+use stiction::view::{DrawnRun, ViewServer, ViewableRuns, file_page, pack};
 
 use super::signals::when_asked_to_end;
 use super::terminal::{complain, complain_of, plural, print};
@@ -34,7 +34,7 @@ pub struct View {
 impl View {
     /// Serves, or writes the page.
     pub fn execute(self) -> Result<Exit, Exit> {
-        let (runs, skipped) = Runs::find(&self.what).map_err(refuse)?;
+        let (runs, skipped) = ViewableRuns::find(&self.what).map_err(refuse)?;
         skipped.iter().for_each(|error| complain(&format!("warning: passed over: {error}")));
         if runs.shown().is_empty() {
             let what = self.what.display();
@@ -50,7 +50,7 @@ impl View {
         }
     }
 
-    fn write(&self, runs: &Runs, file: &Path) -> Result<Exit, Exit> {
+    fn write(&self, runs: &ViewableRuns, file: &Path) -> Result<Exit, Exit> {
         let [run] = runs.shown() else {
             let (what, n) = (self.what.display(), runs.shown().len());
             return Err(refuse(format!("{what} holds {n} runs; a page holds one: name its folder")));
@@ -58,7 +58,7 @@ impl View {
         if matches!((file.canonicalize(), run.log.canonicalize()), (Ok(a), Ok(b)) if a == b) {
             return Err(refuse(format!("{} is the log itself: choose another file to write", file.display())));
         }
-        let page = file_page(&run.title(), &pack(&Replay::read(&run.log).map_err(refuse)?, self.rate));
+        let page = file_page(&run.title(), &pack(&DrawnRun::read(&run.log).map_err(refuse)?, self.rate));
         stiction::view::write_page(file, &page).map_err(|error| {
             refuse(&error);
             Exit::of_writing(&error)
@@ -67,14 +67,14 @@ impl View {
         Ok(Exit::Success)
     }
 
-    fn serve(self, runs: Runs) -> Result<Exit, Exit> {
+    fn serve(self, runs: ViewableRuns) -> Result<Exit, Exit> {
         // A log that stands alone is looked at before the page is; others when they are chosen.
         if let [run] = runs.shown() {
-            Replay::read(&run.log).map_err(refuse)?;
+            DrawnRun::read(&run.log).map_err(refuse)?;
         }
         let count = runs.shown().len();
         let port = self.port.unwrap_or(0);
-        let server = Server::new(runs, self.rate, port)
+        let server = ViewServer::new(runs, self.rate, port)
             .map_err(|error| refuse(format!("cannot listen on port {port} of 127.0.0.1: {error}")))?;
         let stopper = server.stopper();
         when_asked_to_end(move |_| stopper.stop());

@@ -7,10 +7,10 @@ use crate::batch::open_log_of;
 use crate::console::error::ConsoleError;
 use crate::console::session::Session;
 use crate::console::words::Words;
-use crate::export::{self, Format, Selection, TextFormat};
+use crate::export::{self, Selection, TableFormat, TextFormat};
 use crate::files::input;
 use crate::files::{Made, RecordError, write_named};
-use crate::log::{LogWriter, Outlet, Topics, Trajectory};
+use crate::log::{LogWriter, MessageSink, TopicGroups, Trajectory};
 use crate::scenario;
 use crate::sim::Observer;
 
@@ -38,15 +38,15 @@ impl Recording {
 
 impl Session {
     /// A log of this session.
-    pub(super) fn log_writer(&self, path: &Path, topics: Topics) -> Result<LogWriter, ConsoleError> {
+    pub(super) fn log_writer(&self, path: &Path, topics: TopicGroups) -> Result<LogWriter, ConsoleError> {
         self.log_to((Some(path), None), topics)
     }
 
     /// The same, to somebody who looks on.
     pub(super) fn log_to(
         &self,
-        to: (Option<&Path>, Option<Box<dyn Outlet>>),
-        topics: Topics,
+        to: (Option<&Path>, Option<Box<dyn MessageSink>>),
+        topics: TopicGroups,
     ) -> Result<LogWriter, ConsoleError> {
         let key = scenario::key(&[("session", self.run.resolved_toml.as_bytes())]);
         let plant = self.simulation.plant();
@@ -181,22 +181,22 @@ impl Session {
                 "format" => kind = Some(value.to_owned()),
                 "events" => events = value == "true",
                 _ => {
-                    text.set(key, value).map_err(ConsoleError::usage)?;
+                    text.set(key, value).map_err(|error| ConsoleError::usage(error.to_string()))?;
                     styled = true;
                 }
             }
         }
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let format = match kind.as_deref().unwrap_or(&ending) {
-            "csv" => Format::Csv,
-            "parquet" => Format::Parquet,
-            "dat" | "txt" | "gnuplot" => Format::Text(text),
+            "csv" => TableFormat::Csv,
+            "parquet" => TableFormat::Parquet,
+            "dat" | "txt" | "gnuplot" => TableFormat::Text(text),
             other => {
                 let why = format!("`{other}` is no format: csv, parquet and gnuplot (.dat, .txt) are");
                 return Err(ConsoleError::usage(why));
             }
         };
-        if styled && !matches!(format, Format::Text(_)) {
+        if styled && !matches!(format, TableFormat::Text(_)) {
             return Err(ConsoleError::usage("how text looks is of format gnuplot (.dat, .txt)"));
         }
         let recording = self.finished_recording()?;

@@ -6,7 +6,7 @@ use crate::console::session::{Session, simulation};
 use crate::console::tap::Tap;
 use crate::dynamics::State;
 use crate::export::{self, Selection, Values};
-use crate::log::{LogWriter, Motion, Topics, Trajectory};
+use crate::log::{LogWriter, Motion, TopicGroups, Trajectory};
 use crate::robot::{Base, Model};
 use crate::sim::{Observer, Snapshot};
 
@@ -28,7 +28,7 @@ impl Session {
     /// A log with nothing but the present.
     fn present_log(&mut self) -> Result<Trajectory, ConsoleError> {
         let path = self.folder.path().join("present.mcap");
-        let mut log: LogWriter = self.log_writer(&path, Topics { state: true, contact: true, scene: false })?;
+        let mut log: LogWriter = self.log_writer(&path, TopicGroups { state: true, contact: true, scene: false })?;
         let snapshot = self.begun_look()?;
         let told = log.snapshot(&snapshot);
         told.map_err(ConsoleError::usage)?;

@@ -1,20 +1,22 @@
-//! How numbers are written: `exact`, or as C's printf does with `%e`, `%f` and `%g`.
+//! Formats numbers: `exact`, or as C's printf does for `%e`, `%f` and `%g` (ISO C, 7.21.6.1).
+//!
+//! The crate `sprintf` 0.4.3 does not replace this: 36 of the 133 results in the tests differ (`%g` of 1 gives `1.`, of 0 it
+//! panics, of 5e-324 it gives `NaN.`).
 
-use crate::export::ExportError;
 use std::fmt::Write;
 use std::str::FromStr;
 
-/// A way of writing numbers.
+/// Format of numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NumberFormat {
     /// The fewest digits that read back to the same number.
     #[default]
     Exact,
-    /// A conversion of printf.
+    /// A conversion specification of printf.
     Printf(Conversion),
 }
 
-/// `%[flags][width][.precision]letter`
+/// A conversion specification: `%[flags][width][.precision]letter`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Conversion {
     left: bool,
@@ -28,33 +30,41 @@ pub struct Conversion {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Letter {
-    /// `d.ddde+XX`
+    /// `d.ddde+XX`.
     E,
-    /// `ddd.ddd`
+    /// `ddd.ddd`.
     F,
     /// Significant digits, with an exponent where that is shorter.
     G,
 }
 
-/// Wider or more digits than this are a mistake; f64 has 17 significant ones.
-const MOST: usize = 100;
+/// Largest width and precision. An f64 has 17 significant digits.
+const MAX_DIGITS: usize = 100;
+
+/// Why a text is no number format.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` is no number format: {reason}")]
+pub struct NumberFormatError {
+    /// The text.
+    pub text: String,
+    /// What is wrong with it.
+    pub reason: &'static str,
+}
 
 impl FromStr for NumberFormat {
-    type Err = ExportError;
+    type Err = NumberFormatError;
 
-    fn from_str(text: &str) -> Result<Self, ExportError> {
+    fn from_str(text: &str) -> Result<Self, NumberFormatError> {
         if text == "exact" {
             return Ok(Self::Exact);
         }
-        Conversion::parse(text)
-            .map(Self::Printf)
-            .map_err(|reason| ExportError::NumberFormat { text: text.to_owned(), reason })
+        Conversion::parse(text).map(Self::Printf).map_err(|reason| NumberFormatError { text: text.to_owned(), reason })
     }
 }
 
 impl Conversion {
     fn parse(text: &str) -> Result<Self, &'static str> {
-        const FORM: &str = "wanted is `exact`, or `%` with flags, width, precision and one of e, f, g, such as `%.9g`";
+        const FORM: &str = "expected `exact`, or `%` with flags, width, precision and one of e, f, g, such as `%.9g`";
         let mut rest = text.strip_prefix('%').ok_or(FORM)?;
         let mut c =
             Self { left: false, sign: None, zeros: false, width: 0, precision: 6, letter: Letter::G, upper: false };
@@ -62,7 +72,7 @@ impl Conversion {
             match flag {
                 '-' => c.left = true,
                 '0' => c.zeros = true,
-                // A plus wins over a blank, as in C.
+                // A plus overrides a blank, as in C.
                 sign => c.sign = if c.sign == Some('+') { c.sign } else { Some(sign) },
             }
             rest = &rest[1..];
@@ -96,8 +106,8 @@ impl Conversion {
         let sign = if x.is_sign_negative() && !x.is_nan() { Some('-') } else { self.sign };
         let blank = self.width.saturating_sub(body.len() + usize::from(sign.is_some()));
         let zeros = self.zeros && !self.left && x.is_finite();
-        let pad = |out: &mut String, what: char, yes: bool| {
-            out.extend(std::iter::repeat_n(what, if yes { blank } else { 0 }))
+        let pad = |out: &mut String, c: char, active: bool| {
+            out.extend(std::iter::repeat_n(c, if active { blank } else { 0 }));
         };
         pad(out, ' ', !self.left && !zeros);
         out.extend(sign);
@@ -111,7 +121,7 @@ fn digits(text: &str, none: usize) -> Result<(usize, &str), &'static str> {
     let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
     let (number, rest) = text.split_at(end);
     match number.parse::<usize>() {
-        Ok(n) if n <= MOST => Ok((n, rest)),
+        Ok(n) if n <= MAX_DIGITS => Ok((n, rest)),
         Err(_) if number.is_empty() => Ok((none, rest)),
         _ => Err("width and precision are at most 100"),
     }
@@ -125,7 +135,7 @@ fn exponential(x: f64, precision: usize) -> String {
     format!("{mantissa}e{sign}{exponent:0>2}")
 }
 
-/// `precision` significant digits without zeros at the end; the exponent is the one after rounding.
+/// `precision` significant digits without trailing zeros. The exponent after rounding selects the notation.
 fn general(x: f64, precision: usize) -> String {
     let scientific = exponential(x, precision - 1);
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
@@ -143,10 +153,10 @@ fn trimmed(digits: &str) -> &str {
 }
 
 impl NumberFormat {
-    /// Appends a number.
+    /// Appends a number to `out`.
     pub fn write(self, x: f64, out: &mut String) {
         match self {
-            // A String takes every write.
+            // Writing to a String does not fail.
             Self::Exact => drop(write!(out, "{x:?}")),
             Self::Printf(conversion) => conversion.write(x, out),
         }
@@ -157,7 +167,7 @@ impl NumberFormat {
 mod tests {
     use super::*;
 
-    /// What the C library's printf gives.
+    /// Results of the C library's printf.
     const PRINTF: &[(&str, f64, &str)] = &[
         ("%g", 0.0, "0"),
         ("%g", -0.0, "-0"),
@@ -305,14 +315,14 @@ mod tests {
     }
 
     #[test]
-    fn as_printf_writes_them() {
+    fn conversions_give_the_text_of_printf() {
         for (format, x, expected) in PRINTF {
             assert_eq!(shown(format, *x), *expected, "{format} {x:?}");
         }
     }
 
     #[test]
-    fn exact_numbers_read_back_to_the_same() {
+    fn exact_and_17_digits_read_back_to_the_same_bits() {
         for x in [0.1, 1.0 / 3.0, 1e-7, -2.5e300, 5e-324, 0.0, -0.0, 123456789.0, f64::MAX] {
             assert_eq!(shown("exact", x).parse::<f64>().unwrap().to_bits(), x.to_bits());
             assert_eq!(shown("%.17g", x).parse::<f64>().unwrap().to_bits(), x.to_bits());
@@ -320,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_format() {
+    fn malformed_formats_are_refused() {
         for bad in [
             "",
             "g",

@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use crate::live::book::Book;
 use crate::live::{Shared, bit, lock};
-use crate::log::{ChannelInfo, Outlet};
+use crate::log::{ChannelInfo, MessageSink};
 
 /// Instants under way at most. The thread looks every few milliseconds, which are some hundred instants of the smallest robot.
 const QUEUE: usize = 512;
@@ -96,21 +96,21 @@ impl Feed {
     }
 }
 
-impl Outlet for Feed {
-    fn channel(&mut self, channel: &ChannelInfo) -> u32 {
+impl MessageSink for Feed {
+    fn open_channel(&mut self, channel: &ChannelInfo) -> u32 {
         self.write(|book| book.open(channel))
     }
 
-    fn described(&mut self) {
+    fn end_description(&mut self) {
         self.described = true;
         self.publish();
     }
 
-    fn is_wanted(&self) -> bool {
+    fn has_subscribers(&self) -> bool {
         self.shared.wanted.load(Relaxed) != 0
     }
 
-    fn wants(&self, channel: u32) -> bool {
+    fn is_subscribed(&self, channel: u32) -> bool {
         self.shared.wanted.load(Relaxed) & bit(channel) != 0
     }
 
@@ -133,7 +133,7 @@ impl Outlet for Feed {
         }
     }
 
-    fn instant(&mut self, time: u64) {
+    fn end_tick(&mut self, time: u64) {
         let Some(mut now) = self.now.take_if(|now| !now.parts.is_empty()) else { return };
         now.time = time;
         let (bytes, parts) = self.greatest;

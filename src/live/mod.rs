@@ -23,7 +23,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::log::Outlet;
+use crate::log::MessageSink;
 use crate::remote::LinkError;
 use book::Book;
 use feed::{Feed, Taken};
@@ -130,7 +130,7 @@ impl Live {
 
     /// For the log of a run: what that log gets, the clients get. A new one closes topics that it does not have itself; time may
     /// begin anew, or go back.
-    pub fn outlet(&self) -> Box<dyn Outlet> {
+    pub fn outlet(&self) -> Box<dyn MessageSink> {
         let (feed, taken) = Feed::new(self.shared.clone());
         lock(&self.shared.feeds).push(taken);
         Box::new(feed)

@@ -3,7 +3,7 @@
 use crate::files::input::{self, MOST_DATA};
 use crate::files::{RecordError, atomic};
 use crate::metrics::{Metrics, number};
-use crate::results::{Comparison, LeftLog, ParamValue, Repeats, SummaryRow, Verdict};
+use crate::results::{Comparison, LogFingerprint, ParamValue, Repeats, SummaryRow, Verdict};
 use crate::sim::{AvoidanceTime, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -59,7 +59,7 @@ pub struct RunRecord {
     pub resolved: String,
     /// The log that it left; none if it left none, or was made by an earlier version, which did not say.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub log: Option<LeftLog>,
+    pub log: Option<LogFingerprint>,
     /// What depends on the machine and the moment.
     pub timing: Timing,
 }

@@ -1,12 +1,13 @@
-//! Sections: a table of keys, words and what they mean, forms of one thing.
+//! Writes sections: tables of keys, lists of values with meanings, variants of tagged tables, and alternative forms.
 
 use serde_json::Value;
 
-use super::phrase::{MANY, quoted, tag};
-use super::{Kind, Notation, Page, Place, alternatives, description};
+use crate::schema_page::page_context::{Notation, Page, SectionEntry};
+use crate::schema_page::schema_node::{Kind, alternatives, description, quoted, tag};
+use crate::schema_page::type_phrase::MAX_INLINE;
 
 impl<'a> Page<'a> {
-    /// What a file or a line has at its top.
+    /// Writes the section of the top level.
     pub fn root(&mut self, schema: &'a Value) -> String {
         let mut text = format!("\n## Top level\n\n{}", self.keys(schema, ""));
         if schema.get("oneOf").is_some() {
@@ -15,19 +16,19 @@ impl<'a> Page<'a> {
         text
     }
 
-    /// What stands below a section's heading.
-    pub fn section(&mut self, place: &Place<'a>) -> String {
-        let Place { node, path, .. } = place;
+    /// Writes the text below the heading of a section.
+    pub fn section(&mut self, entry: &SectionEntry<'a>) -> String {
+        let SectionEntry { node, path, .. } = entry;
         let body = match Kind::of(node) {
             Kind::Table => self.keys(node, path),
-            Kind::Words => self.words(node),
+            Kind::Values => self.values(node),
             Kind::Tagged => self.variants(node, path, "###"),
             Kind::Forms | Kind::Plain => self.forms(node, path),
         };
         format!("{}\n{}{body}", description(node), if body.starts_with('\n') { "" } else { "\n" })
     }
 
-    /// A line for each key.
+    /// Writes a table with a row for each key.
     fn keys(&mut self, node: &'a Value, path: &str) -> String {
         let Some(properties) = node.get("properties").and_then(Value::as_object) else { return String::new() };
         let required: Vec<&str> =
@@ -39,14 +40,14 @@ impl<'a> Page<'a> {
             "| key | type | meaning |\n|---|---|---|\n"
         });
         let mut lists = String::new();
-        // The word of a variant is its heading already.
-        let word = tag(node).map(|(key, _)| key);
-        for (key, value) in properties.iter().filter(|(key, _)| Some(key.as_str()) != word) {
+        // The heading of a variant shows its tag.
+        let tag = tag(node).map(|(key, _)| key);
+        for (key, value) in properties.iter().filter(|(key, _)| Some(key.as_str()) != tag) {
             let below = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
             let said = cell(&self.phrase(value, &below));
             let default = match value.get("default") {
                 _ if required.contains(&key.as_str()) => "required".to_string(),
-                Some(default) if !self.is_each_keys_own(value, default) => cell(&quoted(default)),
+                Some(default) if !self.repeats_key_defaults(value, default) => cell(&quoted(default)),
                 _ => String::new(),
             };
             let default = if defaults { format!(" {default} |") } else { String::new() };
@@ -56,8 +57,8 @@ impl<'a> Page<'a> {
         text + &lists
     }
 
-    /// Is a table's default what its keys have by themselves when it is left out?
-    fn is_each_keys_own(&self, value: &'a Value, default: &Value) -> bool {
+    /// True if the default of a table equals the defaults of its keys.
+    fn repeats_key_defaults(&self, value: &'a Value, default: &Value) -> bool {
         let (Some((_, target)), Some(default)) = (self.target(value), default.as_object()) else { return false };
         default.iter().all(|(key, value)| {
             let own = target.get("properties").and_then(|p| p.get(key));
@@ -69,29 +70,30 @@ impl<'a> Page<'a> {
         })
     }
 
-    fn words(&mut self, node: &'a Value) -> String {
+    /// Writes a table of values and their meanings.
+    fn values(&mut self, node: &'a Value) -> String {
         let mut text = String::from("| value | meaning |\n|---|---|\n");
-        for word in alternatives(node).into_iter().flatten() {
-            let value = word.get("const").map(quoted).unwrap_or_default();
-            text.push_str(&format!("| {value} | {} |\n", cell(&description(word))));
+        for choice in alternatives(node).into_iter().flatten() {
+            let value = choice.get("const").map(quoted).unwrap_or_default();
+            text.push_str(&format!("| {value} | {} |\n", cell(&description(choice))));
         }
         text
     }
 
-    /// A part for each word that a tagged table may say.
+    /// Writes a part for each variant of a tagged table.
     fn variants(&mut self, node: &'a Value, path: &str, level: &str) -> String {
         let mut text = String::new();
         for variant in alternatives(node).into_iter().flatten() {
-            let Some((key, word)) = tag(variant) else { continue };
+            let Some((key, value)) = tag(variant) else { continue };
             let title = match self.notation {
-                Notation::Toml => format!("{key} = \"{word}\""),
-                Notation::Json => format!("\"{key}\": \"{word}\""),
+                Notation::Toml => format!("{key} = \"{value}\""),
+                Notation::Json => format!("\"{key}\": \"{value}\""),
             };
-            // Tasks and forces have types of the same names.
+            // Tasks and forces have variants of the same names.
             let of = if path.is_empty() { String::new() } else { format!("`{}` with ", self.header(path)) };
             text.push_str(&format!("\n{level} {of}`{title}`\n\n{}\n\n", description(variant)));
             self.variant = Some(title);
-            // What the table of one variant holds may stand in a definition of its own.
+            // The keys of a variant may be in a definition of their own.
             match self.target(variant) {
                 Some((_, target)) => text.push_str(&self.keys(target, path)),
                 None => text.push_str(&self.keys(variant, path)),
@@ -101,31 +103,32 @@ impl<'a> Page<'a> {
         text
     }
 
+    /// Writes a list of alternative forms.
     fn forms(&mut self, node: &'a Value, path: &str) -> String {
         let mut text = String::new();
         for form in alternatives(node).into_iter().flatten() {
-            let said = self.phrase(form, path);
+            let phrase = self.phrase(form, path);
             let meaning = description(form);
             let gap = if meaning.is_empty() { "" } else { ": " };
-            text.push_str(&format!("- {said}{gap}{meaning}\n"));
+            text.push_str(&format!("- {phrase}{gap}{meaning}\n"));
         }
         text
     }
 }
 
-/// Words of a key that are too many for its line.
+/// Lists of values that are too long for the row of their key.
 fn long_lists(key: &str, value: &Value) -> String {
     let nodes = std::iter::once(value).chain(alternatives(value).into_iter().flatten());
     let nodes = nodes.chain(value.get("propertyNames"));
     let mut text = String::new();
-    for words in nodes.filter_map(|node| node.get("enum")?.as_array()).filter(|words| words.len() > MANY) {
+    for words in nodes.filter_map(|node| node.get("enum")?.as_array()).filter(|words| words.len() > MAX_INLINE) {
         let words: Vec<_> = words.iter().map(quoted).collect();
         text.push_str(&format!("\nNames for `{key}`: {}.\n", words.join(", ")));
     }
     text
 }
 
-/// Text that stands in a table.
+/// Escapes text for a cell of a Markdown table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
@@ -134,9 +137,9 @@ fn cell(text: &str) -> String {
 mod tests {
     use crate::schema_page::{Notation, page};
 
-    /// Else a line has a cell too many, and all after the bar stands under the wrong heading.
+    /// An unescaped bar would shift the rest of the row to the next columns.
     #[test]
-    fn bars_in_texts_end_no_cell() {
+    fn bars_in_texts_are_escaped() {
         let schema = serde_json::json!({
             "properties": { "mode": { "enum": ["a|b", "c"], "default": "a|b", "description": "one | or the other" } }
         });

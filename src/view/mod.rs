@@ -1,22 +1,25 @@
-//! Seeing a run: its log as a page on which it plays in three dimensions. An observer: it reads logs and changes nothing.
+//! Shows a run: turns its log into a page on which the run plays in three dimensions. Reads logs and changes nothing.
 //!
 //! ```text
-//! log -> Replay (what is drawn, from the topics) -> pack (bytes) -> page, in one file, or asked of the server
+//! log -> DrawnRun (times, frames, shapes, series) -> PackedRun (bytes) -> page, as one file or from a local server
 //! ```
 //!
-//! The page is `page/viewer.html` with its style and scripts put into it; it asks nothing of other hosts. What it draws
-//! with is three.js, of which `page/three.min.js` holds the parts it needs (see `page/three/`).
+//! The page is `page/viewer.html` with style and scripts inserted; it loads nothing from other hosts. It draws with
+//! three.js; `page/three.min.js` holds the parts that it needs (see `page/three/`). Imports `log`, `results`, `files`; called
+//! by `cli`.
 
+mod drawn_run;
 mod http;
-mod list;
-mod pack;
-mod page;
-mod replay;
-mod runs;
-mod server;
+mod packed_run;
+mod run_list_page;
+mod view_error;
+mod view_server;
+mod viewable_runs;
+mod viewer_page;
 
-pub use pack::{Packed, pack};
-pub use page::{file_page, served_page, write_page};
-pub use replay::{Replay, ViewError};
-pub use runs::{Runs, ShownRun};
-pub use server::{Server, Stopper};
+pub use drawn_run::DrawnRun;
+pub use packed_run::{PackedRun, pack};
+pub use view_error::ViewError;
+pub use view_server::{ServerStopper, ViewServer};
+pub use viewable_runs::{ViewableRun, ViewableRuns};
+pub use viewer_page::{file_page, served_page, write_page};

@@ -283,7 +283,7 @@ fn what_cannot_be_exported_is_said() {
     place.write("cut.mcap", &bytes[..bytes.len() / 2]);
     refused(&place, &["cut.mcap"], "cut.mcap: cut short");
     refused(&place, &[f, "--columns", "base_zz_m"], "unknown column `base_zz_m`: did you mean `base_z_m`?");
-    refused(&place, &[f, "--columns", "joint.*"], "unknown column `joint.*`: no column is like that");
+    refused(&place, &[f, "--columns", "joint.*"], "unknown column `joint.*`: no column matches");
     refused(&place, &[f, "--blocks", "base_q"], "unknown column `base_q`: did you mean `base_q");
     refused(&place, &[f, "-o", "x.xlsx"], "x.xlsx: the ending says no format: .csv, .parquet, .dat and .txt");
     refused(&place, &[f, "-o", "noending"], "the ending says no format");
@@ -296,7 +296,7 @@ fn what_cannot_be_exported_is_said() {
     refused(&place, &[f, "--to", "inf"], "a finite number is wanted");
     refused(&place, &[f, "--numbers", "%d"], "`%d` is no number format");
     refused(&place, &[f, "--separator", "1"], "taken for a part of a cell");
-    refused(&place, &[f, "--comment", " "], "neither empty nor with blanks");
+    refused(&place, &[f, "--comment", " "], "must not be empty and must not contain blanks");
     refused(&place, &[f, "--events", "--rate", "3"], "cannot be used with");
     let own = format!("{f}/log.mcap");
     refused(&place, &[f, "-o", &own, "--format", "csv"], "is the log itself");

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use stiction::batch::{Batch, End, Job, Options, Plan, Progress, Report, Role, Wanted, prepare, simulate};
-use stiction::log::{Document, LogHeader, LogWriter, Topics};
+use stiction::log::{AttachedText, LogHeader, LogWriter, TopicGroups};
 use stiction::results::RunRecord;
 use stiction::sim::{Outcome, Problems};
 
@@ -40,13 +40,13 @@ fn break_down(job: &Job, log: &Path) -> End {
         scenario_name: &job.run.name,
         key: &job.key,
         method: "exact",
-        scenario: Document { name: "s.toml", text: &job.run.resolved_toml },
+        scenario: AttachedText { name: "s.toml", text: &job.run.resolved_toml },
         robot: None,
-        urdf: Document { name: "block.urdf", text: &job.robot.urdf_text },
+        urdf: AttachedText { name: "block.urdf", text: &job.robot.urdf_text },
         floor: nalgebra::Isometry3::identity(),
         patches: &[],
         inputs: &[],
-        topics: Topics::ALL,
+        topics: TopicGroups::ALL,
     };
     let _writer = LogWriter::create(log, &job.robot.model, &header).unwrap();
     let nothing: Vec<f64> = Vec::new();

@@ -289,7 +289,7 @@ fn nothing_is_measured_that_cannot_be() {
     assert!(table.column("message")[0].contains("state_changes"), "{:?}", table.column("message"));
     // Nor can it be made again.
     let again = place.runner(&["replay", &table.column("key")[0][..8], "--results", "t"]).exits(2);
-    assert!(again.stderr.contains("cannot be made again"), "{}", again.stderr);
+    assert!(again.stderr.contains("so it cannot be re-run"), "{}", again.stderr);
     assert!(table.numbers("final_base_z")[0] > 0.2);
 }
 

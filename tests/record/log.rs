@@ -3,7 +3,7 @@
 use super::sample::{self, ROBOT, SCENARIO, URDF};
 use mcap::{MessageStream, Summary};
 use std::collections::BTreeMap;
-use stiction::log::{LogWriter, Topics};
+use stiction::log::{LogWriter, TopicGroups};
 use stiction::sim::Observer;
 
 const TICKS: usize = 20;
@@ -26,7 +26,7 @@ fn channels(bytes: &[u8]) -> BTreeMap<String, (String, String, String, u64)> {
 
 #[test]
 fn every_topic_is_there_with_its_schema_and_one_message_per_tick() {
-    let found = channels(&sample::log(TICKS, Topics::ALL));
+    let found = channels(&sample::log(TICKS, TopicGroups::ALL));
     let ticks = TICKS as u64;
     let expected = [
         ("/contact", "stiction.Contact", "protobuf", "protobuf", ticks),
@@ -48,19 +48,19 @@ fn every_topic_is_there_with_its_schema_and_one_message_per_tick() {
 #[test]
 fn only_the_chosen_topics_are_written() {
     let topics = |names: &[&str]| {
-        let found = channels(&sample::log(2, Topics::from_names(names).unwrap()));
+        let found = channels(&sample::log(2, TopicGroups::from_names(names).unwrap()));
         found.into_keys().collect::<Vec<_>>().join(" ")
     };
     assert_eq!(topics(&[]), "/events /log");
     assert_eq!(topics(&["state"]), "/events /joint_states /log /robot_description /self_collision /state");
     assert_eq!(topics(&["contact"]), "/contact /events /log /residual");
     assert_eq!(topics(&["scene", "contact"]), "/contact /events /log /residual /scene /scene/contact /tf");
-    assert!(Topics::from_names(&["state", "colour"]).unwrap_err().to_string().contains("`colour`"));
+    assert!(TopicGroups::from_names(&["state", "colour"]).unwrap_err().to_string().contains("`colour`"));
 }
 
 #[test]
 fn log_times_are_simulated_nanoseconds() {
-    let bytes = sample::log(TICKS, Topics::ALL);
+    let bytes = sample::log(TICKS, TopicGroups::ALL);
     let times = |topic: &str| -> Vec<u64> {
         let messages = MessageStream::new(&bytes).unwrap().map(Result::unwrap);
         messages.filter(|m| m.channel.topic == topic).map(|m| m.log_time).collect()
@@ -75,7 +75,7 @@ fn log_times_are_simulated_nanoseconds() {
 
 #[test]
 fn scenario_robot_and_urdf_are_attached_whole() {
-    let bytes = sample::log(1, Topics::ALL);
+    let bytes = sample::log(1, TopicGroups::ALL);
     let summary = Summary::read(&bytes).unwrap().unwrap();
     let found: Vec<_> = summary
         .attachment_indexes
@@ -102,7 +102,7 @@ fn metadata(bytes: &[u8], name: &str) -> BTreeMap<String, String> {
 
 #[test]
 fn metadata_names_the_run() {
-    let bytes = sample::log(1, Topics::ALL);
+    let bytes = sample::log(1, TopicGroups::ALL);
     let run = metadata(&bytes, "run");
     let get = |key: &str| run[key].as_str();
     assert_eq!([get("scenario"), get("key"), get("method"), get("robot")], ["sample", "0123abcd", "exact", "sample"]);
@@ -114,17 +114,17 @@ fn metadata_names_the_run() {
 fn equal_runs_give_equal_bytes_and_others_do_not() {
     // Long enough for several compressed chunks of 1 MiB.
     let ticks = 1500;
-    let first = sample::log(ticks, Topics::ALL);
+    let first = sample::log(ticks, TopicGroups::ALL);
     assert!(Summary::read(&first).unwrap().unwrap().chunk_indexes.len() >= 2);
-    assert!(first == sample::log(ticks, Topics::ALL));
-    assert!(first != sample::log(ticks - 1, Topics::ALL));
+    assert!(first == sample::log(ticks, TopicGroups::ALL));
+    assert!(first != sample::log(ticks - 1, TopicGroups::ALL));
 }
 
 #[test]
 fn a_log_appears_when_it_is_complete_and_not_before() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("runs/a/log.mcap");
-    let log = sample::started(&path, 3, Topics::ALL);
+    let log = sample::started(&path, 3, TopicGroups::ALL);
     assert!(!path.exists());
     log.finish().unwrap();
     assert!(path.exists());
@@ -136,7 +136,7 @@ fn a_run_that_panics_leaves_a_readable_log() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
     let run = std::panic::catch_unwind(|| {
-        let _log = sample::started(&path, TICKS, Topics::ALL);
+        let _log = sample::started(&path, TICKS, TopicGroups::ALL);
         std::panic::resume_unwind(Box::new("a run went wrong"));
     });
     assert!(run.is_err());
@@ -148,7 +148,7 @@ fn a_run_that_panics_leaves_a_readable_log() {
 #[test]
 fn a_snapshot_of_another_robot_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let mut log = sample::started(&folder.path().join("log.mcap"), 1, Topics::ALL);
+    let mut log = sample::started(&folder.path().join("log.mcap"), 1, TopicGroups::ALL);
     let mut snapshot = sample::snapshot(1);
     snapshot.link_poses.pop();
     let message = log.snapshot(&snapshot).unwrap_err();
@@ -163,14 +163,14 @@ fn a_folder_that_cannot_be_made_is_an_error_that_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     std::fs::write(&file, "").unwrap();
-    let result = LogWriter::create(&file.join("log.mcap"), &sample::model(), &sample::header(Topics::ALL));
+    let result = LogWriter::create(&file.join("log.mcap"), &sample::model(), &sample::header(TopicGroups::ALL));
     assert!(result.err().unwrap().to_string().contains("file"));
 }
 
 /// Writes the sample log where `STICTION_KEEP_LOG` says, for `tests/oracles/check_log.py`.
 #[test]
 fn a_log_can_be_kept_for_other_readers() {
-    let bytes = sample::log(200, Topics::ALL);
+    let bytes = sample::log(200, TopicGroups::ALL);
     assert!(bytes.starts_with(mcap::MAGIC) && bytes.ends_with(mcap::MAGIC));
     if let Some(path) = std::env::var_os("STICTION_KEEP_LOG") {
         std::fs::write(path, bytes).unwrap();

@@ -4,7 +4,7 @@ use super::sample::{self, URDF};
 use foxglove::messages::{FrameTransforms, Log, Pose, Quaternion, SceneEntity, SceneUpdate, Vector3 as LogVector};
 use mcap::MessageStream;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use stiction::log::{LogWriter, Topics, messages, ros};
+use stiction::log::{LogWriter, TopicGroups, messages, ros};
 use stiction::robot::Base;
 use stiction::sim::{Observer, Snapshot};
 
@@ -12,7 +12,7 @@ const TICKS: usize = 6;
 
 /// All messages of one topic, encoded.
 fn raw(topic: &str) -> Vec<Vec<u8>> {
-    let bytes = sample::log(TICKS, Topics::ALL);
+    let bytes = sample::log(TICKS, TopicGroups::ALL);
     let messages = MessageStream::new(&bytes).unwrap().map(Result::unwrap);
     messages.filter(|m| m.channel.topic == topic).map(|m| m.data.into_owned()).collect()
 }
@@ -193,7 +193,7 @@ fn a_robot_whose_root_is_called_world_stands_in_a_map() {
     model.links[0].name = "world".into();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
-    let mut log = LogWriter::create(&path, &model, &sample::header(Topics::ALL)).unwrap();
+    let mut log = LogWriter::create(&path, &model, &sample::header(TopicGroups::ALL)).unwrap();
     log.snapshot(&sample::snapshot(0)).unwrap();
     log.finish().unwrap();
     let bytes = std::fs::read(&path).unwrap();
@@ -246,7 +246,7 @@ fn the_floor_slabs_upper_face_is_the_floor() {
     assert_eq!(floor.frame_id, "world");
     let slab = floor.cubes[0];
     let top = isometry(slab.pose) * Translation3::new(0.0, 0.0, 0.5 * slab.size.unwrap().z);
-    assert!(distance(&top, &sample::header(Topics::ALL).floor) < 1e-15);
+    assert!(distance(&top, &sample::header(TopicGroups::ALL).floor) < 1e-15);
     assert!(floor.lines[0].points.iter().all(|p| p.z == 0.0 && p.x.abs() <= 5.0 && p.y.abs() <= 5.0));
 }
 

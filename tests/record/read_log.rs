@@ -3,13 +3,13 @@
 use super::sample::{self, ROBOT, SCENARIO, URDF};
 use nalgebra::Vector3;
 use std::path::Path;
-use stiction::log::{LogError, LogWriter, Topics, Trajectory, messages};
+use stiction::log::{LogError, LogWriter, TopicGroups, Trajectory, messages};
 use stiction::robot::JointKind;
 use stiction::sim::{Observer, Snapshot};
 
 const TICKS: usize = 300;
 
-fn written(ticks: usize, topics: Topics) -> Trajectory {
+fn written(ticks: usize, topics: TopicGroups) -> Trajectory {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
     sample::started(&path, ticks, topics).finish().unwrap();
@@ -33,7 +33,7 @@ fn same_vectors(found: &[Vector3<f64>], get: impl Fn(&Snapshot) -> Vector3<f64>)
 
 #[test]
 fn self_collision_is_read_to_the_last_bit() {
-    let read = written(TICKS, Topics::ALL).self_collision.unwrap();
+    let read = written(TICKS, TopicGroups::ALL).self_collision.unwrap();
     let own = |s: &Snapshot| s.self_contact.clone().unwrap();
     same(&read.distance, |s| own(s).nearest.unwrap().0);
     same(&read.tests, |s| own(s).tests as f64);
@@ -44,12 +44,12 @@ fn self_collision_is_read_to_the_last_bit() {
         assert_eq!((name.as_str(), *slides), (["hip", "ankle"][j], false));
         same(wanted, |s| own(s).wanted[j]);
     }
-    assert!(written(3, Topics::NONE).self_collision.is_none());
+    assert!(written(3, TopicGroups::NONE).self_collision.is_none());
 }
 
 #[test]
 fn the_motion_is_read_to_the_last_bit() {
-    let read = written(TICKS, Topics::ALL);
+    let read = written(TICKS, TopicGroups::ALL);
     assert!(read.complete);
     same(&read.times, |s| s.time);
     let motion = read.motion.unwrap();
@@ -81,7 +81,7 @@ fn the_motion_is_read_to_the_last_bit() {
 
 #[test]
 fn the_soles_are_read_to_the_last_bit() {
-    let soles = written(TICKS, Topics::ALL).soles.unwrap();
+    let soles = written(TICKS, TopicGroups::ALL).soles.unwrap();
     assert_eq!(
         soles.iter().map(|s| (s.name.as_str(), s.vertices.len())).collect::<Vec<_>>(),
         [("left", 4), ("toe", 1)]
@@ -100,7 +100,7 @@ fn the_soles_are_read_to_the_last_bit() {
 
 #[test]
 fn residuals_energies_events_and_texts_are_read() {
-    let read = written(TICKS, Topics::ALL);
+    let read = written(TICKS, TopicGroups::ALL);
     let residuals = read.residuals.as_ref().unwrap();
     let column = |get: fn(&messages::Residual) -> f64| residuals.iter().map(get).collect::<Vec<_>>();
     same(&column(|r| r.time), |s| s.time);
@@ -127,7 +127,7 @@ fn residuals_energies_events_and_texts_are_read() {
 
 #[test]
 fn what_was_not_logged_is_none() {
-    let topics = |names: &[&str]| written(3, Topics::from_names(names).unwrap());
+    let topics = |names: &[&str]| written(3, TopicGroups::from_names(names).unwrap());
     let contact = topics(&["contact"]);
     assert!(contact.motion.is_none() && contact.soles.is_some() && contact.residuals.is_some());
     assert_eq!(contact.times, [0.0, 0.005, 0.01]);
@@ -137,7 +137,7 @@ fn what_was_not_logged_is_none() {
     let scene = topics(&["scene"]);
     assert!(scene.times.is_empty() && scene.motion.is_none() && scene.soles.is_none());
     assert_eq!(scene.events.len(), 3, "events are always there");
-    let empty = written(0, Topics::ALL);
+    let empty = written(0, TopicGroups::ALL);
     assert!(empty.complete && empty.times.is_empty() && empty.motion.unwrap().joints.len() == 2);
 }
 
@@ -147,7 +147,7 @@ fn a_prismatic_joint_says_so() {
     let path = folder.path().join("log.mcap");
     let mut model = sample::model();
     model.joints[1].kind = JointKind::Prismatic;
-    let mut log = LogWriter::create(&path, &model, &sample::header(Topics::ALL)).unwrap();
+    let mut log = LogWriter::create(&path, &model, &sample::header(TopicGroups::ALL)).unwrap();
     log.snapshot(&sample::snapshot(0)).unwrap();
     log.finish().unwrap();
     let joints = Trajectory::read(&path).unwrap().motion.unwrap().joints;
@@ -158,7 +158,7 @@ fn a_prismatic_joint_says_so() {
 fn the_log_of_a_run_that_broke_down_is_read_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
-    drop(sample::started(&path, 7, Topics::ALL));
+    drop(sample::started(&path, 7, TopicGroups::ALL));
     let read = Trajectory::read(&path).unwrap();
     assert!(!read.complete);
     assert_eq!(read.times.len(), 7);
@@ -196,7 +196,7 @@ fn missing_and_foreign_files_are_told_apart() {
 
 #[test]
 fn a_log_cut_short_anywhere_is_told() {
-    let bytes = sample::log(20, Topics::ALL);
+    let bytes = sample::log(20, TopicGroups::ALL);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
     for length in [8, 9, 15, 100, bytes.len() / 2, bytes.len() - 9, bytes.len() - 1] {
@@ -208,7 +208,7 @@ fn a_log_cut_short_anywhere_is_told() {
 
 #[test]
 fn a_changed_byte_never_gives_other_values() {
-    let bytes = sample::log(20, Topics::ALL);
+    let bytes = sample::log(20, TopicGroups::ALL);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
     std::fs::write(&path, &bytes).unwrap();

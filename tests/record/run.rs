@@ -3,8 +3,8 @@
 use std::path::Path;
 use stiction::files::RecordError;
 use stiction::results::{
-    Comparison, LeftLog, Machine, ParamValue, RUN_SCHEMA, Repeats, RunRecord, RunsLog, Timing, TruthError, Verdict,
-    hash_input,
+    Comparison, LogFingerprint, Machine, ParamValue, RUN_SCHEMA, Repeats, RunRecord, RunsLog, Timing, TruthError,
+    Verdict, hash_input,
 };
 use stiction::sim::{AvoidanceTime, Metrics, Outcome};
 
@@ -159,7 +159,7 @@ pub fn record() -> RunRecord {
         program: "stiction 0.1.0".into(),
         inputs: vec![hash_input("block.urdf", b"abc")],
         resolved: "schema = 1\n[robot]\nmodel = \"größe.urdf\"\n".into(),
-        log: Some(LeftLog { bytes: 3, blake3: hash_input("log.mcap", b"abc").blake3 }),
+        log: Some(LogFingerprint { bytes: 3, blake3: hash_input("log.mcap", b"abc").blake3 }),
         timing: Timing {
             wall_s: 0.7,
             cpu_s: 0.1 + 0.7,

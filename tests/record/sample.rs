@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3
 use std::path::Path;
 use std::sync::LazyLock;
 use stiction::contact::model::residual::Residual;
-use stiction::log::{Document, LogHeader, LogWriter, Topics};
+use stiction::log::{AttachedText, LogHeader, LogWriter, TopicGroups};
 use stiction::robot::{Base, Drive, Geometry, Joint, JointKind, Link, LinkId, Merged, Model, Shape, Sole};
 use stiction::sim::{Balance, Observer, SelfContactSnapshot, SimEvent, Snapshot, SoleSnapshot};
 use stiction::task::PointOfInterest;
@@ -234,14 +234,14 @@ pub fn event(tick: usize) -> SimEvent {
 pub static PATCHES: LazyLock<Vec<Vec<Vector3<f64>>>> =
     LazyLock::new(|| vec![vec![vector(0, 500), vector(0, 510), vector(0, 520)]]);
 
-pub fn header(topics: Topics) -> LogHeader<'static> {
+pub fn header(topics: TopicGroups) -> LogHeader<'static> {
     LogHeader {
         scenario_name: "sample",
         key: "0123abcd",
         method: "exact",
-        scenario: Document { name: "sample.toml", text: SCENARIO },
-        robot: Some(Document { name: "robot.toml", text: ROBOT }),
-        urdf: Document { name: "sample.urdf", text: URDF },
+        scenario: AttachedText { name: "sample.toml", text: SCENARIO },
+        robot: Some(AttachedText { name: "robot.toml", text: ROBOT }),
+        urdf: AttachedText { name: "sample.urdf", text: URDF },
         floor: isometry(0.0, 0.0, -0.1, [0.2, 0.0, 0.0]),
         patches: &PATCHES,
         inputs: &[],
@@ -250,7 +250,7 @@ pub fn header(topics: Topics) -> LogHeader<'static> {
 }
 
 /// A writer that has seen `ticks` snapshots and three events.
-pub fn started(path: &Path, ticks: usize, topics: Topics) -> LogWriter {
+pub fn started(path: &Path, ticks: usize, topics: TopicGroups) -> LogWriter {
     let mut log = LogWriter::create(path, &model(), &header(topics)).unwrap();
     for tick in 0..ticks {
         log.snapshot(&snapshot(tick)).unwrap();
@@ -262,7 +262,7 @@ pub fn started(path: &Path, ticks: usize, topics: Topics) -> LogWriter {
 }
 
 /// The bytes of a finished log.
-pub fn log(ticks: usize, topics: Topics) -> Vec<u8> {
+pub fn log(ticks: usize, topics: TopicGroups) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
     started(&path, ticks, topics).finish().unwrap();

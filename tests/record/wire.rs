@@ -6,7 +6,7 @@ use prost::Message as _;
 use prost_types::FileDescriptorSet;
 use prost_types::field_descriptor_proto::Type;
 use std::collections::{BTreeMap, BTreeSet};
-use stiction::log::{Topics, messages};
+use stiction::log::{TopicGroups, messages};
 use stiction::sim::Snapshot;
 
 /// Takes the first `n` bytes.
@@ -92,7 +92,7 @@ fn vector(v: Option<messages::Vector3>) -> Vec<String> {
 
 #[test]
 fn each_described_field_is_on_the_wire() {
-    let bytes = sample::log(6, Topics::ALL);
+    let bytes = sample::log(6, TopicGroups::ALL);
     for topic in ["/state", "/contact", "/residual", "/events"] {
         let (messages, described) = by_descriptor(&bytes, topic);
         // Zeros and empty lists are left out of the wire, so no single message shows every field.
@@ -103,7 +103,7 @@ fn each_described_field_is_on_the_wire() {
 
 #[test]
 fn names_belong_to_their_values() {
-    let bytes = sample::log(6, Topics::ALL);
+    let bytes = sample::log(6, TopicGroups::ALL);
     for (tick, found) in by_descriptor(&bytes, "/state").0.iter().enumerate() {
         let s = sample::snapshot(tick);
         assert_eq!(found["q"], texts(&s.q));

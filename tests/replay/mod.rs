@@ -188,7 +188,7 @@ fn a_record_whose_scenario_was_changed_is_found_out() {
     let said = place.runner(&["replay", &folder]).exits(1);
     says(&said, "the scenario in the record is not the one that was run");
     tamper(&place, &folder, |record| record["resolved"] = "robot = 1".into());
-    says(&place.runner(&["replay", &folder]).exits(2), "cannot be made again");
+    says(&place.runner(&["replay", &folder]).exits(2), "the run cannot be re-run");
     tamper(&place, &folder, |record| record["program"] = "stiction 0.0.1".into());
     fs::write(place.path(&folder).join("run.json"), "{}").unwrap();
     place.runner(&["replay", &folder]).exits(2);
@@ -265,7 +265,7 @@ fn a_log_that_is_gone_is_told() {
     let (place, folder) = slid();
     fs::remove_file(place.path(&folder).join("log.mcap")).unwrap();
     let done = place.runner(&["replay", &folder]).exits(1);
-    assert!(done.stdout.contains("log.mcap: it is missing, and the record knows of one"), "{}", done.stdout);
+    assert!(done.stdout.contains("log.mcap: the log is missing, although the record has its hash"), "{}", done.stdout);
 }
 
 #[test]

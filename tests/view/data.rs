@@ -3,17 +3,17 @@
 use crate::record::sample;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde_json::Value;
-use stiction::log::Topics;
+use stiction::log::TopicGroups;
 use stiction::sim::Snapshot;
-use stiction::view::{Packed, Replay, ViewError, pack};
+use stiction::view::{DrawnRun, PackedRun, ViewError, pack};
 
 const TICKS: usize = 120;
 
-fn replay(topics: Topics) -> Result<Replay, ViewError> {
+fn replay(topics: TopicGroups) -> Result<DrawnRun, ViewError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
     sample::started(&path, TICKS, topics).finish().unwrap();
-    Replay::read(&path)
+    DrawnRun::read(&path)
 }
 
 fn snapshots() -> Vec<Snapshot> {
@@ -27,7 +27,7 @@ struct Page {
 }
 
 impl Page {
-    fn of(packed: &Packed) -> Self {
+    fn of(packed: &PackedRun) -> Self {
         let bytes = &packed.0;
         let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
         let head = serde_json::from_slice(&bytes[4..4 + length]).unwrap();
@@ -77,7 +77,7 @@ fn some(v: Option<Vector3<f64>>) -> Vector3<f64> {
 
 #[test]
 fn numbers_are_those_of_the_log() {
-    let page = Page::of(&pack(&replay(Topics::ALL).unwrap(), None));
+    let page = Page::of(&pack(&replay(TopicGroups::ALL).unwrap(), None));
     let all = snapshots();
     let times: Vec<u64> = page.times().iter().map(|t| t.to_bits()).collect();
     assert_eq!(times, all.iter().map(|s| s.time.to_bits()).collect::<Vec<_>>());
@@ -129,7 +129,7 @@ fn numbers_are_those_of_the_log() {
 
 #[test]
 fn links_hang_together_as_they_were() {
-    let page = Page::of(&pack(&replay(Topics::ALL).unwrap(), None));
+    let page = Page::of(&pack(&replay(TopicGroups::ALL).unwrap(), None));
     let frames = page.head["frames"].as_array().unwrap();
     let model = sample::model();
     for (tick, s) in snapshots().iter().enumerate() {
@@ -160,7 +160,7 @@ fn links_hang_together_as_they_were() {
 
 #[test]
 fn shapes_are_those_of_the_robot() {
-    let page = Page::of(&pack(&replay(Topics::ALL).unwrap(), None));
+    let page = Page::of(&pack(&replay(TopicGroups::ALL).unwrap(), None));
     let shapes = page.head["shapes"].as_array().unwrap();
     let of = |frame: &str| shapes.iter().filter(|s| s["frame"] == frame).collect::<Vec<_>>();
     let trunk = of("trunk");
@@ -182,7 +182,7 @@ fn shapes_are_those_of_the_robot() {
 
 #[test]
 fn fewer_ticks_are_some_of_them_and_the_last() {
-    let replay = replay(Topics::ALL).unwrap();
+    let replay = replay(TopicGroups::ALL).unwrap();
     let period = replay.times[1] - replay.times[0];
     let kept = replay.thinned(Some(0.25 / period));
     assert_eq!(kept[..3], [0, 4, 8]);
@@ -198,12 +198,12 @@ fn fewer_ticks_are_some_of_them_and_the_last() {
 
 #[test]
 fn a_log_without_some_topics_is_shown_without_them() {
-    let page = Page::of(&pack(&replay(Topics { scene: true, ..Topics::NONE }).unwrap(), None));
+    let page = Page::of(&pack(&replay(TopicGroups { scene: true, ..TopicGroups::NONE }).unwrap(), None));
     assert_eq!(page.times().len(), TICKS);
     for absent in ["com", "cop", "stable", "polygon", "external", "points", "soles"] {
         assert!(page.head[absent].is_null(), "{absent}");
     }
-    let error = replay(Topics { scene: false, ..Topics::ALL }).unwrap_err();
+    let error = replay(TopicGroups { scene: false, ..TopicGroups::ALL }).unwrap_err();
     assert!(matches!(error, ViewError::NoScene { .. }), "{error}");
     assert!(error.to_string().contains("log.topics"), "{error}");
 }

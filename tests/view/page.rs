@@ -3,8 +3,8 @@
 use crate::record::sample;
 use base64::Engine as _;
 use std::io::Read;
-use stiction::log::Topics;
-use stiction::view::{Replay, file_page, pack, served_page};
+use stiction::log::TopicGroups;
+use stiction::view::{DrawnRun, file_page, pack, served_page};
 
 fn between<'a>(page: &'a str, begin: &str, end: &str) -> &'a str {
     page.split_once(begin).unwrap().1.split_once(end).unwrap().0
@@ -14,8 +14,8 @@ fn between<'a>(page: &'a str, begin: &str, end: &str) -> &'a str {
 fn a_file_holds_its_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
-    sample::started(&path, 20, Topics::ALL).finish().unwrap();
-    let packed = pack(&Replay::read(&path).unwrap(), None);
+    sample::started(&path, 20, TopicGroups::ALL).finish().unwrap();
+    let packed = pack(&DrawnRun::read(&path).unwrap(), None);
     let page = file_page("a run", &packed);
     let data = between(&page, "<script id=\"data\" type=\"text/plain\">", "</script>");
     let zipped = base64::engine::general_purpose::STANDARD.decode(data).unwrap();

@@ -4,14 +4,14 @@ use crate::record::sample;
 use std::io::{Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::thread::JoinHandle;
-use stiction::log::Topics;
-use stiction::view::{Replay, Runs, Server, Stopper, pack};
+use stiction::log::TopicGroups;
+use stiction::view::{DrawnRun, ServerStopper, ViewServer, ViewableRuns, pack};
 use tempfile::TempDir;
 
 struct Serving {
     folder: TempDir,
     address: SocketAddr,
-    stopper: Stopper,
+    stopper: ServerStopper,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -23,13 +23,13 @@ struct Answer {
 
 impl Serving {
     /// One log, alone.
-    fn start(topics: Topics) -> Self {
+    fn start(topics: TopicGroups) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.mcap");
         sample::started(&path, 20, topics).finish().unwrap();
-        let (runs, skipped) = Runs::find(&path).unwrap();
+        let (runs, skipped) = ViewableRuns::find(&path).unwrap();
         assert!(skipped.is_empty());
-        let server = Server::new(runs, None, 0).unwrap();
+        let server = ViewServer::new(runs, None, 0).unwrap();
         let (address, stopper) = (server.address(), server.stopper());
         Self { folder, address, stopper, thread: Some(std::thread::spawn(|| server.run())) }
     }
@@ -61,7 +61,7 @@ impl Drop for Serving {
 
 #[test]
 fn it_listens_on_loopback_alone() {
-    let serving = Serving::start(Topics::ALL);
+    let serving = Serving::start(TopicGroups::ALL);
     assert_eq!(serving.address.ip(), IpAddr::V4(Ipv4Addr::LOCALHOST));
     // The same port of every other address of this machine is free.
     let elsewhere = SocketAddr::from(([127, 0, 0, 2], serving.address.port()));
@@ -71,7 +71,7 @@ fn it_listens_on_loopback_alone() {
 
 #[test]
 fn it_serves_the_page_and_the_bytes_of_its_run() {
-    let serving = Serving::start(Topics::ALL);
+    let serving = Serving::start(TopicGroups::ALL);
     let home = serving.get("/");
     assert_eq!(home.status, 303);
     assert!(home.head.contains("\r\nLocation: /run/0/\r\n"), "{}", home.head);
@@ -84,7 +84,7 @@ fn it_serves_the_page_and_the_bytes_of_its_run() {
     let data = serving.get("/run/0/data?again");
     assert_eq!(data.status, 200);
     assert!(data.head.contains("\r\nContent-Type: application/octet-stream\r\n"), "{}", data.head);
-    let replay = Replay::read(&serving.folder.path().join("log.mcap")).unwrap();
+    let replay = DrawnRun::read(&serving.folder.path().join("log.mcap")).unwrap();
     assert_eq!(data.body, pack(&replay, None).0);
     let head = serving.say(&format!("HEAD /run/0/data HTTP/1.1\r\nHost: {}\r\n\r\n", serving.address));
     assert_eq!((head.status, head.body.len()), (200, 0));
@@ -93,7 +93,7 @@ fn it_serves_the_page_and_the_bytes_of_its_run() {
 
 #[test]
 fn nothing_else_is_there() {
-    let serving = Serving::start(Topics::ALL);
+    let serving = Serving::start(TopicGroups::ALL);
     std::fs::write(serving.folder.path().join("secret"), "x").unwrap();
     for target in [
         "/log.mcap",
@@ -123,7 +123,7 @@ fn nothing_else_is_there() {
 
 #[test]
 fn a_page_of_elsewhere_gets_nothing() {
-    let serving = Serving::start(Topics::ALL);
+    let serving = Serving::start(TopicGroups::ALL);
     let port = serving.address.port();
     for host in ["Host: evil.example\r\n", &format!("Host: evil.example:{port}\r\n"), "Host: 127.0.0.1\r\n", ""] {
         assert_eq!(serving.say(&format!("GET /run/0/data HTTP/1.1\r\n{host}\r\n")).status, 403, "{host}");
@@ -134,7 +134,7 @@ fn a_page_of_elsewhere_gets_nothing() {
 
 #[test]
 fn only_looking_is_allowed() {
-    let serving = Serving::start(Topics::ALL);
+    let serving = Serving::start(TopicGroups::ALL);
     for method in ["POST", "PUT", "DELETE", "OPTIONS"] {
         let answer = serving.say(&format!("{method} / HTTP/1.1\r\nHost: {}\r\n\r\n", serving.address));
         assert_eq!(answer.status, 405, "{method}");
@@ -145,7 +145,7 @@ fn only_looking_is_allowed() {
 
 #[test]
 fn a_log_that_cannot_be_shown_says_why() {
-    let serving = Serving::start(Topics { scene: false, ..Topics::ALL });
+    let serving = Serving::start(TopicGroups { scene: false, ..TopicGroups::ALL });
     let answer = serving.get("/run/0/data");
     assert_eq!(answer.status, 500);
     assert!(String::from_utf8(answer.body).unwrap().contains("log.topics"));
@@ -155,7 +155,7 @@ fn a_log_that_cannot_be_shown_says_why() {
 
 #[test]
 fn who_keeps_silent_does_not_hold_up_others() {
-    let serving = Serving::start(Topics::ALL);
+    let serving = Serving::start(TopicGroups::ALL);
     let silent: Vec<_> = (0..4).map(|_| TcpStream::connect(serving.address).unwrap()).collect();
     assert_eq!(serving.get("/run/0/").status, 200);
     drop(silent);

@@ -1,6 +1,7 @@
-//! What a log draws: frames over time and the shapes that hang on them.
+//! The drawn part of a log: frames over time and the shapes attached to them.
 
-use crate::log::read::file::{LogError, LogFile};
+use crate::log::read::log_error::{LogDamage, LogError};
+use crate::log::read::log_file::LogFile;
 use foxglove::messages::{FrameTransform, FrameTransforms, SceneEntity, SceneUpdate};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use prost::Message as _;
@@ -17,35 +18,35 @@ pub struct Scene {
     pub entities: Vec<SceneEntity>,
 }
 
-/// A frame and where it is in its parent.
+/// A frame and its poses in its parent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     /// Its name: of a link, or `sole/NAME`.
     pub name: String,
-    /// The frame it hangs on.
+    /// Its parent frame.
     pub parent: String,
     /// One pose per tick, m.
     pub poses: Vec<Isometry3<f64>>,
 }
 
 impl Scene {
-    /// Reads these topics of a log; `path` is what errors call it.
+    /// Reads these topics of a log; errors name it `path`.
     ///
     /// # Errors
-    /// See [`Trajectory::read`](crate::log::read::Trajectory::read).
+    /// As [`Trajectory::read`](crate::log::Trajectory::read).
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, LogError> {
         let file = LogFile::open(path, bytes)?;
         let mut scene = Self::default();
         for message in file.messages()? {
             let message = message?;
-            let broken = |e: prost::DecodeError| file.damage(format!("a message on {}: {e}", message.channel.topic));
+            let malformed = |source| file.damage(LogDamage::Message { topic: message.channel.topic.clone(), source });
             match message.channel.topic.as_str() {
                 "/tf" => {
-                    let update = FrameTransforms::decode(&*message.data).map_err(broken)?;
-                    scene.tick(message.log_time, update.transforms).map_err(|reason| file.damage(reason))?;
+                    let update = FrameTransforms::decode(&*message.data).map_err(malformed)?;
+                    scene.tick(message.log_time, update.transforms).map_err(|damage| file.damage(damage))?;
                 }
                 "/scene" => {
-                    let update = SceneUpdate::decode(&*message.data).map_err(broken)?;
+                    let update = SceneUpdate::decode(&*message.data).map_err(malformed)?;
                     scene.entities.extend(update.entities);
                 }
                 _ => {}
@@ -54,7 +55,7 @@ impl Scene {
         Ok(scene)
     }
 
-    fn tick(&mut self, time: u64, transforms: Vec<FrameTransform>) -> Result<(), String> {
+    fn tick(&mut self, time: u64, transforms: Vec<FrameTransform>) -> Result<(), LogDamage> {
         if self.times.is_empty() {
             let frame = |t: &FrameTransform| Frame {
                 name: t.child_frame_id.clone(),
@@ -65,7 +66,7 @@ impl Scene {
         }
         let same = |(f, t): (&Frame, &FrameTransform)| f.name == t.child_frame_id && f.parent == t.parent_frame_id;
         if self.frames.len() != transforms.len() || !self.frames.iter().zip(&transforms).all(same) {
-            return Err(format!("/tf at {time} ns has other frames than the first tick"));
+            return Err(LogDamage::Frames(time));
         }
         self.times.push(time);
         for (frame, transform) in self.frames.iter_mut().zip(&transforms) {
@@ -75,9 +76,9 @@ impl Scene {
     }
 }
 
-/// To the last bit: a normalised quaternion again would be another.
+/// The pose with the logged bits: normalizing the quaternion again would change the last ones.
 fn pose(t: &FrameTransform) -> Isometry3<f64> {
-    let at = t.translation.as_ref().map_or_else(Translation3::identity, |v| Translation3::new(v.x, v.y, v.z));
-    let turned = t.rotation.as_ref().map_or_else(Quaternion::identity, |q| Quaternion::new(q.w, q.x, q.y, q.z));
-    Isometry3::from_parts(at, UnitQuaternion::new_unchecked(turned))
+    let translation = t.translation.as_ref().map_or_else(Translation3::identity, |v| Translation3::new(v.x, v.y, v.z));
+    let rotation = t.rotation.as_ref().map_or_else(Quaternion::identity, |q| Quaternion::new(q.w, q.x, q.y, q.z));
+    Isometry3::from_parts(translation, UnitQuaternion::new_unchecked(rotation))
 }

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use stiction::live::Live;
-use stiction::log::{ChannelInfo, LogWriter, Outlet, Topics};
+use stiction::log::{ChannelInfo, LogWriter, MessageSink, TopicGroups};
 use stiction::sim::Observer;
 
 use super::viewer::{Said, Viewer};
@@ -14,8 +14,8 @@ fn server() -> Live {
     Live::start("127.0.0.1:0".parse().unwrap()).unwrap()
 }
 
-fn writer(outlet: Box<dyn Outlet>) -> LogWriter {
-    LogWriter::open(None, Some(outlet), &sample::model(), &sample::header(Topics::ALL)).unwrap()
+fn writer(outlet: Box<dyn MessageSink>) -> LogWriter {
+    LogWriter::open(None, Some(outlet), &sample::model(), &sample::header(TopicGroups::ALL)).unwrap()
 }
 
 /// Waits for something that another thread does.
@@ -108,7 +108,7 @@ fn time_may_go_back_and_another_run_may_begin() {
     assert_eq!(of(" "), expected.into_iter().filter(|said| said.contains(' ')).collect::<Vec<_>>());
     assert_eq!(of("advertise").len(), 1);
     drop(log);
-    let header = sample::header(Topics { scene: false, ..Topics::ALL });
+    let header = sample::header(TopicGroups { scene: false, ..TopicGroups::ALL });
     let mut log = LogWriter::open(None, Some(server.outlet()), &sample::model(), &header).unwrap();
     log.snapshot(&sample::snapshot(1)).unwrap();
     let all = heard(&mut viewer, "/state", 5_000_000);
@@ -121,19 +121,19 @@ fn time_may_go_back_and_another_run_may_begin() {
 /// Takes everything, and does nothing with it.
 struct Nowhere;
 
-impl Outlet for Nowhere {
-    fn channel(&mut self, _: &ChannelInfo) -> u32 {
+impl MessageSink for Nowhere {
+    fn open_channel(&mut self, _: &ChannelInfo) -> u32 {
         0
     }
-    fn described(&mut self) {}
-    fn is_wanted(&self) -> bool {
+    fn end_description(&mut self) {}
+    fn has_subscribers(&self) -> bool {
         true
     }
-    fn wants(&self, _: u32) -> bool {
+    fn is_subscribed(&self, _: u32) -> bool {
         true
     }
     fn message(&mut self, _: u32, _: u64, _: &[u8]) {}
-    fn instant(&mut self, _: u64) {}
+    fn end_tick(&mut self, _: u64) {}
 }
 
 /// Whoever simulates allocates nothing for clients, and does not even encode for none.

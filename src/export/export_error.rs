@@ -1,0 +1,46 @@
+//! Errors of an export.
+
+use crate::export::selection::MAX_ROWS;
+use crate::files::RecordError;
+
+/// Why a log is not exported.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The log has no time series.
+    #[error("the log holds no time series: its scenario logged neither `state` nor `contact`")]
+    NoSeries,
+    /// No column has this name.
+    #[error("unknown column `{name}`: {help}")]
+    UnknownColumn {
+        /// The requested name.
+        name: String,
+        /// A similar name, or where to find the names.
+        help: String,
+    },
+    /// The selection contains no instant.
+    #[error("nothing to export from {from} s to {to} s: the log reaches from {first} s to {last} s")]
+    NoInstants {
+        /// First requested instant, s.
+        from: f64,
+        /// Last requested instant, s.
+        to: f64,
+        /// First tick of the log, s.
+        first: f64,
+        /// Last tick, s.
+        last: f64,
+    },
+    /// The table would be too long.
+    #[error("{rows:.0} rows: a rate of {rate} Hz is too high, {MAX_ROWS} rows are allowed")]
+    TooManyRows {
+        /// Rows of the table.
+        rows: f64,
+        /// Requested rate, Hz.
+        rate: f64,
+    },
+    /// The table could not be encoded.
+    #[error("cannot write the table: {0}")]
+    Encode(#[from] polars::error::PolarsError),
+    /// The file could not be written.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+}

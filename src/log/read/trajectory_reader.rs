@@ -1,0 +1,268 @@
+//! Reads a [`Trajectory`]: collects the messages of each topic, checks that all have the same ticks and bodies, and turns
+//! rows into columns.
+
+use crate::files::input;
+use crate::log::messages::{
+    Contact, Estimate, Event, Force, Point, Residual, SelfCollision, Sole, State, Vector3 as VectorMessage,
+};
+use crate::log::read::log_error::{LogDamage, LogError};
+use crate::log::read::log_file::LogFile;
+use crate::log::read::message_values::{quaternion, vector, vector_or_zero};
+use crate::log::read::trajectory::{
+    Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
+};
+use crate::log::read::{estimate_series, self_collision_series};
+use prost::Message as _;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+impl Trajectory {
+    /// Reads a log.
+    ///
+    /// # Errors
+    /// No such file; a file that is no MCAP or not one of ours; one that was cut short or changed since it was written.
+    pub fn read(path: &Path) -> Result<Self, LogError> {
+        let bytes = input::read(path, input::UNLIMITED);
+        let bytes = bytes.map_err(|source| LogError::Io { path: path.to_owned(), source })?;
+        Self::from_bytes(path, &bytes)
+    }
+
+    /// Reads a log from memory; errors name it `path`.
+    ///
+    /// # Errors
+    /// As [`Trajectory::read`].
+    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, LogError> {
+        let file = LogFile::open(path, bytes)?;
+        let (info, complete, attachments) = (file.info()?, file.is_complete()?, file.attachments()?);
+        let messages = TopicMessages::read(&file)?;
+        Ok(messages.into_trajectory(info, complete, attachments))
+    }
+}
+
+/// The messages of a log, by topic. `None` where the topic was not logged.
+#[derive(Default)]
+struct TopicMessages {
+    joints: Vec<(String, bool)>,
+    state: Option<Vec<State>>,
+    contact: Option<Vec<Contact>>,
+    residual: Option<Vec<Residual>>,
+    estimate: Option<Vec<Estimate>>,
+    estimated_soles: Vec<String>,
+    self_collision: Option<Vec<SelfCollision>>,
+    events: Vec<Event>,
+}
+
+impl TopicMessages {
+    fn read(file: &LogFile<'_>) -> Result<Self, LogError> {
+        let mut all = Self::default();
+        for (topic, metadata) in file.channels() {
+            match topic {
+                "/state" => {
+                    all.joints = joints(metadata).map_err(|damage| file.damage(damage))?;
+                    all.state = Some(Vec::new());
+                }
+                "/contact" => all.contact = Some(Vec::new()),
+                "/residual" => all.residual = Some(Vec::new()),
+                "/estimate" => {
+                    all.estimated_soles = list("/estimate", metadata, "soles").map_err(|damage| file.damage(damage))?;
+                    all.estimate = Some(Vec::new());
+                }
+                "/self_collision" => all.self_collision = Some(Vec::new()),
+                _ => {}
+            }
+        }
+        for message in file.messages()? {
+            let message = message?;
+            all.take(&message.channel.topic, &message.data)
+                .map_err(|source| file.damage(LogDamage::Message { topic: message.channel.topic.clone(), source }))?;
+        }
+        all.align();
+        all.check().map_err(|damage| file.damage(damage))?;
+        Ok(all)
+    }
+
+    fn take(&mut self, topic: &str, data: &[u8]) -> Result<(), prost::DecodeError> {
+        match topic {
+            "/state" => self.state.get_or_insert_default().push(State::decode(data)?),
+            "/contact" => self.contact.get_or_insert_default().push(Contact::decode(data)?),
+            "/residual" => self.residual.get_or_insert_default().push(Residual::decode(data)?),
+            "/estimate" => self.estimate.get_or_insert_default().push(Estimate::decode(data)?),
+            "/self_collision" => self.self_collision.get_or_insert_default().push(SelfCollision::decode(data)?),
+            "/events" => self.events.push(Event::decode(data)?),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Drops the last tick if a run that broke down wrote it on some topics only.
+    fn align(&mut self) {
+        let counts = [
+            self.state.as_ref().map(Vec::len),
+            self.contact.as_ref().map(Vec::len),
+            self.residual.as_ref().map(Vec::len),
+            self.estimate.as_ref().map(Vec::len),
+            self.self_collision.as_ref().map(Vec::len),
+        ];
+        let known = || counts.iter().flatten().copied();
+        let (Some(least), Some(most)) = (known().min(), known().max()) else { return };
+        if most - least == 1 {
+            self.state.iter_mut().for_each(|v| v.truncate(least));
+            self.contact.iter_mut().for_each(|v| v.truncate(least));
+            self.residual.iter_mut().for_each(|v| v.truncate(least));
+            self.estimate.iter_mut().for_each(|v| v.truncate(least));
+            self.self_collision.iter_mut().for_each(|v| v.truncate(least));
+        }
+    }
+
+    fn times(&self) -> Vec<f64> {
+        let of_contact = || self.contact.iter().flatten().map(|c| c.time).collect();
+        self.state.as_ref().map_or_else(of_contact, |s| s.iter().map(|s| s.time).collect())
+    }
+
+    /// Checks that all topics have the same ticks, and each the same bodies at every tick.
+    fn check(&self) -> Result<(), LogDamage> {
+        let times = self.times();
+        let same = |topic: &'static str, other: &mut dyn ExactSizeIterator<Item = f64>| {
+            let count = other.len();
+            if count != times.len() || !other.zip(&times).all(|(a, b)| a.to_bits() == b.to_bits()) {
+                return Err(LogDamage::Ticks { topic, found: count, expected: times.len() });
+            }
+            Ok(())
+        };
+        if let Some(all) = &self.contact {
+            same("/contact", &mut all.iter().map(|c| c.time))?;
+            let shape = |c: &Contact| c.soles.iter().map(|s| (s.name.clone(), s.positions.len())).collect::<Vec<_>>();
+            let first = all.first().map(shape);
+            for c in all {
+                let whole = c.soles.iter().all(|s| {
+                    let k = s.positions.len();
+                    s.clamped.len() == k && s.velocities.len() == k && s.forces.len() == k
+                });
+                if !whole || Some(shape(c)) != first {
+                    return Err(LogDamage::Soles(c.time));
+                }
+            }
+        }
+        if let Some(all) = &self.residual {
+            same("/residual", &mut all.iter().map(|r| r.time))?;
+        }
+        if let Some(all) = &self.estimate {
+            same("/estimate", &mut all.iter().map(|e| e.time))?;
+            estimate_series::check(all, self.joints.len(), self.estimated_soles.len())?;
+        }
+        if let Some(all) = &self.self_collision {
+            same("/self_collision", &mut all.iter().map(|e| e.time))?;
+            self_collision_series::check(all, self.joints.len())?;
+        }
+        let mut shown: &[Point] = &[];
+        for s in self.state.iter().flatten() {
+            // Tasks started during the run add their points.
+            if s.points.len() < shown.len() || shown.iter().zip(&s.points).any(|(a, b)| a.name != b.name) {
+                return Err(LogDamage::Points(s.time));
+            }
+            shown = &s.points;
+            let arrays = [&s.q, &s.qd, &s.q_desired, &s.qd_desired, &s.effort];
+            if let Some(odd) = arrays.into_iter().find(|a| a.len() != self.joints.len()) {
+                return Err(LogDamage::Joints { time: s.time, found: odd.len(), joints: self.joints.len() });
+            }
+        }
+        Ok(())
+    }
+
+    fn into_trajectory(self, info: RunInfo, complete: bool, attachments: Vec<Attachment>) -> Trajectory {
+        Trajectory {
+            info,
+            complete,
+            attachments,
+            times: self.times(),
+            estimate: self.estimate.map(|rows| estimate_series::series(&self.joints, &self.estimated_soles, &rows)),
+            self_collision: self.self_collision.map(|rows| self_collision_series::series(&self.joints, &rows)),
+            motion: self.state.map(|rows| motion(&self.joints, &rows)),
+            soles: self.contact.map(|rows| soles(&rows)),
+            residuals: self.residual,
+            events: self.events.into_iter().map(event).collect(),
+        }
+    }
+}
+
+/// Names of the joints, and whether each is prismatic.
+fn joints(metadata: &BTreeMap<String, String>) -> Result<Vec<(String, bool)>, LogDamage> {
+    let (names, kinds) = (list("/state", metadata, "joints")?, list("/state", metadata, "joint_kinds")?);
+    if names.len() != kinds.len() {
+        return Err(LogDamage::JointKinds { joints: names.len(), kinds: kinds.len() });
+    }
+    Ok(names.into_iter().zip(kinds).map(|(name, kind)| (name, kind == "prismatic")).collect())
+}
+
+/// A list of names in the metadata of a channel.
+fn list(
+    topic: &'static str,
+    metadata: &BTreeMap<String, String>,
+    entry: &'static str,
+) -> Result<Vec<String>, LogDamage> {
+    let text = metadata.get(entry).ok_or(LogDamage::ChannelEntry { topic, entry })?;
+    serde_json::from_str(text).map_err(|source| LogDamage::ChannelList { topic, entry, source })
+}
+
+fn motion(joints: &[(String, bool)], rows: &[State]) -> Motion {
+    let column = |get: fn(&State) -> &Vec<f64>, j: usize| rows.iter().map(|s| get(s)[j]).collect();
+    let joint = |(j, (name, prismatic)): (usize, &(String, bool))| JointSeries {
+        name: name.clone(),
+        prismatic: *prismatic,
+        position: column(|s| &s.q, j),
+        velocity: column(|s| &s.qd, j),
+        desired_position: column(|s| &s.q_desired, j),
+        desired_velocity: column(|s| &s.qd_desired, j),
+        effort: column(|s| &s.effort, j),
+        // Logs of earlier versions lack it.
+        desired_effort: rows.iter().map(|s| s.effort_desired.get(j).copied().unwrap_or(f64::NAN)).collect(),
+    };
+    let triples = |get: fn(&State) -> &Option<VectorMessage>| rows.iter().map(|s| vector_or_zero(get(s))).collect();
+    let force_at = |f: &Force| (vector_or_zero(&f.point), vector_or_zero(&f.force));
+    Motion {
+        base_position: triples(|s| &s.base_position),
+        base_orientation: rows.iter().map(|s| quaternion(s.base_orientation)).collect(),
+        base_linear_velocity: triples(|s| &s.base_linear_velocity),
+        base_angular_velocity: triples(|s| &s.base_angular_velocity),
+        joints: joints.iter().enumerate().map(joint).collect(),
+        com: triples(|s| &s.com),
+        com_velocity: triples(|s| &s.com_velocity),
+        cop: rows.iter().map(|s| s.cop.as_ref().map(vector)).collect(),
+        stable_point: rows.iter().map(|s| s.stable_point.as_ref().map(vector)).collect(),
+        support_polygon: rows.iter().map(|s| s.support_polygon.iter().map(vector).collect()).collect(),
+        points: points(rows),
+        external: rows.iter().map(|s| s.external.iter().map(force_at).collect()).collect(),
+    }
+}
+
+fn points(rows: &[State]) -> Vec<PointSeries> {
+    let Some(last) = rows.last() else { return Vec::new() };
+    let at = |row: &State, k: usize| row.points.get(k).and_then(|point| point.position.as_ref()).map(vector);
+    let series = |(k, point): (usize, &Point)| PointSeries {
+        name: point.name.clone(),
+        position: rows.iter().map(|row| at(row, k)).collect(),
+    };
+    last.points.iter().enumerate().map(series).collect()
+}
+
+fn soles(rows: &[Contact]) -> Vec<SoleSeries> {
+    let Some(first) = rows.first() else { return Vec::new() };
+    let of = |s: usize| rows.iter().map(move |row| &row.soles[s]);
+    let vertex = |s: usize, v: usize| VertexSeries {
+        clamped: of(s).map(|sole| sole.clamped[v]).collect(),
+        position: of(s).map(|sole| vector(&sole.positions[v])).collect(),
+        velocity: of(s).map(|sole| vector(&sole.velocities[v])).collect(),
+        force: of(s).map(|sole| vector(&sole.forces[v])).collect(),
+    };
+    let sole = |(s, of_first): (usize, &Sole)| SoleSeries {
+        name: of_first.name.clone(),
+        state: of(s).map(|sole| sole.state.clone()).collect(),
+        force: of(s).map(|sole| vector_or_zero(&sole.force)).collect(),
+        vertices: (0..of_first.positions.len()).map(|v| vertex(s, v)).collect(),
+    };
+    first.soles.iter().enumerate().map(sole).collect()
+}
+
+fn event(e: Event) -> LoggedEvent {
+    LoggedEvent { time: e.time, kind: e.kind, subject: e.subject, message: e.message }
+}

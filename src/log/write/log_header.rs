@@ -1,0 +1,38 @@
+//! The part of a log that does not change over the run.
+
+use crate::log::topic_groups::TopicGroups;
+use nalgebra::{Isometry3, Vector3};
+
+/// A text attached to the log.
+#[derive(Clone, Copy, Debug)]
+pub struct AttachedText<'a> {
+    /// File name.
+    pub name: &'a str,
+    /// Contents.
+    pub text: &'a str,
+}
+
+/// What a log holds before the first tick.
+#[derive(Clone, Copy, Debug)]
+pub struct LogHeader<'a> {
+    /// Name of the scenario.
+    pub scenario_name: &'a str,
+    /// Key of the run.
+    pub key: &'a str,
+    /// Contact method.
+    pub method: &'a str,
+    /// The resolved scenario, attached.
+    pub scenario: AttachedText<'a>,
+    /// The robot file, attached; none for a bare URDF.
+    pub robot: Option<AttachedText<'a>>,
+    /// The URDF, attached and published.
+    pub urdf: AttachedText<'a>,
+    /// Other input files of the run, attached.
+    pub inputs: &'a [AttachedText<'a>],
+    /// Pose of the floor in the world: a point of the plane, z its normal.
+    pub floor: Isometry3<f64>,
+    /// Outlines of the floor's friction regions, world, m.
+    pub patches: &'a [Vec<Vector3<f64>>],
+    /// Topics to log.
+    pub topics: TopicGroups,
+}

@@ -1,0 +1,71 @@
+//! The drawn part of a run, from the topics of its log.
+
+use crate::files::input;
+use crate::log::{LogError, Scene, Trajectory};
+use crate::view::view_error::ViewError;
+use std::path::Path;
+
+/// A log prepared for drawing: the ticks at which the robot's frames are known, and the other series at these ticks.
+#[derive(Clone, Debug)]
+pub struct DrawnRun {
+    /// The run's series. `motion` and `soles` are `None` where the scenario did not log them.
+    pub run: Trajectory,
+    /// Frames and shapes.
+    pub scene: Scene,
+    /// Simulated times of the ticks, s.
+    pub times: Vec<f64>,
+}
+
+impl DrawnRun {
+    /// Reads a log.
+    ///
+    /// # Errors
+    /// It cannot be read, is damaged, or holds no frames.
+    pub fn read(path: &Path) -> Result<Self, ViewError> {
+        let bytes = input::read(path, input::UNLIMITED);
+        let bytes = bytes.map_err(|source| LogError::Io { path: path.to_owned(), source })?;
+        let run = Trajectory::from_bytes(path, &bytes)?;
+        let scene = Scene::from_bytes(path, &bytes)?;
+        Self::new(run, scene).ok_or_else(|| ViewError::NoScene { path: path.to_owned() })
+    }
+
+    /// Keeps the ticks that both parts have; `None` if there are no frames at any tick.
+    fn new(run: Trajectory, mut scene: Scene) -> Option<Self> {
+        let times = if run.times.is_empty() {
+            // A log of frames alone has only the log time, to the nanosecond.
+            scene.times.iter().map(|ns| *ns as f64 * 1e-9).collect()
+        } else {
+            // A run that broke down may have written its last tick on some topics only.
+            let both = run.times.len().min(scene.times.len());
+            run.times[..both].to_vec()
+        };
+        scene.times.truncate(times.len());
+        scene.frames.iter_mut().for_each(|frame| frame.poses.truncate(times.len()));
+        (!times.is_empty()).then_some(Self { run, scene, times })
+    }
+
+    /// Name of the root frame, the one without parent.
+    pub fn world(&self) -> &str {
+        let frames = &self.scene.frames;
+        let root = frames.iter().find(|f| !frames.iter().any(|other| other.name == f.parent));
+        root.map_or("world", |f| f.parent.as_str())
+    }
+
+    /// Indices of the ticks to show, at most `rate` per second: the first, each next one at least 0.99 periods later (logged
+    /// times are rounded), and the last.
+    pub fn thinned(&self, rate: Option<f64>) -> Vec<usize> {
+        let Some(rate) = rate else { return (0..self.times.len()).collect() };
+        let period = 0.99 / rate;
+        let mut kept: Vec<usize> = Vec::new();
+        for (i, time) in self.times.iter().enumerate() {
+            if kept.last().is_none_or(|&last| time - self.times[last] >= period) {
+                kept.push(i);
+            }
+        }
+        let last = self.times.len() - 1;
+        if kept.last() != Some(&last) {
+            kept.push(last);
+        }
+        kept
+    }
+}
