@@ -1,6 +1,7 @@
 //! The performance budget, one core. Compare figures of one run with each other: machines differ.
 //!
-//! `cargo bench --bench budget --profile release` (the release profile, so that nothing is compiled twice).
+//! `cargo bench --bench budget --profile release` (the release profile, so that nothing is compiled
+//! twice).
 
 use divan::{Bencher, black_box};
 

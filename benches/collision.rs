@@ -1,6 +1,7 @@
-//! Self-collision of one posture after another: along a motion (coherent) and drawn at random (unrelated). CB-i with all 153
-//! pairs that are not adjacent, as the paper counts, and with those that can meet; Talos' hulls too where EXAMPLE_ROBOT_DATA
-//! names the folder of the Python package example-robot-data. Boxes are drawn within each figure, links before.
+//! Self-collision of one posture after another: along a motion (coherent) and drawn at random
+//! (unrelated). CB-i with all 153 pairs that are not adjacent, as the paper counts, and with those
+//! that can meet; Talos' hulls too where EXAMPLE_ROBOT_DATA names the folder of the Python package
+//! example-robot-data. Boxes are drawn within each figure, links before.
 
 use divan::Bencher;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! Cost of scripts compared with Rust: a task on HOAP-2 (25 joints) that commands each joint a position and a
-//! velocity at every tick, and a force on one link.
+//! Cost of scripts compared with Rust: a task on HOAP-2 (25 joints) that commands each joint a
+//! position and a velocity at every tick, and a force on one link.
 
 use divan::Bencher;
 use std::path::Path;

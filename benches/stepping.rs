@@ -1,5 +1,6 @@
-//! HOAP-2 (31 velocities, two soles of four vertices) standing and swaying under a push: one evaluation of the equations
-//! of motion, one step of 1 ms by each integrator, one choice of contact states.
+//! HOAP-2 (31 velocities, two soles of four vertices) standing and swaying under a push: one
+//! evaluation of the equations of motion, one step of 1 ms by each integrator, one choice of
+//! contact states.
 
 use divan::Bencher;
 use std::path::Path;

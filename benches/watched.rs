@@ -1,5 +1,6 @@
-//! What it costs to watch a run, and to drive one over a link: HOAP-2 squatting on and on, 1000 control ticks a second, 200 instants
-//! of the log. An iteration is a tenth of a second, **100 control ticks**: divide by 100 for the cost of one.
+//! What it costs to watch a run, and to drive one over a link: HOAP-2 squatting on and on, 1000
+//! control ticks a second, 200 instants of the log. An iteration is a tenth of a second, **100
+//! control ticks**: divide by 100 for the cost of one.
 
 use divan::Bencher;
 use std::path::Path;
@@ -147,7 +148,8 @@ mod live {
     }
 }
 
-/// The same robot driven by tasks in another thread, over UDP on loopback: each tick waits for its answer.
+/// The same robot driven by tasks in another thread, over UDP on loopback: each tick waits for its
+/// answer.
 #[divan::bench]
 fn lock_step(bencher: Bencher) {
     let free = Address { at: "127.0.0.1:0".parse().expect("an address"), key: None };

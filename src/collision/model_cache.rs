@@ -1,4 +1,5 @@
-//! Shares collision models between equal robots: building one takes some 50 ms, and a batch has many runs of one robot.
+//! Shares collision models between equal robots: building one takes some 50 ms, and a batch has
+//! many runs of one robot.
 
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError, Weak};
@@ -10,7 +11,8 @@ type Entry = Arc<Mutex<Option<Weak<CollisionModel>>>>;
 
 static MODELS: LazyLock<Mutex<HashMap<[u8; 32], Entry>>> = LazyLock::new(Mutex::default);
 
-/// The collision model of a robot: that of an earlier call for equal shapes, joints and settings, if it is still in use.
+/// The collision model of a robot: that of an earlier call for equal shapes, joints and settings,
+/// if it is still in use.
 pub fn shared_model(model: &Model, settings: &SelfCollision) -> Arc<CollisionModel> {
     let entry = {
         let mut models = MODELS.lock().unwrap_or_else(PoisonError::into_inner);

@@ -6,8 +6,8 @@
 //! waypoints p = p_i + (p_{i+1} - p_i) m(s),   s = (t - t_i) / (t_{i+1} - t_i)
 //! ```
 //!
-//! with m(s) = s, or the minimum-jerk progress of [`crate::motion::minimum_jerk`], at rest in every waypoint. Before the first
-//! waypoint the point rests there, after the last one it rests at that.
+//! with m(s) = s, or the minimum-jerk progress of [`crate::motion::minimum_jerk`], at rest in every
+//! waypoint. Before the first waypoint the point rests there, after the last one it rests at that.
 
 use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::Vector3;
@@ -109,7 +109,8 @@ mod tests {
             for t in [0.3, 0.7, 0.9, 1.6, 2.3, 3.0] {
                 let at = |t: f64| anchor.at(t, t).0;
                 let slope = (at(t + h) - at(t - h)) / (2.0 * h);
-                // A central difference: h^2 / 6 times the third derivative, which is at most 300 m/s^3; rounding 1e-16 / h.
+                // A central difference: h^2 / 6 times the third derivative, which is at most 300
+                // m/s^3; rounding 1e-16 / h.
                 assert!((slope - anchor.at(t, t).1).norm() < 1e-8, "{anchor:?} {t}");
             }
         }

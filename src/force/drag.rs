@@ -4,8 +4,9 @@
 //! f = -(c1 + c2 |w|) w,    w = v_point - u
 //! ```
 //!
-//! v_point the velocity of a point of the link, u that of the air, c1 the linear coefficient (Stokes), c2 the quadratic one
-//! (Newton: `rho A C_d / 2`). The force acts at the point; it exerts no moment about it.
+//! v_point the velocity of a point of the link, u that of the air, c1 the linear coefficient
+//! (Stokes), c2 the quadratic one (Newton: `rho A C_d / 2`). The force acts at the point; it exerts
+//! no moment about it.
 
 use super::profile::Profile;
 use super::{AppliedForces, Damper, Force, ForceContext};
@@ -29,7 +30,8 @@ pub struct Drag {
 }
 
 impl Drag {
-    /// Velocity w of a world point through the air, m/s, and the drag coefficient `c1 + c2 |w|`, N s/m.
+    /// Velocity w of a world point through the air, m/s, and the drag coefficient `c1 + c2 |w|`, N
+    /// s/m.
     fn meets(&self, context: &ForceContext, link: LinkId, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let relative = jacobian::point_velocity(context.kinematics, link, point) - self.wind;
         (relative, self.linear + self.quadratic * relative.norm())

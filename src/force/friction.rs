@@ -1,4 +1,5 @@
-//! `joint-friction`: friction in joints, by the law of [`crate::robot::Friction`], added to the robot's own.
+//! `joint-friction`: friction in joints, by the law of [`crate::robot::Friction`], added to the
+//! robot's own.
 
 use super::{AppliedForces, Force, ForceContext};
 use crate::robot::Friction;

@@ -1,9 +1,11 @@
 //! External force models, one file each, behind one trait.
 //!
-//! As in section II.C of the paper a model is initialised once and then evaluated at any time and state that the adaptive
-//! integrator visits. It states beforehand the times at which it is not smooth, so that steps end there.
+//! As in section II.C of the paper a model is initialised once and then evaluated at any time and
+//! state that the adaptive integrator visits. It states beforehand the times at which it is not
+//! smooth, so that steps end there.
 //!
-//! Imports robot, dynamics, motion (minimum jerk) and random. Called by script (force models in Luau), sim and assemble.
+//! Imports robot, dynamics, motion (minimum jerk) and random. Called by script (force models in
+//! Luau), sim and assemble.
 
 pub mod anchor;
 pub mod drag;
@@ -33,7 +35,8 @@ pub struct ForceContext<'a> {
     pub gravity: Vector3<f64>,
     /// Time, s.
     pub time: f64,
-    /// A time inside the smooth piece being integrated: shows on which side of a discontinuity `time` is.
+    /// A time inside the smooth piece being integrated: shows on which side of a discontinuity
+    /// `time` is.
     pub within: f64,
 }
 
@@ -52,7 +55,8 @@ pub struct AppliedForces<'a> {
 }
 
 impl<'a> AppliedForces<'a> {
-    /// Adds to the generalised force `tau` (nv) and lists force arrows (world point, force) in `arrows`.
+    /// Adds to the generalised force `tau` (nv) and lists force arrows (world point, force) in
+    /// `arrows`.
     pub fn new(tau: &'a mut [f64], arrows: &'a mut Vec<(Vector3<f64>, Vector3<f64>)>) -> Self {
         AppliedForces { tau, arrows }
     }
@@ -94,11 +98,12 @@ pub type ReportEvent<'a> = dyn FnMut(&'static str, &str, String) + 'a;
 
 /// An external force model.
 pub trait Force: Any + Send {
-    /// Called first on a model that replaces `former` during the run, at `time`. Events that `former` has reported, or that are
-    /// over, are not reported again.
+    /// Called first on a model that replaces `former` during the run, at `time`. Events that
+    /// `former` has reported, or that are over, are not reported again.
     fn continue_from(&mut self, _former: &dyn Any, _time: f64) {}
 
-    /// Greatest number of forces that it lists at one instant, allocated before the run. Unknown for scripts.
+    /// Greatest number of forces that it lists at one instant, allocated before the run. Unknown
+    /// for scripts.
     fn arrows(&self) -> usize {
         1
     }
@@ -111,19 +116,21 @@ pub trait Force: Any + Send {
         Ok(())
     }
 
-    /// Called at the start of the run and at each corner of any force model, before any evaluation beyond it. The time never
-    /// decreases between two such calls.
+    /// Called at the start of the run and at each corner of any force model, before any evaluation
+    /// beyond it. The time never decreases between two such calls.
     fn pass(&mut self, _scene: &ForceContext, _tell: &mut ReportEvent) {}
 
-    /// Adds its forces at this instant, which may be before or after that of the last call. Allocates nothing.
+    /// Adds its forces at this instant, which may be before or after that of the last call.
+    /// Allocates nothing.
     fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces);
 
-    /// Adds to `out` (nv) the decrease of its generalised force per change of each velocity, N s/m or N m s; not negative.
-    /// Velocity-level steps apply it at the end of the step, for forces that would otherwise reverse a motion within one.
+    /// Adds to `out` (nv) the decrease of its generalised force per change of each velocity, N s/m
+    /// or N m s; not negative. Velocity-level steps apply it at the end of the step, for forces
+    /// that would otherwise reverse a motion within one.
     fn damping(&self, _scene: &ForceContext, _out: &mut [f64]) {}
 
-    /// Calls `damper` for each damper between a point of a link and the surroundings: like [`damping`](Self::damping), but equal
-    /// in all directions.
+    /// Calls `damper` for each damper between a point of a link and the surroundings: like
+    /// [`damping`](Self::damping), but equal in all directions.
     fn dampers(&self, _scene: &ForceContext, _damper: &mut dyn FnMut(Damper)) {}
 
     /// Corners: times at which its value or slope is discontinuous, s.

@@ -1,7 +1,7 @@
 //! Time profile of a push: a factor between 0 and 1.
 //!
-//! With `s = (t - start) / duration`: `constant` 1, `half-sine` sin(pi s), `triangle` 1 - |2 s - 1|, each zero outside
-//! 0 <= s < 1; `ramp` rises as s and stays at 1.
+//! With `s = (t - start) / duration`: `constant` 1, `half-sine` sin(pi s), `triangle` 1 - |2 s -
+//! 1|, each zero outside 0 <= s < 1; `ramp` rises as s and stays at 1.
 
 /// Shape over time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -68,7 +68,8 @@ mod tests {
 
     #[test]
     fn impulses_are_the_closed_forms() {
-        // Integral of the factor over its duration (midpoint rule, error of order h^2): 1, 2/pi, 1/2, 1/2.
+        // Integral of the factor over its duration (midpoint rule, error of order h^2): 1, 2/pi,
+        // 1/2, 1/2.
         for (shape, area) in [
             (Shape::Constant, 1.0),
             (Shape::HalfSine, 2.0 / std::f64::consts::PI),

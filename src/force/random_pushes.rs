@@ -1,9 +1,10 @@
-//! `random-pushes`: pushes whose times, points, directions and magnitudes are drawn before the run begins.
+//! `random-pushes`: pushes whose times, points, directions and magnitudes are drawn before the run
+//! begins.
 //!
-//! With a number n of pushes their instants are independent and uniform over the span; with a rate r they are a Poisson
-//! process, gaps `-ln(u) / r`. Magnitudes and durations are uniform between their limits, links equally likely. A
-//! direction is uniform over the circle, or over the sphere: z uniform between -1 and 1 and the angle about it uniform
-//! (Archimedes).
+//! With a number n of pushes their instants are independent and uniform over the span; with a rate
+//! r they are a Poisson process, gaps `-ln(u) / r`. Magnitudes and durations are uniform between
+//! their limits, links equally likely. A direction is uniform over the circle, or over the sphere:
+//! z uniform between -1 and 1 and the angle about it uniform (Archimedes).
 
 use super::profile::{Profile, Shape};
 use super::wrench::Wrench;
@@ -219,7 +220,8 @@ mod tests {
             .collect();
         let mean = counts.iter().sum::<f64>() / runs as f64;
         let variance = counts.iter().map(|c| (c - mean).powi(2)).sum::<f64>() / (runs - 1) as f64;
-        // Mean and variance are both 200; deviations of their estimates sqrt(200 / 100) and 200 sqrt(2 / 99).
+        // Mean and variance are both 200; deviations of their estimates sqrt(200 / 100) and 200
+        // sqrt(2 / 99).
         assert!((mean - 200.0).abs() < 5.0 * 2.0_f64.sqrt(), "{mean}");
         assert!((variance - 200.0).abs() < 5.0 * 200.0 * (2.0 / 99.0_f64).sqrt(), "{variance}");
     }

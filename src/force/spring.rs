@@ -1,12 +1,14 @@
-//! `spring`: a spring and damper between a point of a link and an anchor that may move, such as a person's hand.
+//! `spring`: a spring and damper between a point of a link and an anchor that may move, such as a
+//! person's hand.
 //!
 //! ```text
 //! f = k (1 - l0 / |d|) d + c d',    d = p_anchor - p_point
 //! ```
 //!
-//! k stiffness, c damping, l0 rest length: Hooke's law along the connecting line and a viscous damper. With l0 = 0 the spring is
-//! linear in all three directions. The damper acts on the whole relative velocity, also across the line, as that of an arm does.
-//! Where the point meets the anchor (`d = 0`) a spring with a rest length has no direction and exerts no force.
+//! k stiffness, c damping, l0 rest length: Hooke's law along the connecting line and a viscous
+//! damper. With l0 = 0 the spring is linear in all three directions. The damper acts on the whole
+//! relative velocity, also across the line, as that of an arm does. Where the point meets the
+//! anchor (`d = 0`) a spring with a rest length has no direction and exerts no force.
 
 use super::anchor::Anchor;
 use super::profile::{Profile, Shape};
@@ -52,8 +54,8 @@ pub struct Spring {
 }
 
 impl Spring {
-    /// A spring attached from `start` for `duration` seconds, which may be infinite. With `from_point` the anchor's path begins at
-    /// the position of the point when it is attached.
+    /// A spring attached from `start` for `duration` seconds, which may be infinite. With
+    /// `from_point` the anchor's path begins at the position of the point when it is attached.
     pub fn new(hold: Hold, anchor: Anchor, from_point: bool, start: f64, duration: f64) -> Self {
         let span = Profile::new(Shape::Constant, start, duration);
         let mut corners = span.corners().to_vec();

@@ -16,7 +16,8 @@ pub struct Wrench {
     pub force: Vector3<f64>,
     /// Moment at full strength, N m.
     pub moment: Vector3<f64>,
-    /// Orientation in the link's internal frame of the axes of force and moment; none for world axes.
+    /// Orientation in the link's internal frame of the axes of force and moment; none for world
+    /// axes.
     pub axes: Option<UnitQuaternion<f64>>,
     /// Strength over time.
     pub profile: Profile,

@@ -1,8 +1,9 @@
-//! Motion capture in BVH: a skeleton (`HIERARCHY`) whose joints list channels, then the channels' values frame by frame
-//! (`MOTION`) [Meredith 2001, section 3].
+//! Motion capture in BVH: a skeleton (`HIERARCHY`) whose joints list channels, then the channels'
+//! values frame by frame (`MOTION`) [Meredith 2001, section 3].
 //!
-//! A track is named `JOINT.CHANNEL`, such as `LeftKnee.Xrotation`. Rotations become radians and are unwrapped: a step of more
-//! than half a turn between two frames takes the shorter direction. Positions stay in the file's unit.
+//! A track is named `JOINT.CHANNEL`, such as `LeftKnee.Xrotation`. Rotations become radians and are
+//! unwrapped: a step of more than half a turn between two frames takes the shorter direction.
+//! Positions stay in the file's unit.
 
 use super::{Knot, Motion, MotionError, Track};
 use std::collections::HashSet;
@@ -14,8 +15,8 @@ const CHANNELS: [&str; 6] = ["Xposition", "Yposition", "Zposition", "Xrotation",
 /// Reads a motion from the text of a file; its first frame is at time 0.
 ///
 /// # Errors
-/// An unexpected token, an invalid number, a duplicate joint or channel, an unknown channel, no channel, no frame, or fewer
-/// or more values than the frames take.
+/// An unexpected token, an invalid number, a duplicate joint or channel, an unknown channel, no
+/// channel, no frame, or fewer or more values than the frames take.
 pub fn read(text: &str) -> Result<Motion, MotionError> {
     let mut tokens = Tokens { text, at: 0 };
     tokens.expect("HIERARCHY")?;

@@ -6,9 +6,9 @@
 //! 0.5,0.35,
 //! ```
 //!
-//! SI units, angles in radians. An empty cell gives no value for its joint. Lines that begin with `#` are comments. The names
-//! that `runner export` writes (`time_s`, `joint.NAME.position_rad`, `joint.NAME.desired_position_rad`, `_m` for prismatic
-//! joints) denote the joint.
+//! SI units, angles in radians. An empty cell gives no value for its joint. Lines that begin with
+//! `#` are comments. The names that `runner export` writes (`time_s`, `joint.NAME.position_rad`,
+//! `joint.NAME.desired_position_rad`, `_m` for prismatic joints) denote the joint.
 
 use super::{Knot, Motion, MotionError};
 use std::collections::HashSet;
@@ -17,8 +17,9 @@ use std::ops::Range;
 /// Reads a motion from the text of a file.
 ///
 /// # Errors
-/// No header, or a header without `time` first; a column without a name, with a duplicate name, or of another quantity than
-/// positions; lines of other length; cells that are not finite numbers; times that do not increase; a column without numbers.
+/// No header, or a header without `time` first; a column without a name, with a duplicate name, or
+/// of another quantity than positions; lines of other length; cells that are not finite numbers;
+/// times that do not increase; a column without numbers.
 pub fn read(text: &str) -> Result<Motion, MotionError> {
     let mut lines = lines(text);
     let Some(header) = lines.next() else {

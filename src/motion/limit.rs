@@ -6,10 +6,11 @@
 //! x    = l averaged three times over a window
 //! ```
 //!
-//! Of all motions no faster than V, l is one that stays nearest to r. The first term is the greatest such motion below r, the
-//! second the least one above it, and no motion within the speed has a smaller greatest distance from r than their mean (E. J.
-//! McShane, Extension of range of functions, Bull. AMS 40 (1934), for the two envelopes). Unlike a rate limiter, it does not
-//! lag. Averages of positions within a range and a speed stay within them.
+//! Of all motions no faster than V, l is one that stays nearest to r. The first term is the
+//! greatest such motion below r, the second the least one above it, and no motion within the speed
+//! has a smaller greatest distance from r than their mean (E. J. McShane, Extension of range of
+//! functions, Bull. AMS 40 (1934), for the two envelopes). Unlike a rate limiter, it does not lag.
+//! Averages of positions within a range and a speed stay within them.
 
 /// Change that a limit made to a stream.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -141,16 +142,16 @@ mod tests {
     fn a_jump_is_split_evenly() {
         let mut x: Vec<f64> = (0..21).map(|i| if i < 10 { 0.0 } else { 1.0 }).collect();
         let limited = speed(&mut x, 0.25);
-        // The jump is between samples 9 and 10. The envelopes are 0.25 (i - 9) and 1 - 0.25 (10 - i), each in [0, 1]; all numbers
-        // are exact.
+        // The jump is between samples 9 and 10. The envelopes are 0.25 (i - 9) and 1 - 0.25 (10 -
+        // i), each in [0, 1]; all numbers are exact.
         let expected =
             |i: usize| 0.5 * ((0.25 * (i as f64 - 9.0)).clamp(0.0, 1.0) + (0.25 * (i as f64 - 6.0)).clamp(0.0, 1.0));
         assert!(x.iter().enumerate().all(|(i, x)| *x == expected(i)), "{x:?}");
         assert_eq!(limited, Limited { distance: 0.375, samples: 6 });
     }
 
-    /// The smallest greatest distance that any motion within the speed can have is half the greatest excess of a difference
-    /// of two samples over what the speed allows between them.
+    /// The smallest greatest distance that any motion within the speed can have is half the
+    /// greatest excess of a difference of two samples over what the speed allows between them.
     #[test]
     fn the_limited_stream_is_nearest_within_the_speed() {
         let x = noise(200);

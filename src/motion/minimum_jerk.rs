@@ -1,12 +1,13 @@
-//! Minimum-jerk transitions [Flash 1985, equation A9]: the quintic from rest to rest, and parameters that change along it, with
-//! their integral in closed form.
+//! Minimum-jerk transitions [Flash 1985, equation A9]: the quintic from rest to rest, and
+//! parameters that change along it, with their integral in closed form.
 //!
 //! ```text
 //! p(t) = p0 + (p1 - p0) (10 s^3 - 15 s^4 + 6 s^5),   s = (t - t0) / T
 //! integral from t0 of p dt = p0 (t - t0) + (p1 - p0) T (5/2 s^4 - 3 s^5 + s^6)     (s <= 1)
 //! ```
 
-/// Progress and its rate (1/s) of a minimum-jerk move of length `duration` at time `t` after its start.
+/// Progress and its rate (1/s) of a minimum-jerk move of length `duration` at time `t` after its
+/// start.
 pub fn minimum_jerk(t: f64, duration: f64) -> (f64, f64) {
     if t >= duration {
         return (1.0, 0.0);
@@ -70,7 +71,8 @@ mod tests {
         let (half, peak) = minimum_jerk(1.0, 2.0);
         // Half way at half time; the greatest rate is 15/8 of the mean.
         assert!((half - 0.5).abs() < 1e-15 && (peak - 15.0 / 16.0).abs() < 1e-15);
-        // The rate is the derivative: central difference, error of order h^2 times the third derivative (60 / T^3).
+        // The rate is the derivative: central difference, error of order h^2 times the third
+        // derivative (60 / T^3).
         let h = 1e-5;
         let slope = (minimum_jerk(0.7 + h, 2.0).0 - minimum_jerk(0.7 - h, 2.0).0) / (2.0 * h);
         assert!((slope - minimum_jerk(0.7, 2.0).1).abs() < 1e-9);

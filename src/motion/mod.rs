@@ -1,10 +1,12 @@
 //! Joint motions: motion files and the curves through their values.
 //!
-//! A [`Motion`] is the content of a file: for each name a list of times and values with their spans in the text.
-//! [`postures`] and [`columns`] read the files of `playback`, [`bvh`] those of motion capture. [`spline`] joins knots by
-//! minimum-jerk curves, [`minimum_jerk`] changes parameters smoothly, [`limit`] limits a stream in range and speed.
+//! A [`Motion`] is the content of a file: for each name a list of times and values with their spans
+//! in the text. [`postures`] and [`columns`] read the files of `playback`, [`bvh`] those of motion
+//! capture. [`spline`] joins knots by minimum-jerk curves, [`minimum_jerk`] changes parameters
+//! smoothly, [`limit`] limits a stream in range and speed.
 //!
-//! Imports text only; independent of robots. Called by task, force, collision, scenario and assemble.
+//! Imports text only; independent of robots. Called by task, force, collision, scenario and
+//! assemble.
 
 pub mod bvh;
 pub mod columns;

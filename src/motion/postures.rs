@@ -35,8 +35,8 @@ struct Posture {
 /// Reads a motion from the text of a file.
 ///
 /// # Errors
-/// Invalid TOML or unknown keys; numbers that are not finite; a time that is negative or does not increase; no posture, or one
-/// without joints.
+/// Invalid TOML or unknown keys; numbers that are not finite; a time that is negative or does not
+/// increase; no posture, or one without joints.
 pub fn read(text: &str) -> Result<Motion, MotionError> {
     let file: File = toml::from_str(text).map_err(|error| {
         let TomlError { span: piece, message, help } = TomlError::new(&error, text, true);

@@ -4,14 +4,14 @@
 //! q(t_i) = q_i,    integral of q'''(t)^2 dt least
 //! ```
 //!
-//! The minimiser is a quintic between knots with four continuous derivatives everywhere (its first variation leaves
-//! `q^(6) = 0` between knots and continuous q''' and q'''' at them). Sources: [de Boor 1968], for natural splines of any order;
-//! the two-knot case is the path of [Flash 1985].
+//! The minimiser is a quintic between knots with four continuous derivatives everywhere (its first
+//! variation leaves `q^(6) = 0` between knots and continuous q''' and q'''' at them). Sources: [de
+//! Boor 1968], for natural splines of any order; the two-knot case is the path of [Flash 1985].
 //!
-//! Unknown are the velocities v_i and accelerations a_i at the knots. On an interval of length h, with
-//! `u = (q0, h v0, h^2 a0, q1, h v1, h^2 a1)`, the integral is `u^T K u / h^5` with the matrix K below, so the sum over all
-//! intervals is quadratic in the unknowns and its minimum solves a symmetric positive definite system, block tridiagonal
-//! with blocks of 2 x 2.
+//! Unknown are the velocities v_i and accelerations a_i at the knots. On an interval of length h,
+//! with `u = (q0, h v0, h^2 a0, q1, h v1, h^2 a1)`, the integral is `u^T K u / h^5` with the matrix
+//! K below, so the sum over all intervals is quadratic in the unknowns and its minimum solves a
+//! symmetric positive definite system, block tridiagonal with blocks of 2 x 2.
 
 use nalgebra::{Matrix2, Matrix2x3, Vector2};
 
@@ -22,7 +22,8 @@ pub enum Ends {
     Natural,
     /// No velocity and no acceleration.
     Clamped,
-    /// The last knot equals the first: all derivatives up to the fourth agree. The values must be equal.
+    /// The last knot equals the first: all derivatives up to the fourth agree. The values must be
+    /// equal.
     Periodic,
 }
 
@@ -64,14 +65,16 @@ pub enum SplineError {
     },
 }
 
-/// A curve. Before its first knot it has its first value, after its last knot its last value, at rest.
+/// A curve. Before its first knot it has its first value, after its last knot its last value, at
+/// rest.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Spline {
     times: Vec<f64>,
     knots: Vec<TrajectoryPoint>,
 }
 
-/// Integral of the squared jerk of a quintic on an interval of length 1, as a quadratic form of its end values.
+/// Integral of the squared jerk of a quintic on an interval of length 1, as a quadratic form of its
+/// end values.
 const K: [[f64; 6]; 6] = [
     [720.0, 360.0, 60.0, -720.0, 360.0, -60.0],
     [360.0, 192.0, 36.0, -360.0, 168.0, -24.0],
@@ -121,7 +124,8 @@ impl Spline {
         (self.times[0], self.times[self.times.len() - 1])
     }
 
-    /// The point at time `t`. `cursor` (0 at first) remembers the interval, so that moving forward is fast.
+    /// The point at time `t`. `cursor` (0 at first) remembers the interval, so that moving forward
+    /// is fast.
     pub fn at(&self, t: f64, cursor: &mut usize) -> TrajectoryPoint {
         let last = self.times.len() - 1;
         if t < self.times[0] || last == 0 {
@@ -186,8 +190,8 @@ pub fn quintic(from: &TrajectoryPoint, to: &TrajectoryPoint, h: f64, t: f64) -> 
     }
 }
 
-/// `lower_i x_(i-1) + diagonal_i x_i + lower_(i+1)^T x_(i+1) = right_i`; the third column on the right is that of the knots, the
-/// other two serve to close a periodic curve.
+/// `lower_i x_(i-1) + diagonal_i x_i + lower_(i+1)^T x_(i+1) = right_i`; the third column on the
+/// right is that of the knots, the other two serve to close a periodic curve.
 struct System {
     diagonal: Vec<Matrix2<f64>>,
     /// Coupling of `i` (rows) to `i - 1`; the first is unused.
@@ -200,7 +204,8 @@ fn block(r: usize, c: usize, h: f64) -> Matrix2<f64> {
     Matrix2::from_fn(|i, j| K[r + i][c + j] * h.powi((i + j) as i32 - 3))
 }
 
-/// Gradient by the unknowns in rows `r..r+2` of values that differ by `step` over an interval of length h.
+/// Gradient by the unknowns in rows `r..r+2` of values that differ by `step` over an interval of
+/// length h.
 fn pull(r: usize, h: f64, step: f64) -> Vector2<f64> {
     Vector2::from_fn(|i, _| K[r + i][3] * h.powi(i as i32 - 4) * step)
 }

@@ -121,7 +121,8 @@ pub fn of_all(model: &Model) -> Vec<Field> {
     ]
 }
 
-/// Pose and velocity of a link's URDF frame; `frame` is that frame in the carrying link's internal one.
+/// Pose and velocity of a link's URDF frame; `frame` is that frame in the carrying link's internal
+/// one.
 pub fn of_link(name: &str, link: LinkId, frame: Isometry3<f64>) -> Vec<Field> {
     let (local, turn) = (frame.translation.vector, frame.rotation.to_rotation_matrix().into_inner());
     let point = move |view: &View| view.kinematics.point(link, &local);

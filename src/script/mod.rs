@@ -1,11 +1,13 @@
 //! Scripts in Luau: tasks and force models in files of their own.
 //!
-//! Each script of each run has its own interpreter ([`sandbox`]). Before a call the numbers that it reads ([`fields`]) are
-//! written to a buffer, which `prelude.luau` unpacks into the table `robot`; joint commands return through another buffer.
-//! Every failure is a [`ScriptError`] with file, line and message. [`script_task`] and [`script_force`] implement the traits of
-//! tasks and force models.
+//! Each script of each run has its own interpreter ([`sandbox`]). Before a call the numbers that it
+//! reads ([`fields`]) are written to a buffer, which `prelude.luau` unpacks into the table `robot`;
+//! joint commands return through another buffer. Every failure is a [`ScriptError`] with file, line
+//! and message. [`script_task`] and [`script_force`] implement the traits of tasks and force
+//! models.
 //!
-//! Imports task, force, robot, dynamics, random and text. Called by assemble, console and batch (interruption).
+//! Imports task, force, robot, dynamics, random and text. Called by assemble, console and batch
+//! (interruption).
 
 mod convert;
 pub mod fields;
@@ -228,7 +230,8 @@ impl Script {
         }
     }
 
-    /// Forces are functions of time and state: between corners globals and all tables in them are read-only.
+    /// Forces are functions of time and state: between corners globals and all tables in them are
+    /// read-only.
     fn lock_globals(&mut self) {
         if self.purpose == Purpose::Force {
             self.locked = reachable_tables([self.sandbox.lua.globals()]);
@@ -299,8 +302,8 @@ fn points(sandbox: &Sandbox, file: &str, purpose: Purpose) -> Result<Vec<PointOf
     Ok(names.into_iter().map(|name| PointOfInterest { name, position: None }).collect())
 }
 
-/// The requested parts of the augmented data and the fields that a script reads: the fields of every script, and those of
-/// its lists `needs` and `links`.
+/// The requested parts of the augmented data and the fields that a script reads: the fields of
+/// every script, and those of its lists `needs` and `links`.
 fn requested_data(
     sandbox: &Sandbox,
     file: &str,
@@ -362,8 +365,8 @@ fn reachable_tables(from: impl IntoIterator<Item = Table>) -> Vec<Table> {
     found
 }
 
-/// Makes the table `robot` read-only to the script; returns the tables to unlock for an update. The lists of desired values
-/// stay writable for the functions that command joints.
+/// Makes the table `robot` read-only to the script; returns the tables to unlock for an update. The
+/// lists of desired values stay writable for the functions that command joints.
 fn lock_robot(inside: &Table) -> mlua::Result<Vec<Table>> {
     let robot: Table = inside.get("robot")?;
     let desired: Option<Table> = robot.get("desired")?;

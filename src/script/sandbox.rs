@@ -1,8 +1,9 @@
 //! An isolated interpreter for each script of each run.
 //!
-//! There are no files, no network, no clock, no other modules and no code made from strings. Memory is limited, and so is the
-//! work of one call: the interpreter counts calls and loop iterations, not time, so that a run ends at the same point on every
-//! machine. Library functions that process long data count by its size (`counted.luau`), and so does allocated memory.
+//! There are no files, no network, no clock, no other modules and no code made from strings. Memory
+//! is limited, and so is the work of one call: the interpreter counts calls and loop iterations,
+//! not time, so that a run ends at the same point on every machine. Library functions that process
+//! long data count by its size (`counted.luau`), and so does allocated memory.
 
 use super::interruption;
 use super::script_error::ScriptError;
@@ -83,7 +84,8 @@ pub(super) fn out_of_memory() -> String {
 }
 
 impl Sandbox {
-    /// An interpreter for the script called `file`, still without limits, libraries open to trusted code.
+    /// An interpreter for the script called `file`, still without limits, libraries open to trusted
+    /// code.
     pub fn new(file: &str) -> Result<Self, ScriptError> {
         let libraries = StdLib::TABLE | StdLib::STRING | StdLib::UTF8 | StdLib::BIT | StdLib::MATH | StdLib::BUFFER;
         let sandbox = |lua| Sandbox { lua, meter: Arc::default(), file: file.to_owned() };

@@ -28,7 +28,8 @@ impl ScriptError {
         ScriptError { file: file.to_owned(), line, message: message.into() }
     }
 
-    /// Reads an error of the interpreter in the script `file`: a message that begins with its location, then a traceback.
+    /// Reads an error of the interpreter in the script `file`: a message that begins with its
+    /// location, then a traceback.
     pub(super) fn read(file: &str, error: &mlua::Error) -> Self {
         let whole = match error {
             mlua::Error::CallbackError { cause, .. } => return Self::read(file, cause),

@@ -1,8 +1,9 @@
 //! `script`: a force model written in Luau; see [`crate::script`].
 //!
-//! The integrator evaluates forces at any time and state, in any order, and takes steps back. Between corners the result must
-//! therefore be a function of both alone: globals of the script are read-only and random numbers are not available. After the
-//! start and after every corner the first evaluation is made twice and the results compared.
+//! The integrator evaluates forces at any time and state, in any order, and takes steps back.
+//! Between corners the result must therefore be a function of both alone: globals of the script are
+//! read-only and random numbers are not available. After the start and after every corner the first
+//! evaluation is made twice and the results compared.
 
 use super::fields::View;
 use super::{ForceEntry, Params, RobotNames, Script, ScriptError};

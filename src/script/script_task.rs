@@ -19,7 +19,8 @@ pub struct ScriptTask {
 }
 
 impl ScriptTask {
-    /// A task called `name`, with parameters and their changes (times in s, ascending), that ends at `end` at the latest.
+    /// A task called `name`, with parameters and their changes (times in s, ascending), that ends
+    /// at `end` at the latest.
     pub fn new(name: String, script: Script, params: Params, changes: Vec<(f64, Params)>, end: f64) -> Self {
         let (changes, changed) = changes.into_iter().unzip();
         ScriptTask { name, script, params, changes, changed, command: None, end }

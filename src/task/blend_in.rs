@@ -1,10 +1,12 @@
-//! Blends the commanded motion of a joint into a task's motion: their initial difference decays along a quintic.
+//! Blends the commanded motion of a joint into a task's motion: their initial difference decays
+//! along a quintic.
 //!
 //! ```text
 //! command(t) = motion(t) + e(t),   e = q_command - motion, e' likewise, e'' = 0 at t = 0;   e = e' = e'' = 0 at t = T
 //! ```
 //!
-//! Commanded position and velocity are continuous. A motion that begins at the commanded position and velocity is unchanged.
+//! Commanded position and velocity are continuous. A motion that begins at the commanded position
+//! and velocity is unchanged.
 
 use super::{Command, has_elapsed};
 use crate::motion::spline::{TrajectoryPoint, quintic};
@@ -23,7 +25,8 @@ impl BlendIn {
         BlendIn { duration, from: vec![TrajectoryPoint::default(); joints] }
     }
 
-    /// Starts the blend of the task's joint number `i`, which is `joint`; its motion begins at `motion`.
+    /// Starts the blend of the task's joint number `i`, which is `joint`; its motion begins at
+    /// `motion`.
     pub fn begin(&mut self, i: usize, joint: JointId, command: &Command, motion: &TrajectoryPoint) {
         let (q, v) = (command.position[joint.0], command.velocity[joint.0]);
         self.from[i] = TrajectoryPoint { q: q - motion.q, v: v - motion.v, a: 0.0 };
@@ -34,7 +37,8 @@ impl BlendIn {
         has_elapsed(t, self.duration)
     }
 
-    /// Sets the command of the task's joint number `i`, `t` seconds after the beginning, its motion being at `motion`.
+    /// Sets the command of the task's joint number `i`, `t` seconds after the beginning, its motion
+    /// being at `motion`.
     pub fn apply(&self, i: usize, joint: JointId, t: f64, motion: &TrajectoryPoint, command: &mut Command) {
         let e = if self.is_over(t) {
             TrajectoryPoint::default()

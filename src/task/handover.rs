@@ -1,11 +1,14 @@
-//! Hands joints back when a task ends, without jumps and without leftovers under the tasks that follow.
+//! Hands joints back when a task ends, without jumps and without leftovers under the tasks that
+//! follow.
 //!
-//! - **Modes and efforts** of a *temporary* task ([`super::Task::is_temporary`]) hold while it lasts. The base layer beneath
-//!   holds those set by the robot or a script; each tick starts from it.
-//! - **Efforts** that such a task leaves on a joint that follows positions or velocities decay to those of the base layer
-//!   within [`RETURN`] seconds. On other joints the effort of the base layer holds at once.
-//! - **Positions**: where a task that ends releases a joint to an earlier task that is still running, their difference
-//!   decays within [`RETURN`] seconds on top of the commanded position.
+//! - **Modes and efforts** of a *temporary* task ([`super::Task::is_temporary`]) hold while it
+//!   lasts. The base layer beneath holds those set by the robot or a script; each tick starts from
+//!   it.
+//! - **Efforts** that such a task leaves on a joint that follows positions or velocities decay to
+//!   those of the base layer within [`RETURN`] seconds. On other joints the effort of the base
+//!   layer holds at once.
+//! - **Positions**: where a task that ends releases a joint to an earlier task that is still
+//!   running, their difference decays within [`RETURN`] seconds on top of the commanded position.
 //!
 //! Both decay along the quintic of [`super::blend_in`].
 
@@ -48,7 +51,8 @@ impl TemporaryEfforts {
     }
 }
 
-/// Position and velocity without a task that has just ended, and the offset that the task had from them.
+/// Position and velocity without a task that has just ended, and the offset that the task had from
+/// them.
 #[derive(Clone, Copy, Debug)]
 struct Returned {
     beneath: (f64, f64),
@@ -116,7 +120,8 @@ impl Handover {
         self.before.copy_from(command);
     }
 
-    /// Takes the command after a task was called. A temporary task passes its `temporary` efforts; `ended` once it is done.
+    /// Takes the command after a task was called. A temporary task passes its `temporary` efforts;
+    /// `ended` once it is done.
     pub fn after(&mut self, temporary: Option<&mut TemporaryEfforts>, ended: bool, time: f64, command: &mut Command) {
         match temporary {
             None => self.keep(command),

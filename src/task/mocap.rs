@@ -1,8 +1,8 @@
-//! `mocap`: joints follow captured motion, resampled to the control ticks and limited in range and speed beforehand
-//! ([`crate::motion::limit`]).
+//! `mocap`: joints follow captured motion, resampled to the control ticks and limited in range and
+//! speed beforehand ([`crate::motion::limit`]).
 //!
-//! Velocities are central differences of the samples, so none exceeds the greatest step between two samples over the time
-//! between them.
+//! Velocities are central differences of the samples, so none exceeds the greatest step between two
+//! samples over the time between them.
 
 use super::blend_in::BlendIn;
 use super::{Command, Context, Status, Task, TaskResult};
@@ -23,7 +23,8 @@ pub struct Mocap {
 }
 
 impl Mocap {
-    /// Follows samples taken `rate` times a second from the first tick on; `blend`: time to blend in from the command, s.
+    /// Follows samples taken `rate` times a second from the first tick on; `blend`: time to blend
+    /// in from the command, s.
     pub fn new(joints: Vec<(JointId, Vec<f64>)>, rate: f64, blend: f64) -> Self {
         Mocap { fade: BlendIn::new(blend, joints.len()), joints, rate, start: 0.0, first: 0.0 }
     }

@@ -1,12 +1,14 @@
 //! Tasks and the task server, which commands the joints at the control rate.
 //!
-//! As in the paper's section II.B a task has an initialisation, a run and a change function. Tasks of a scenario start and
-//! end by time; where several drive a joint at once, the later one in the file wins. A task that has ended leaves its joints
-//! at their last positions; [`handover`] treats everything else it has set. Besides the state of the robot a task reads
-//! [`Augmented`] data such as Jacobians and the centre of mass. The server computes each part only in ticks at which the
+//! As in the paper's section II.B a task has an initialisation, a run and a change function. Tasks
+//! of a scenario start and end by time; where several drive a joint at once, the later one in the
+//! file wins. A task that has ended leaves its joints at their last positions; [`handover`] treats
+//! everything else it has set. Besides the state of the robot a task reads [`Augmented`] data such
+//! as Jacobians and the centre of mass. The server computes each part only in ticks at which the
 //! [`Needs`] of a running task include it.
 //!
-//! Imports robot, dynamics, geometry, motion, linalg and contact (load sharing). Called by script, sim, remote and assemble.
+//! Imports robot, dynamics, geometry, motion, linalg and contact (load sharing). Called by script,
+//! sim, remote and assemble.
 
 pub mod augmented;
 pub mod balance;
@@ -78,8 +80,8 @@ impl Context<'_> {
     }
 }
 
-/// True when a duration of `duration` seconds is over `t` seconds after its start. A tick that misses the end by rounding
-/// counts as the end.
+/// True when a duration of `duration` seconds is over `t` seconds after its start. A tick that
+/// misses the end by rounding counts as the end.
 pub fn has_elapsed(t: f64, duration: f64) -> bool {
     t >= duration - 1e-9
 }
@@ -101,11 +103,12 @@ pub trait Task: Any + Send {
     /// Called once at the task's start. `command` holds the present joint commands.
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult;
 
-    /// Called at every control tick from then on; changes the commands of its joints. Allocates nothing.
+    /// Called at every control tick from then on; changes the commands of its joints. Allocates
+    /// nothing.
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult;
 
-    /// Called once at the first tick at or after each of [`changes`](Self::changes), before `run`: applies the parameters
-    /// with that number.
+    /// Called once at the first tick at or after each of [`changes`](Self::changes), before `run`:
+    /// applies the parameters with that number.
     fn change(&mut self, _context: &Context, _number: usize) -> TaskResult {
         Ok(Status::Running)
     }
@@ -115,11 +118,12 @@ pub trait Task: Any + Send {
         &[]
     }
 
-    /// Adopts the changes of `newer`, built from the same entry with changes appended. Changes already applied keep
-    /// their effect.
+    /// Adopts the changes of `newer`, built from the same entry with changes appended. Changes
+    /// already applied keep their effect.
     fn adopt_changes(&mut self, _newer: Box<dyn Task>) {}
 
-    /// True if the modes and efforts it sets hold only while it lasts. It must then set them at every tick.
+    /// True if the modes and efforts it sets hold only while it lasts. It must then set them at
+    /// every tick.
     fn is_temporary(&self) -> bool {
         false
     }
@@ -129,7 +133,8 @@ pub trait Task: Any + Send {
         Needs::NONE
     }
 
-    /// The points it shows: always the same ones in the same order, with positions that may change at every call.
+    /// The points it shows: always the same ones in the same order, with positions that may change
+    /// at every call.
     fn points(&self) -> &[PointOfInterest] {
         &[]
     }

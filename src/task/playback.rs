@@ -4,8 +4,9 @@
 //! q(t) = m(s) + e(t),   q'(t) = s' m'(s) + e'(t),   s' = speed
 //! ```
 //!
-//! m: minimum-jerk curves ([`crate::motion::spline`]); s: the motion's own time, the integral of a speed that changes without
-//! a jump; e: the decaying difference from the command before ([`super::blend_in`]).
+//! m: minimum-jerk curves ([`crate::motion::spline`]); s: the motion's own time, the integral of a
+//! speed that changes without a jump; e: the decaying difference from the command before
+//! ([`super::blend_in`]).
 
 use super::blend_in::BlendIn;
 use super::{Command, Context, Status, Task, TaskResult, has_elapsed};
@@ -32,8 +33,9 @@ pub struct Playback {
 }
 
 impl Playback {
-    /// Plays at `speed` (seconds of the motion per second), with `changes` of it by ascending time, and loops if `repeat`.
-    /// `blend`: time to blend in from the command and from one speed to the next, s.
+    /// Plays at `speed` (seconds of the motion per second), with `changes` of it by ascending time,
+    /// and loops if `repeat`. `blend`: time to blend in from the command and from one speed to the
+    /// next, s.
     pub fn new(joints: Vec<(JointId, Spline)>, speed: f64, repeat: bool, blend: f64, changes: Vec<(f64, f64)>) -> Self {
         let ends = || joints.iter().map(|(_, spline)| spline.span());
         let first = ends().map(|s| s.0).fold(f64::INFINITY, f64::min);

@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-/// A point that a task shows, such as its target or its planned zero-moment point. It has no effect on the simulation.
+/// A point that a task shows, such as its target or its planned zero-moment point. It has no effect
+/// on the simulation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PointOfInterest {
     /// Its name.

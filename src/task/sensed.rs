@@ -1,5 +1,5 @@
-//! Sensor readings at a control tick. With [`super::Command`] they are all that passes between tasks and a robot, be it
-//! simulated here, remote, or real.
+//! Sensor readings at a control tick. With [`super::Command`] they are all that passes between
+//! tasks and a robot, be it simulated here, remote, or real.
 
 use crate::dynamics::chain::FrameMotion;
 use crate::robot::Model;
@@ -10,7 +10,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 pub struct Sensed {
     /// Time by the robot's clock, s.
     pub time: f64,
-    /// Pose and motion of the base where they are known from outside: the simulation, motion capture.
+    /// Pose and motion of the base where they are known from outside: the simulation, motion
+    /// capture.
     pub base: Option<FrameMotion>,
     /// Joint positions, rad or m.
     pub position: Vec<f64>,
@@ -22,10 +23,11 @@ pub struct Sensed {
     pub orientation: UnitQuaternion<f64>,
     /// Angular velocity of the IMU in its own axes, rad/s.
     pub angular_velocity: Vector3<f64>,
-    /// Specific force at the IMU's origin in its own axes, m/s^2: acceleration less free fall, at rest 9.81 upwards.
+    /// Specific force at the IMU's origin in its own axes, m/s^2: acceleration less free fall, at
+    /// rest 9.81 upwards.
     pub specific_force: Vector3<f64>,
-    /// Load of the floor on each sole, in the model's order; updated only in ticks at which a task needs
-    /// [`super::Needs::LOADS`]. Zero at the first tick, when no forces are known yet.
+    /// Load of the floor on each sole, in the model's order; updated only in ticks at which a task
+    /// needs [`super::Needs::LOADS`]. Zero at the first tick, when no forces are known yet.
     pub soles: Vec<SoleLoad>,
 }
 
@@ -34,7 +36,8 @@ pub struct Sensed {
 pub struct SoleLoad {
     /// Force, world axes, N.
     pub force: Vector3<f64>,
-    /// Mean of the force since the last tick, impacts included, world axes, N; only with an estimator that needs it.
+    /// Mean of the force since the last tick, impacts included, world axes, N; only with an
+    /// estimator that needs it.
     pub mean_force: Vector3<f64>,
     /// Moment about the centroid of the sole's vertices, world axes, N m.
     pub moment: Vector3<f64>,

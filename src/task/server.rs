@@ -79,8 +79,8 @@ impl TaskServer {
         self.always = true;
     }
 
-    /// Counts the tick at `time` as done by a remote task server. `next` is its next tick; without one the command stays to
-    /// the end. Tasks of this server are not called.
+    /// Counts the tick at `time` as done by a remote task server. `next` is its next tick; without
+    /// one the command stays to the end. Tasks of this server are not called.
     pub fn set_remote_tick(&mut self, time: f64, next: Option<u64>) {
         self.tick = (time * self.rate).round() as u64 + 1;
         self.remote_next = Some(next.map(|next| next.max(self.tick)));
@@ -96,7 +96,8 @@ impl TaskServer {
         1.0 / self.rate
     }
 
-    /// Adds a task that begins at the first tick at or after `start` seconds, its own time 0. Later tasks win where they overlap.
+    /// Adds a task that begins at the first tick at or after `start` seconds, its own time 0. Later
+    /// tasks win where they overlap.
     pub fn add(&mut self, start: f64, task: Box<dyn Task>) {
         let temporary = TemporaryEfforts::new(self.command.mode.len());
         self.slots.push(TaskSlot {
@@ -110,7 +111,8 @@ impl TaskServer {
         });
     }
 
-    /// Ends a task, by the order in which the tasks were added, at the next tick. A task that has not begun never begins.
+    /// Ends a task, by the order in which the tasks were added, at the next tick. A task that has
+    /// not begun never begins.
     pub fn end(&mut self, number: usize) {
         if let Some(slot) = self.slots.get_mut(number) {
             slot.end_requested = true;
@@ -118,7 +120,8 @@ impl TaskServer {
         }
     }
 
-    /// Extends this server to the tasks of `newer`: a scenario with tasks appended, and changes appended to the tasks it had.
+    /// Extends this server to the tasks of `newer`: a scenario with tasks appended, and changes
+    /// appended to the tasks it had.
     pub fn extend_with(&mut self, newer: TaskServer) {
         for (i, slot) in newer.slots.into_iter().enumerate() {
             match self.slots.get_mut(i) {
@@ -140,8 +143,9 @@ impl TaskServer {
         })
     }
 
-    /// Time of the next tick that can change anything; none when all tasks have ended. Tick k is at `k / rate`, bit-equal to
-    /// the log's instants and other clocks that divide integers by their rates.
+    /// Time of the next tick that can change anything; none when all tasks have ended. Tick k is at
+    /// `k / rate`, bit-equal to the log's instants and other clocks that divide integers by their
+    /// rates.
     pub fn next_tick(&self) -> Option<f64> {
         if let Some(next) = self.remote_next {
             return next.map(|next| next as f64 / self.rate);
@@ -165,7 +169,8 @@ impl TaskServer {
         active.fold(Needs::NONE, |needs, s| needs | s.task.needs())
     }
 
-    /// The points that tasks show, in the order of the tasks; those of tasks that do not run have no position.
+    /// The points that tasks show, in the order of the tasks; those of tasks that do not run have
+    /// no position.
     pub fn points(&self) -> impl Iterator<Item = (&str, Option<Vector3<f64>>)> {
         self.slots.iter().flat_map(|slot| {
             let runs = slot.begun && !slot.ended;
@@ -173,7 +178,8 @@ impl TaskServer {
         })
     }
 
-    /// Runs every task that is due; calls `report(what, name)` for each that begins, changes or ends.
+    /// Runs every task that is due; calls `report(what, name)` for each that begins, changes or
+    /// ends.
     ///
     /// # Errors
     /// The first task that failed, with its error.

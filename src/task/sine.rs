@@ -5,9 +5,10 @@
 //! q'(t) = r' (c + A sin theta - q0) + r (c' + A' sin theta + A theta' cos theta)
 //! ```
 //!
-//! q0: commanded position at the start t0; r rises from 0 to 1 within the ramp along a minimum-jerk path, and falls again at
-//! the end. Amplitude A, centre c and frequency f change to new values within the ramp likewise. The phase is the integral
-//! of the frequency, in closed form, and therefore continuous through every change.
+//! q0: commanded position at the start t0; r rises from 0 to 1 within the ramp along a minimum-jerk
+//! path, and falls again at the end. Amplitude A, centre c and frequency f change to new values
+//! within the ramp likewise. The phase is the integral of the frequency, in closed form, and
+//! therefore continuous through every change.
 
 use super::{Command, Context, Status, Task, TaskError, TaskResult, has_elapsed};
 use crate::motion::minimum_jerk::SmoothTransition;
@@ -67,8 +68,9 @@ struct Now {
 }
 
 impl Sine {
-    /// Oscillates for `duration` seconds (infinite: without end) with ramps of `ramp` seconds; `changes` by ascending time.
-    /// If joints are `limited`, an oscillation about the initial position that leaves the joint's range is refused.
+    /// Oscillates for `duration` seconds (infinite: without end) with ramps of `ramp` seconds;
+    /// `changes` by ascending time. If joints are `limited`, an oscillation about the initial
+    /// position that leaves the joint's range is refused.
     pub fn new(
         joints: Vec<(JointId, Swing)>,
         duration: f64,

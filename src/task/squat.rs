@@ -5,8 +5,8 @@
 //! h(t) = h0 - D (1 - f(2 u - 1)) 1/2 <= u < 1       u = t / T modulo 1
 //! ```
 //!
-//! with D the depth and T the period. First the centre of mass moves over the middle of the soles and the root turns upright.
-//! [`super::kinematic`] gives the joint positions.
+//! with D the depth and T the period. First the centre of mass moves over the middle of the soles
+//! and the root turns upright. [`super::kinematic`] gives the joint positions.
 
 use super::kinematic::{PlannedRobot, PosturePlanner};
 use super::{Command, Context, PointOfInterest, Status, Task, TaskResult, has_elapsed};
@@ -28,8 +28,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Descent of the centre of mass from its start (m), its upward velocity (m/s) and acceleration (m/s^2), `t` seconds
-    /// after settling.
+    /// Descent of the centre of mass from its start (m), its upward velocity (m/s) and acceleration
+    /// (m/s^2), `t` seconds after settling.
     pub fn drop(&self, t: f64) -> (f64, f64, f64) {
         let half = 0.5 * self.period;
         let end = f64::from(self.repetitions) * self.period;
@@ -121,14 +121,16 @@ mod tests {
     #[test]
     fn the_drop_has_its_closed_form() {
         let shape = Shape { depth: 0.03, period: 2.0, repetitions: 2, settle: 0.5 };
-        // Half the depth at a quarter of the period, all of it at half, with the peak rate 15/8 of the mean between.
+        // Half the depth at a quarter of the period, all of it at half, with the peak rate 15/8 of
+        // the mean between.
         for (t, truth) in [(0.0, 0.0), (0.5, 0.015), (1.0, 0.03), (1.5, 0.015), (2.0, 0.0), (3.0, 0.03), (4.0, 0.0)] {
             assert!((shape.drop(t).0 - truth).abs() < 1e-15, "{t}");
         }
         assert!((shape.drop(0.5).1 + 0.03 * 15.0 / 8.0).abs() < 1e-15);
         assert!((shape.drop(3.5).1 - 0.03 * 15.0 / 8.0).abs() < 1e-15);
         assert_eq!(shape.drop(4.1), (0.0, 0.0, 0.0));
-        // Rates are derivatives: central differences of step 1e-5, whose error is h^2 times the third derivative, about 1e-10.
+        // Rates are derivatives: central differences of step 1e-5, whose error is h^2 times the
+        // third derivative, about 1e-10.
         for t in [0.2, 0.7, 1.3, 1.9] {
             let (a, b) = (shape.drop(t - 1e-5), shape.drop(t + 1e-5));
             assert!((shape.drop(t).1 + (b.0 - a.0) / 2e-5).abs() < 1e-8);

@@ -1,8 +1,10 @@
-//! `walk`: follows a footstep plan, with the centre of mass under preview control of the zero-moment point.
+//! `walk`: follows a footstep plan, with the centre of mass under preview control of the
+//! zero-moment point.
 //!
-//! Feet and zero-moment-point reference come from [`super::gait::footsteps`], the horizontal motion of the centre of mass from
-//! [`super::gait::preview`], planned to the end of walk or run when the task begins. Its height is constant and the root
-//! stays upright. [`super::kinematic`] gives the joint positions at every tick.
+//! Feet and zero-moment-point reference come from [`super::gait::footsteps`], the horizontal motion
+//! of the centre of mass from [`super::gait::preview`], planned to the end of walk or run when the
+//! task begins. Its height is constant and the root stays upright. [`super::kinematic`] gives the
+//! joint positions at every tick.
 
 use super::gait::{Footsteps, Preview, Sample, Stride};
 use super::kinematic::{PlannedRobot, PosturePlanner};
@@ -34,7 +36,8 @@ pub struct Walk {
     over: Vector3<f64>,
     upright: UnitQuaternion<f64>,
     plan: Option<Plan>,
-    /// Planned centre of mass and zero-moment point, then the present or next position of each sole.
+    /// Planned centre of mass and zero-moment point, then the present or next position of each
+    /// sole.
     points: [PointOfInterest; 4],
 }
 
@@ -60,8 +63,8 @@ impl Plan {
 }
 
 impl Walk {
-    /// For a robot that [`super::kinematic::planned_robot::check_biped`] accepts, in a run that ends `until` seconds after
-    /// the start.
+    /// For a robot that [`super::kinematic::planned_robot::check_biped`] accepts, in a run that
+    /// ends `until` seconds after the start.
     pub fn new(
         model: &Model,
         stride: Stride,

@@ -1,4 +1,5 @@
-//! For any desired motion the commands are free of collisions and within the limits; an unobstructed motion is unchanged.
+//! For any desired motion the commands are free of collisions and within the limits; an
+//! unobstructed motion is unchanged.
 
 use super::cbi;
 use crate::identities::allocations;
@@ -19,8 +20,8 @@ static CBI: LazyLock<(Robot, Arc<CollisionModel>)> = LazyLock::new(|| {
 /// A desired motion: posture and velocity at a time.
 type Motion = dyn Fn(f64) -> (Vec<f64>, Vec<f64>);
 
-/// Three sines for each joint, around the middle of its range, that begin within a second from home; `width` is how much of the range
-/// they fill at most.
+/// Three sines for each joint, around the middle of its range, that begin within a second from
+/// home; `width` is how much of the range they fill at most.
 fn sines(model: &Model, seed: u64, frequency: f64, width: f64) -> Box<Motion> {
     let mut r = Stream::new(seed, &["sines"]);
     let parts: Vec<[[f64; 2]; 3]> = model
@@ -122,7 +123,8 @@ impl Bench {
         }
     }
 
-    /// Are the limits kept over the last ticks? Differences of positions are means of the derivatives, so below their bounds.
+    /// Are the limits kept over the last ticks? Differences of positions are means of the
+    /// derivatives, so below their bounds.
     fn check_limits(&self) {
         self.check_limits_but(None);
     }
@@ -136,9 +138,11 @@ impl Bench {
             let rates = [(a - b) / h, (a - 2.0 * b + c) / h.powi(2), (a - 3.0 * b + 3.0 * c - d) / h.powi(3)];
             let bounds = [limit.speed, limit.acceleration, limit.jerk];
             for (k, (rate, bound)) in rates.iter().zip(bounds).enumerate() {
-                // Roundings of positions of about 1, each 1e-16, eight times in the third difference.
+                // Roundings of positions of about 1, each 1e-16, eight times in the third
+                // difference.
                 let rounding = 2e-15 / h.powi(k as i32 + 1);
-                // Where velocities are commanded their change is the mean acceleration a tick ago: one tick of jerk.
+                // Where velocities are commanded their change is the mean acceleration a tick ago:
+                // one tick of jerk.
                 let more = if k == 1 { limit.jerk * h } else { 1e-3 * bound };
                 assert!(
                     rate.abs() <= bound + more + rounding,
@@ -157,13 +161,15 @@ impl Bench {
 #[test]
 fn no_method_lets_bodies_touch() {
     for method in 1..=4 {
-        // At 1 and 2 Hz what is foreseen is far from what comes: the guard between the cycles has to see it.
+        // At 1 and 2 Hz what is foreseen is far from what comes: the guard between the cycles has
+        // to see it.
         for (seed, frequency, rate) in [(1, 0.1, 10.0), (2, 0.4, 10.0), (2, 0.4, 1.0), (3, 0.3, 2.0)] {
             let motion = sines(&CBI.0.model, seed, frequency, 0.99);
             let mut bench = Bench::new(method, rate, 0.002);
             bench.run(&motion, 20.0);
-            // The proof is exact to rounding; between two ticks the path bends by at most 50 h^2 / 8 from the straight line, 25 um
-            // with all joints of a chain of 1 m: less than the room that is left by the resolution of the proof.
+            // The proof is exact to rounding; between two ticks the path bends by at most 50 h^2 /
+            // 8 from the straight line, 25 um with all joints of a chain of 1 m: less than the room
+            // that is left by the resolution of the proof.
             assert!(bench.least >= MARGIN - 5e-5, "method {method}: {}", bench.least);
             // It had to do something.
             assert!(bench.told_near > 100, "{}", bench.told_near);
@@ -278,8 +284,8 @@ fn uncontrolled_joints_are_taken_at_their_measured_positions() {
     let model = &CBI.0.model;
     let n = model.nj();
     let joint = |name: &str| model.joint(name).expect("it is there").0;
-    // The right shoulder is limp and hangs 8 degrees nearer to the body than commanded: the forearm, commanded through the thigh,
-    // must stop for where it is.
+    // The right shoulder is limp and hangs 8 degrees nearer to the body than commanded: the
+    // forearm, commanded through the thigh, must stop for where it is.
     let mut bench = Bench::new(2, 10.0, 0.002);
     let limp = joint("R_SAA");
     let follows: Vec<bool> = (0..n).map(|j| j != limp).collect();
@@ -361,8 +367,8 @@ fn a_step_command_keeps_the_limits() {
             bench.check_limits_but(if size <= 1e-3 { Some(nod) } else { None });
             greatest = greatest.max(commanded[nod] - model.home[nod]);
         }
-        // What two windows of 10 ms agree in of a path that follows it is at most a tenth; a step of 1 mrad, which
-        // passes for a reading's last digits, may swing by a few of them.
+        // What two windows of 10 ms agree in of a path that follows it is at most a tenth; a step
+        // of 1 mrad, which passes for a reading's last digits, may swing by a few of them.
         assert!(greatest <= size + if size <= 1e-3 { 5e-3 } else { 0.1 * size }, "{size} at {rate}: {greatest}");
         assert!((bench.commanded[3][nod] - model.home[nod] - size).abs() < 1e-9, "{size} at {rate}");
     }
@@ -437,7 +443,8 @@ fn free_joints_keep_commanded_velocities_that_do_not_fit() {
 #[test]
 fn a_short_fast_motion_is_not_extrapolated() {
     let (model, nod) = (&CBI.0.model, CBI.0.model.joint("B_HN").expect("it is there").0);
-    // 1 degree within 20 ms, with velocities: 20 times the acceleration that is allowed. Cycles fall before, into and after it.
+    // 1 degree within 20 ms, with velocities: 20 times the acceleration that is allowed. Cycles
+    // fall before, into and after it.
     for late in 0..12 {
         let mut bench = Bench::new(2, 10.0, 0.002);
         let (way, begin, mut greatest) = (1f64.to_radians(), 0.29 + 0.002 * f64::from(late), 0.0f64);

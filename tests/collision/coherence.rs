@@ -1,4 +1,5 @@
-//! Boxes and earlier answers change the time, not the answer; nothing is allocated; work is counted.
+//! Boxes and earlier answers change the time, not the answer; nothing is allocated; work is
+//! counted.
 
 use super::cbi;
 use crate::identities::allocations;

@@ -10,8 +10,9 @@ use stiction::robot::{Geometry, Shape};
 /// Rounding in coordinates of about 1 m, and ends of the iteration at 1e-12 m.
 const BAR: f64 = 1e-11;
 
-/// The nearest points lie in their bodies, so the distance is at most theirs; no vertex of either body is between the two
-/// planes across the normal through them, so it is at least that. Together: it is the distance.
+/// The nearest points lie in their bodies, so the distance is at most theirs; no vertex of either
+/// body is between the two planes across the normal through them, so it is at least that. Together:
+/// it is the distance.
 #[test]
 fn distances_of_random_polyhedra_prove_themselves() {
     let mut r = Stream::new(7, &["distance"]);
@@ -57,7 +58,8 @@ fn blocks_side_by_side_are_apart_by_the_gap_between_them() {
         let whole = pose(&mut r, 0.5);
         let second = LinkPose { rotation: whole.rotation, origin: whole.point(&p) };
         let gap = p.abs() - (h + k);
-        // Without overlap: the part of the gap that is open; with one: the least of the three ways out.
+        // Without overlap: the part of the gap that is open; with one: the least of the three ways
+        // out.
         let want = if gap.max() > 0.0 { gap.map(|x| x.max(0.0)).norm() } else { gap.max() };
         let found = single(&m, &[whole, second]).distance;
         assert!((found - want).abs() < BAR, "{found} instead of {want} at {p:?}");
@@ -86,7 +88,8 @@ fn shape(geometry: Geometry, resolution: usize) -> Polytope {
     CollisionModel::every_pair(&robot.model, &robot.self_collision).bodies[0].polytope.clone()
 }
 
-/// No point of the round shape is outside the polyhedron, and no vertex farther out than the page of the docs says.
+/// No point of the round shape is outside the polyhedron, and no vertex farther out than the page
+/// of the docs says.
 #[test]
 fn round_shapes_are_enclosed_closely() {
     let (radius, length) = (0.05, 0.2);

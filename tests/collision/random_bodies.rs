@@ -7,7 +7,8 @@ use stiction::collision::{Body, CollisionModel, LinkPose, Pair, Proximity};
 use stiction::random::Stream;
 use stiction::robot::LinkId;
 
-/// The hull of `n` points about an ellipsoid, or of a box and `n` points in it for even cases: slivers as well as rectangles.
+/// The hull of `n` points about an ellipsoid, or of a box and `n` points in it for even cases:
+/// slivers as well as rectangles.
 pub fn polytope(r: &mut Stream, n: usize) -> Polytope {
     let half = Vector3::from_fn(|_, _| 0.02 + 0.2 * r.unit());
     let boxy = r.below(2) == 0;
@@ -53,7 +54,8 @@ pub fn placed(body: &Body, poses: &[LinkPose]) -> Vec<Vector3<f64>> {
     body.polytope.vertices.iter().map(|p| poses[body.link.0].point(p)).collect()
 }
 
-/// How far the bodies are apart along a unit vector from the first to the second; negative: how far they overlap along it.
+/// How far the bodies are apart along a unit vector from the first to the second; negative: how far
+/// they overlap along it.
 pub fn apart_along(n: &Vector3<f64>, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     let least = b.iter().map(|p| n.dot(p)).fold(f64::INFINITY, f64::min);
     let greatest = a.iter().map(|p| n.dot(p)).fold(f64::NEG_INFINITY, f64::max);

@@ -1,4 +1,5 @@
-//! `[self_collision]` in a run: what is reported against closed forms, and what avoidance makes of it.
+//! `[self_collision]` in a run: what is reported against closed forms, and what avoidance makes of
+//! it.
 
 use crate::analytic::support::Told;
 use std::fmt::Write as _;
@@ -129,7 +130,8 @@ fn avoidance_keeps_the_margin_and_reports_its_cost() {
         assert!(m.avoidance_blocked_cycles.unwrap() > 5 && m.avoidance_tests_mean.unwrap() >= 1.0);
         let last = recorded.snapshots.last().unwrap();
         let own = last.self_contact.as_ref().unwrap();
-        // The desired position is that of the task, the command less; joints that do not move the pair are absent.
+        // The desired position is that of the task, the command less; joints that do not move the
+        // pair are absent.
         assert!((own.wanted[0] - 0.53).abs() < 1e-12 && own.wanted[1] == 0.0, "{:?}", own.wanted);
         assert!(last.q[0] < 0.48 + 1e-9, "{}", last.q[0]);
         assert!(m.avoidance_max_deviation.unwrap() >= 0.53 - last.q[0] - 1e-12);
@@ -238,7 +240,8 @@ fn pairs_within_the_margin_may_only_move_apart() {
 
 #[test]
 fn unpredicted_motion_triggers_an_early_cycle() {
-    // One cycle a second. At the first one a stands still; at the next one it would be in b long ago, within all limits.
+    // One cycle a second. At the first one a stands still; at the next one it would be in b long
+    // ago, within all limits.
     for method in 1..=4 {
         let rest = format!("self_collision = {{ method = {method}, margin = 0.02, rate = 1.0 }}");
         let (m, _) = run(&text(0.9, &rest).replace("duration = 1.0", "start = 0.2, duration = 0.6"));

@@ -40,7 +40,8 @@ fn a_spinning_body_that_catches_an_object_keeps_its_angular_momentum() {
         ));
         let mut sim = simulation(&spinning(&body, spin, 1.5, &text));
         let metrics = finish(&mut sim, &mut Blind);
-        // About the common centre of mass: the box's spin, and both on their lever arms with their relative velocity.
+        // About the common centre of mass: the box's spin, and both on their lever arms with their
+        // relative velocity.
         let angular = inertia * spin + reduced * place.cross(&velocity).z;
         let together = inertia + own + reduced * R * R;
         let after = angular / together;
@@ -64,7 +65,8 @@ fn an_object_that_moves_along_is_taken_and_released_without_a_jerk() {
     let text = object(&format!("start = {from}\nduration = {held}"));
     let mut sim = simulation(&spinning(&body, spin, from + held + after, &text));
     let metrics = finish(&mut sim, &mut Blind);
-    // Together they turn as before about their centre of mass, which keeps its velocity at that instant.
+    // Together they turn as before about their centre of mass, which keeps its velocity at that
+    // instant.
     let turn = |angle: f64| Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
     let (omega, arm) = (Vector3::z() * spin, Vector3::x() * (R * M / (M + body.mass)));
     let joined = turn(spin * from) * arm;
@@ -130,7 +132,8 @@ fn standing(body: &Body, mu: f64, settings: &str, object: &str) -> String {
 #[test]
 fn a_standing_box_that_catches_a_mass_is_held_by_the_floor() {
     let (body, mu) = (Body::new([0.2, 0.2, 0.02], 2.0), 0.3);
-    // Dropped on it, thrown at it, both at once: the floor's impulses are m u_z and at most mu times that.
+    // Dropped on it, thrown at it, both at once: the floor's impulses are m u_z and at most mu
+    // times that.
     for (u, slides) in
         [([0.0, 0.0, -2.0], false), ([3.0, 0.0, 0.0], true), ([3.0, 0.0, -2.0], true), ([0.4, 0.0, -2.0], false)]
     {
@@ -144,7 +147,8 @@ fn a_standing_box_that_catches_a_mass_is_held_by_the_floor() {
         let speed = if slides { (M * x - mu * M * -z) / whole } else { 0.0 };
         let way = speed * speed / (2.0 * mu * G);
         let place = sim.plant().state.position;
-        // Integration at relative tolerance 1e-9; the event that ends the slide is located to 1e-13 of a step.
+        // Integration at relative tolerance 1e-9; the event that ends the slide is located to 1e-13
+        // of a step.
         assert!((place - Vector3::new(way, 0.0, body.half[2])).norm() < 1e-9, "{u:?}: {place} {way}");
         let normal = metrics.final_normal_force_n.expect("it lies");
         assert!((normal - whole * G).abs() < 1e-9 * whole * G, "{normal}");

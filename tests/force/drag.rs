@@ -67,7 +67,8 @@ fn drag_off_the_centre_exerts_a_moment() {
     assert!((rate / (-c * speed * r / body.inertia()[1]) - 1.0).abs() < 1e-3, "{rate}");
 }
 
-/// Velocity-level steps take a damper at the end of the step: `v' = v / (1 + h c / m)`, however strong it is.
+/// Velocity-level steps take a damper at the end of the step: `v' = v / (1 + h c / m)`, however
+/// strong it is.
 #[test]
 fn stiff_drag_and_dampers_do_not_reverse_a_velocity_step() {
     let (body, h) = (body(), 1e-3);
@@ -91,7 +92,8 @@ fn stiff_drag_and_dampers_do_not_reverse_a_velocity_step() {
     }
 }
 
-/// The double pendulum with drag on both links and a joint that is led: whole rows of the mass matrix take part.
+/// The double pendulum with drag on both links and a joint that is led: whole rows of the mass
+/// matrix take part.
 #[test]
 fn velocity_steps_of_jointed_robots_with_drag_converge() {
     let end = |integrator: &str, c: f64, lead: &str| {

@@ -5,7 +5,8 @@ use std::fs;
 use stiction::{assemble, robot, scenario};
 use tempfile::TempDir;
 
-/// A file of HOAP-2 whose left hand has a frame of its own, in its palm and turned by a right angle about z.
+/// A file of HOAP-2 whose left hand has a frame of its own, in its palm and turned by a right angle
+/// about z.
 fn robot_file() -> (TempDir, String) {
     let folder = TempDir::new().expect("a folder for the robot");
     let text = fs::read_to_string(root().join("robots/hoap2/hoap2.toml")).expect("it is there");

@@ -67,7 +67,8 @@ fn past_events_are_not_reported_again() {
     let short = spring("duration = 0.3\nanchor = { position = [0.1, 0, 1] }");
     let (_, recorded) = flight("spring", 1.5, &(short + &event(1.0, "\"force.0.stiffness\" = 60")));
     assert_eq!(recorded.iter().map(|(t, _)| *t).collect::<Vec<_>>(), [0.2, 0.5], "{recorded:?}");
-    // It lets go when an event puts its end into the past, and takes hold again when one puts it off.
+    // It lets go when an event puts its end into the past, and takes hold again when one puts it
+    // off.
     let set = event(0.7, "\"force.0.duration\" = 0.1") + &event(1.0, "\"force.0.duration\" = 9");
     let (_, recorded) = flight("spring", 1.5, &(spring("") + &set));
     let words: Vec<_> = recorded.iter().map(|(t, words)| (*t, &words[..8])).collect();

@@ -24,7 +24,8 @@ struct End {
     metrics: Metrics,
 }
 
-/// A box in the air without a sole, starting at `position` with `velocity`; `text` has the rest of the scenario.
+/// A box in the air without a sole, starting at `position` with `velocity`; `text` has the rest of
+/// the scenario.
 fn fly(body: &Body, position: [f64; 3], velocity: [f64; 3], duration: f64, text: &str) -> End {
     let robot = body.floating(&format!("position = {position:?}, linear_velocity = {velocity:?}"));
     let mut sim = simulation(&format!("duration = {duration:?}\n{robot}{TIGHT}{text}"));

@@ -21,7 +21,8 @@ fn spring(rest: &str) -> String {
     format!("[[force]]\ntype = \"spring\"\nlink = \"block\"\nstiffness = {K}\n{rest}\n")
 }
 
-/// The oscillator x'' + 2 b x' + w^2 (x - c) = 0 from x, x' at time 0: state after `t`, underdamped.
+/// The oscillator x'' + 2 b x' + w^2 (x - c) = 0 from x, x' at time 0: state after `t`,
+/// underdamped.
 fn oscillator(w2: f64, b: f64, centre: f64, x: f64, v: f64, t: f64) -> [f64; 2] {
     let w = (w2 - b * b).sqrt();
     let (p, q) = (x - centre, (v + b * (x - centre)) / w);
@@ -49,7 +50,8 @@ fn a_hanging_box_follows_its_closed_form() {
             std::array::from_fn(|i| oscillator(w2, b, HANG[i] + sag[i], start[i], speed[i], duration));
         // Integration at relative tolerance 1e-9 over some 300 steps.
         near(&end, truth.map(|s| s[0]).into(), truth.map(|s| s[1]).into(), 1e-7);
-        // What the spring gives is the external work: with the box's own energy it makes the balance.
+        // What the spring gives is the external work: with the box's own energy it makes the
+        // balance.
         assert!(end.metrics.max_energy_error_j < 1e-8, "{:?}", end.metrics);
         let stretch = |p: Vector3<f64>| 0.5 * K * (p - Vector3::from(HANG)).norm_squared();
         let given = stretch(start.into()) - stretch(end.position);
@@ -63,7 +65,8 @@ fn a_hanging_box_follows_its_closed_form() {
 
 #[test]
 fn a_moving_anchor_pulls_a_box_along() {
-    // The box starts at rest where the hand takes hold, without gravity: x = u t - u sin(w t) / w after the start.
+    // The box starts at rest where the hand takes hold, without gravity: x = u t - u sin(w t) / w
+    // after the start.
     let body = body();
     let (hand, held, start) = ([0.4, -0.1, 0.2], 1.2, 0.5);
     let w = (K / body.mass).sqrt();
@@ -129,7 +132,8 @@ fn a_hand_follows_waypoints() {
             let (p, v) = hand(t);
             [s[1], (K * (p - s[0]) + 2.0 * (v - s[1])) / body.mass]
         });
-        // The quadrature does not stop at the corners of the linear path: jumps of 25 m/s^2 over steps of 1e-5 s.
+        // The quadrature does not stop at the corners of the linear path: jumps of 25 m/s^2 over
+        // steps of 1e-5 s.
         near(&end, Vector3::new(truth[0], 0.0, 1.0), Vector3::new(truth[1], 0.0, 0.0), 1e-6);
     }
 }
@@ -145,7 +149,8 @@ fn a_spring_with_rest_length_moves_on_a_circle() {
     let end = fly(&body, [r, 0.0, 1.0], [0.0, w * r, 0.0], turn / w, &floating(&text));
     let (sin, cos) = turn.sin_cos();
     near(&end, Vector3::new(r * cos, r * sin, 1.0), Vector3::new(-w * r * sin, w * r * cos, 0.0), 1e-7);
-    // Shorter than its rest length it pushes: after half a period it is as much too long as it was too short.
+    // Shorter than its rest length it pushes: after half a period it is as much too long as it was
+    // too short.
     let half = std::f64::consts::PI / (K / body.mass).sqrt();
     let end = fly(&body, [0.2, 0.0, 1.0], [0.0; 3], half, &floating(&text));
     near(&end, Vector3::new(0.4, 0.0, 1.0), Vector3::zeros(), 1e-7);

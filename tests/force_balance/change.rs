@@ -1,8 +1,9 @@
 //! Settings of balance that change during the task.
 //!
-//! A slide of mass b moves up and down on a foot of mass a. With the gains of the joints at zero the task commands the slide
-//! `tau = J_c^T F`, `J_c = b / (a + b)` its Jacobian of the centre of mass, so that its displacement x from the reference
-//! obeys, with the efforts held over ticks of length T as if damping lacked `kp T / 2`,
+//! A slide of mass b moves up and down on a foot of mass a. With the gains of the joints at zero
+//! the task commands the slide `tau = J_c^T F`, `J_c = b / (a + b)` its Jacobian of the centre of
+//! mass, so that its displacement x from the reference obeys, with the efforts held over ticks of
+//! length T as if damping lacked `kp T / 2`,
 //!
 //! ```text
 //! x'' = - b / (a + b) (kp x + kd x')
@@ -78,7 +79,8 @@ fn new_gains_change_the_frequency_of_the_closed_loop() {
             continue;
         }
         let truth = way * (1.0 - (-damping * t).exp() * ((w * t).cos() + damping / w * (w * t).sin()));
-        // Terms of second order in the tick, (w T)^2 / 24 of the frequency over 15 rad: 1e-6 of the way; integration at 1e-6.
+        // Terms of second order in the tick, (w T)^2 / 24 of the frequency over 15 rad: 1e-6 of the
+        // way; integration at 1e-6.
         assert!((x - truth).abs() < 3e-4 * way, "{t} {x} {truth}");
         turns += usize::from(x > 1.5 * way);
     }
@@ -117,8 +119,8 @@ fn the_centre_of_mass_ends_at_the_new_offset_and_nothing_jumps_on_the_way() {
                    { at = 2.25, force = { offset = [0.005, -0.01, 0.004], approach = 1.0 } }]",
     ));
     let end = |recorded: &crate::analytic::support::Told| recorded.snapshots.last().expect("the end").com;
-    // What stays is 6e-6 m in height, 0.02 N of a weight of 70 N, with and without the springs of the joints. With end stops a
-    // joint that its spring presses against one would leave 3e-5 m.
+    // What stays is 6e-6 m in height, 0.02 N of a weight of 70 N, with and without the springs of
+    // the joints. With end stops a joint that its spring presses against one would leave 3e-5 m.
     assert!(
         (end(&moved) - end(&still) - Vector3::new(0.005, -0.01, 0.004)).norm() < 1e-5,
         "{} {}",
@@ -126,8 +128,9 @@ fn the_centre_of_mass_ends_at_the_new_offset_and_nothing_jumps_on_the_way() {
         end(&still)
     );
     assert_eq!((m.state_changes, m.inconsistent), (0, 0));
-    // From one tick to the next efforts change as on the rest of the way; a reference that jumped by the 10 mm between the
-    // two goals would change some by m kp 0.01 times a lever of some 0.2 m, 6 N m.
+    // From one tick to the next efforts change as on the rest of the way; a reference that jumped
+    // by the 10 mm between the two goals would change some by m kp 0.01 times a lever of some 0.2
+    // m, 6 N m.
     let jump = |from: f64, to: f64| {
         let within = moved.snapshots.windows(2).filter(|w| w[0].time >= from && w[1].time <= to);
         within.flat_map(|w| w[0].effort.iter().zip(&w[1].effort).map(|(a, b)| (a - b).abs())).fold(0.0, f64::max)

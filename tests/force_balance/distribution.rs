@@ -49,7 +49,8 @@ fn the_weight_falls_on_all_corners_alike() {
 
 #[test]
 fn a_moment_tilts_the_pressure() {
-    // On a square of half width a the field is F/4 - M x / (4 a^2), and a yaw moment turns by N (-y, x) / (8 a^2).
+    // On a square of half width a the field is F/4 - M x / (4 a^2), and a yaw moment turns by N
+    // (-y, x) / (8 a^2).
     let a = 0.1;
     let mut d = flat(&[[a, a, 0.0], [-a, a, 0.0], [-a, -a, 0.0], [a, -a, 0.0]]);
     let (m, n) = (1.2, 0.4);
@@ -65,8 +66,9 @@ fn a_moment_tilts_the_pressure() {
 
 #[test]
 fn no_contact_pulls() {
-    // Three pairs of points at x = -1, 0, 1; the centre of pressure at 3/4. The least-norm field would pull at -1 by an
-    // eighth of a third; least with f >= 0 are 0, 1/4 and 3/4 of the weight on the pairs.
+    // Three pairs of points at x = -1, 0, 1; the centre of pressure at 3/4. The least-norm field
+    // would pull at -1 by an eighth of a third; least with f >= 0 are 0, 1/4 and 3/4 of the weight
+    // on the pairs.
     let points: Vec<[f64; 3]> = [-1.0, 0.0, 1.0].iter().flat_map(|x| [[*x, 0.5, 0.0], [*x, -0.5, 0.0]]).collect();
     let mut d = flat(&points);
     let expected = wrench([0.0, 0.0, WEIGHT], [0.0, -0.75 * WEIGHT, 0.0]);
@@ -82,7 +84,8 @@ fn no_contact_pulls() {
 fn a_desired_pressure_outside_the_soles_stays_at_their_edge() {
     let (height, length) = (0.6, 0.12);
     let mut d = flat(&feet(height));
-    // The centre of pressure of this wrench would be 0.6 * 0.4 = 0.24 m behind; the heels are at 0.1 m.
+    // The centre of pressure of this wrench would be 0.6 * 0.4 = 0.24 m behind; the heels are at
+    // 0.1 m.
     let expected = wrench([0.4 * WEIGHT, 0.0, WEIGHT], [0.0; 3]);
     let got = d.solve(&expected, MU, &measure(length));
     let forces = d.forces();
@@ -92,8 +95,8 @@ fn a_desired_pressure_outside_the_soles_stays_at_their_edge() {
     // Nearest is where the push is given up rather than the weight or the upright body.
     assert!((got.force.z / WEIGHT - 1.0).abs() < 0.02, "{got:?}");
     assert!(got.moment.norm() < 0.02 * WEIGHT * height && got.force.x > 0.1 * WEIGHT, "{got:?}");
-    // With nothing else binding it is the point of the ray of heel forces (x, z), moment about y = x (-height) + 0.1 z,
-    // nearest in the norm: two linear equations.
+    // With nothing else binding it is the point of the ray of heel forces (x, z), moment about y =
+    // x (-height) + 0.1 z, nearest in the norm: two linear equations.
     let (g, w) = (VERTICAL * VERTICAL, 1.0 / (length * length));
     let (a, b, c) = (1.0 + w * height * height, -w * height * 0.1, g + w * 0.01);
     let (p, q) = (0.4 * WEIGHT, g * WEIGHT);
@@ -135,8 +138,9 @@ fn inside(d: &Distribution) {
 
 #[test]
 fn an_infeasible_wrench_gives_the_nearest_one() {
-    // At the nearest wrench no force that the cones allow would come nearer: with rho the wrench missing, scaled, the
-    // projection of G^T rho on each cone is zero, and so is its power with the forces.
+    // At the nearest wrench no force that the cones allow would come nearer: with rho the wrench
+    // missing, scaled, the projection of G^T rho on each cone is zero, and so is its power with the
+    // forces.
     let mut r = Random::new(12);
     let length = 0.15;
     let lift = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, VERTICAL));
@@ -165,7 +169,8 @@ fn an_infeasible_wrench_gives_the_nearest_one() {
             let (n, t) = (way.dot(&normal), (way - normal * way.dot(&normal)).norm());
             // The most power that a unit force in the cone has along the way.
             let gain = (n + MU * t) / (1.0 + MU * MU).sqrt();
-            // The weight 1e-5 of the method and the number of contacts, times the stiffest direction, VERTICAL^2.
+            // The weight 1e-5 of the method and the number of contacts, times the stiffest
+            // direction, VERTICAL^2.
             assert!(gain < 1e-3 * missing * VERTICAL, "{gain} {missing}");
             power += way.dot(f);
         }

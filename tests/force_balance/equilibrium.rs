@@ -67,7 +67,8 @@ fn tick(model: &Model, task: &mut ForceBalance, begin: &State, state: &State) ->
     (command, data)
 }
 
-/// `h - J^T f - S^T tau` at rest, which an equilibrium makes zero: inverse dynamics without acceleration.
+/// `h - J^T f - S^T tau` at rest, which an equilibrium makes zero: inverse dynamics without
+/// acceleration.
 fn unbalanced(model: &Model, state: &State, task: &ForceBalance, command: &Command) -> Vec<f64> {
     let mut ws = Workspace::new(model);
     kinematics::update(model, state, &mut ws);
@@ -140,7 +141,8 @@ fn a_desired_wrench_acts_at_the_centre_of_mass_and_on_the_base() {
                 assert!(left.abs() < 1e-10 * weight, "{k}: {left:e}");
             }
         }
-        // N = I kp turn: the whole's inertia about its centre of mass, column by column from the kinetic energy of turning.
+        // N = I kp turn: the whole's inertia about its centre of mass, column by column from the
+        // kinetic energy of turning.
         let turn = (begin.rotation * state.rotation.inverse()).scaled_axis();
         let expected = inertia(&model, &state) * turn * gains.kp;
         assert!((moment - expected).norm() < 1e-10 * weight, "{moment} {expected}");

@@ -17,7 +17,8 @@ fn two_joints_share_a_constraint_by_their_weights() {
 
 #[test]
 fn moving_the_base_costs_nothing() {
-    // Base x and two joints; the foot is at x + q1 + 2 q2 and has to stay: the base makes up for the joints.
+    // Base x and two joints; the foot is at x + q1 + 2 q2 and has to stay: the base makes up for
+    // the joints.
     let mut null_space = NullSpaceMotion::new(1, &[1.0, 1.0], 2);
     null_space.constrain(|k| [1.0, 1.0, 2.0][k]);
     let mut v = [0.0, 0.3, -0.5];

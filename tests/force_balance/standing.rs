@@ -43,7 +43,8 @@ fn the_centre_of_mass_moves_above_the_middle_of_the_soles() {
     let end = recorded.snapshots.last().expect("the last state is always reported");
     let vertices: Vec<Vector3<f64>> = end.soles.iter().flat_map(|s| &s.positions).copied().collect();
     let middle = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
-    // The slowest mode, the null-space motion, decays within a second or two; the reference is reached exactly.
+    // The slowest mode, the null-space motion, decays within a second or two; the reference is
+    // reached exactly.
     assert!((end.com - middle).xy().norm() < 1e-6, "{} {middle}", end.com);
     let pressure = end.centre_of_pressure.expect("it stands");
     assert!((pressure - middle).norm() < 1e-5, "{pressure} {middle}");
@@ -79,8 +80,8 @@ fn joints_follow_other_tasks_during_balance() {
     let end = recorded.snapshots.last().expect("the last state is always reported");
     let model = crate::analytic::support::simulation(HOAP).plant().model.clone();
     let position = |name: &str| end.q[model.joint(name).expect("it has one").0];
-    // The centre of mass is not where it was at home, so not all joints can reach their commands: the legs give
-    // way by its 4 mm over their 0.2 m, 0.02 rad, and the others by less.
+    // The centre of mass is not where it was at home, so not all joints can reach their commands:
+    // the legs give way by its 4 mm over their 0.2 m, 0.02 rad, and the others by less.
     assert!((position("left_elbow") + 1.0).abs() < 0.02, "{}", position("left_elbow"));
     assert!((position("head_pan") - 0.5).abs() < 0.02, "{}", position("head_pan"));
 }

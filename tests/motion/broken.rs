@@ -2,7 +2,8 @@
 
 use super::Folder;
 
-/// A broken input: file, its text, the rest of the task, the position reported, part of the message.
+/// A broken input: file, its text, the rest of the task, the position reported, part of the
+/// message.
 struct Broken(&'static str, &'static str, &'static str, &'static str, &'static str);
 
 const POSTURE: &str =

@@ -80,11 +80,12 @@ fn limited_speeds_are_reported() {
         assert!(recorded.iter().all(|a| (-1e-12..=1.0 + 1e-12).contains(&a.position[1])));
         assert!((recorded[1100].position[1] - 0.5).abs() < 1e-12, "the middle of the move stays in its place");
         let (apart, step) = unsteadiness(&recorded, 1, &[]);
-        // Smoothed over 0.12 s, a step of the speed of 2 rad/s takes three averages over 41 ms each: at most 3/4 of it, 1.5
-        // rad/s, within 41 ticks.
+        // Smoothed over 0.12 s, a step of the speed of 2 rad/s takes three averages over 41 ms
+        // each: at most 3/4 of it, 1.5 rad/s, within 41 ticks.
         assert!(apart < 1e-9 && (smoothing == 0.0 || step < 1.1 * 1.5 / 41.0), "{apart} {step}");
     }
-    // 5 rad/s for 0.2 s against 2 rad/s: half of what is too much, (1 - 0.4) / 2, whatever the smoothing.
+    // 5 rad/s for 0.2 s against 2 rad/s: half of what is too much, (1 - 0.4) / 2, whatever the
+    // smoothing.
     let (_, _, notes) = folder.watch(&text(0.0).replace("duration = 4.0", "duration = 2.3"));
     assert!(notes[0].contains("speed limit of 2 rad/s of `elbow` took up to 0.3000 rad off"), "{notes:?}");
     assert!(notes.len() == 2 && notes[1].contains("`elbow` is in mode `passive`"), "{notes:?}");
@@ -113,7 +114,8 @@ fn limited_ranges_are_reported() {
 
 #[test]
 fn commands_do_not_depend_on_the_end_of_the_run() {
-    // Faster than allowed right after 0.5 s: the nearest motion within the speed begins before that.
+    // Faster than allowed right after 0.5 s: the nearest motion within the speed begins before
+    // that.
     let folder = Folder::with(&[("m.csv", "time,a\n0,0\n0.51,0\n0.6,2\n2,0\n")]);
     let text = format!(
         "{PENDULUM}[[task]]\ntype = \"mocap\"\nfile = \"m.csv\"\nspeed_limit = 3\nmap = {{ a = {{ joint = \"elbow\" }} }}\n"
@@ -126,8 +128,9 @@ fn commands_do_not_depend_on_the_end_of_the_run() {
 
 #[test]
 fn motions_are_smoothed_at_low_rates_too() {
-    // A corner of 1 rad/s at 1 s, averaged three times over w = smoothing / 3, is rounded by the mean of |x| under three boxes of
-    // width w: 13/32 w (density 3/4 - x^2 up to 1/2, (3/2 - |x|)^2 / 2 up to 3/2, in units of w).
+    // A corner of 1 rad/s at 1 s, averaged three times over w = smoothing / 3, is rounded by the
+    // mean of |x| under three boxes of width w: 13/32 w (density 3/4 - x^2 up to 1/2, (3/2 - |x|)^2
+    // / 2 up to 3/2, in units of w).
     let follow = |rate: f64, smoothing: f64| {
         let task = format!(
             "blend = 0\nsmoothing = {smoothing}\nmap = {{ a = {{ joint = \"elbow\" }} }}\n[control]\nrate = {rate}"

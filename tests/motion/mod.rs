@@ -37,7 +37,8 @@ impl Folder {
         self.0.path()
     }
 
-    /// The only run of a scenario in it, given as text; `ROBOTS` stands for the tree's folder of robots.
+    /// The only run of a scenario in it, given as text; `ROBOTS` stands for the tree's folder of
+    /// robots.
     pub fn run(&self, text: &str) -> Result<Run, Diagnostics> {
         let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots");
         let text = text.replace("ROBOTS", robots.to_str().unwrap());
@@ -104,8 +105,8 @@ pub fn commands(folder: &Folder, text: &str) -> Vec<TickCommand> {
     (0..=ticks).map(tick).collect()
 }
 
-/// The greatest distance of the commanded velocities of a joint from central differences of its positions, away from the times
-/// given, and the greatest step of its velocity between two ticks.
+/// The greatest distance of the commanded velocities of a joint from central differences of its
+/// positions, away from the times given, and the greatest step of its velocity between two ticks.
 pub fn unsteadiness(commands: &[TickCommand], joint: usize, but: &[f64]) -> (f64, f64) {
     let far = |a: &TickCommand| but.iter().all(|t| (a.time - t).abs() > 0.0015);
     let slope = |w: &[TickCommand]| (w[2].position[joint] - w[0].position[joint]) / (w[2].time - w[0].time);

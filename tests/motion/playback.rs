@@ -34,7 +34,8 @@ fn postures_are_met_at_their_times() {
     for (t, shoulder) in [(0.25, 0.3), (0.5, 0.3), (1.5, 0.8), (2.5, -0.2), (4.0, -0.2)] {
         assert!((at(&recorded, t).position[0] - shoulder).abs() < 1e-14, "{t}: {:?}", at(&recorded, t));
     }
-    // The elbow has two postures: one minimum-jerk move, begun with a jump from -0.2 since nothing blends.
+    // The elbow has two postures: one minimum-jerk move, begun with a jump from -0.2 since nothing
+    // blends.
     assert_eq!(at(&recorded, 0.499).position[1], -0.2);
     for k in 0..=20 {
         let s = f64::from(k) / 20.0;
@@ -68,7 +69,8 @@ fn speed_stretches_time_and_changes_without_a_jump() {
         assert!((a.position[0] - b.position[0]).abs() < 1e-14 && (2.0 * a.velocity[0] - b.velocity[0]).abs() < 1e-13);
     }
     let recorded = play("blend = 0.2\nspeed = 0.5\nchange = [{ at = 1.0, speed = 0 }, { at = 3.0, speed = 2 }]");
-    // 0.5 s of the motion in the first second, 0.5 * 0.2 / 2 more while it comes to rest; then it stands.
+    // 0.5 s of the motion in the first second, 0.5 * 0.2 / 2 more while it comes to rest; then it
+    // stands.
     let stood = play("blend = 0")[550].position[0];
     for t in [1.2, 2.0, 3.0] {
         let a = at(&recorded, t);
@@ -95,8 +97,9 @@ fn a_loop_is_smooth_at_its_end() {
         let (a, b) = (&recorded[k], &recorded[k + 1000]);
         assert!((a.position[0] - b.position[0]).abs() < 1e-12 && (a.velocity[0] - b.velocity[0]).abs() < 1e-11, "{k}");
     }
-    // It goes round before 0.2 s too, so nothing jumps there. Jerks of some 300, accelerations of 15; those of the fade are about
-    // as large: 36 and 6 times some rad/s over 0.5 s, squared and not.
+    // It goes round before 0.2 s too, so nothing jumps there. Jerks of some 300, accelerations of
+    // 15; those of the fade are about as large: 36 and 6 times some rad/s over 0.5 s, squared and
+    // not.
     let (apart, step) = unsteadiness(&recorded, 0, &[]);
     assert!(apart < 1e-3 && step < 0.1, "{apart} {step}");
     let seams = unsteadiness(&recorded[500..], 0, &[]);

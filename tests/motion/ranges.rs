@@ -68,7 +68,8 @@ fn a_loop_that_starts_late_starts_at_its_beginning() {
     let text = format!("{PENDULUM}[[task]]\ntype = \"playback\"\nfile = \"m.csv\"\nloop = true\nblend = 0.3\n");
     let recorded: Vec<TickCommand> = commands(&folder, &text);
     let (apart, step) = unsteadiness(&recorded, 1, &[]);
-    // Speeds of some 3 rad/s that change over within 0.1 s, in ticks of 1 ms; the third derivative of the fade.
+    // Speeds of some 3 rad/s that change over within 0.1 s, in ticks of 1 ms; the third derivative
+    // of the fade.
     assert!(apart < 1e-2 && step < 0.1, "{apart} {step}");
     assert!((recorded[1200].position[1] + 0.1).abs() < 1e-12 && (recorded[2200].position[1] + 0.1).abs() < 1e-12);
 }

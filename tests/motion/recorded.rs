@@ -55,9 +55,10 @@ fn a_logged_run_can_be_replayed_as_a_motion() {
     place.write("again.toml", knee_bend(1000.0, &task));
     place.runner(&["again.toml"]).exits(0);
     let again = Trajectory::read(&place.path(&format!("{}/log.mcap", folder(&place, "again")))).unwrap();
-    // Commanded positions are those logged, to the last bits; velocities are the curve's. They differ at the two ends of the bend,
-    // where its jerk jumps by 60 * 20 deg / (1 s)^3: by less than 21 h^2 rad/s for a few ms, h = 1 ms, which a servo with kd/kp
-    // = 0.04 s turns into less than 1e-6 rad for a moment.
+    // Commanded positions are those logged, to the last bits; velocities are the curve's. They
+    // differ at the two ends of the bend, where its jerk jumps by 60 * 20 deg / (1 s)^3: by less
+    // than 21 h^2 rad/s for a few ms, h = 1 ms, which a servo with kd/kp = 0.04 s turns into less
+    // than 1e-6 rad for a moment.
     let (joints, height) = apart(&first, &again);
     assert!(joints > 0.0 && joints < 1e-8, "{joints}");
     assert!(height < 1e-8, "{height}");

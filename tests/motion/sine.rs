@@ -75,7 +75,8 @@ fn with_a_ramp_nothing_jumps_at_a_change() {
          frequency = 3.0, amplitude = 0.3 } } }, { at = 2.5, joints = { shoulder = { amplitude = 0.05, offset = 0.1 } } }]",
     );
     let (apart, step) = unsteadiness(&recorded, 0, &[]);
-    // Third derivatives of up to 0.3 * (TAU 3)^3 = 2000, accelerations of up to 0.3 * (TAU 3)^2 = 110.
+    // Third derivatives of up to 0.3 * (TAU 3)^3 = 2000, accelerations of up to 0.3 * (TAU 3)^2 =
+    // 110.
     assert!(apart < 5e-4 && step < 0.15, "{apart} {step}");
     // The frequency's mean over its glide is (1.3 + 3) / 2: phase at 1.5 s, then 3 Hz.
     let theta = TAU * (1.3 + 0.5 * 0.5 * (1.3 + 3.0) + 3.0 * 0.7);

@@ -1,4 +1,5 @@
-//! Scripts as files of a batch: found before anything runs, part of the key, kept in the log, the same on every thread.
+//! Scripts as files of a batch: found before anything runs, part of the key, kept in the log, the
+//! same on every thread.
 
 use crate::cli::Place;
 use std::fs;

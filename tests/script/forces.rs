@@ -24,7 +24,8 @@ fn a_body_drawn_by_an_inverse_square_goes_round_an_ellipse() {
             return { { link = \"block\", force = { f * x, f * y, f * z } } }
         end";
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
-    // Kepler: with mu = 4 pi^2 a^3 the period is 1 s; from the nearest point, speed sqrt(mu (1 + e) / (1 - e) / a).
+    // Kepler: with mu = 4 pi^2 a^3 the period is 1 s; from the nearest point, speed sqrt(mu (1 + e)
+    // / (1 - e) / a).
     let (a, e) = (1.0_f64, 0.5_f64);
     let mu = 4.0 * std::f64::consts::PI.powi(2);
     let speed = (mu * (1.0 + e) / (1.0 - e) / a).sqrt();
@@ -38,7 +39,8 @@ fn a_body_drawn_by_an_inverse_square_goes_round_an_ellipse() {
         let text = floating(&body, &base, &params).replace(TIGHT, &format!("\n{tight}\n"));
         let sim = passes(&format!("duration = {part:?}\n{text}"), script);
         let (position, v) = (sim.plant().state.position, &sim.plant().state.v);
-        // Integration at relative tolerance 1e-12 over some 500 steps, whose errors in phase add up.
+        // Integration at relative tolerance 1e-12 over some 500 steps, whose errors in phase add
+        // up.
         assert!((position - place).norm() < 1e-8, "{position}");
         assert!((v[1] - velocity).abs() < 1e-7, "{v:?}");
         assert!(sim.metrics().max_energy_error_j < 1e-8, "{}", sim.metrics().max_energy_error_j);
@@ -65,7 +67,8 @@ fn a_script_gives_the_bits_of_the_built_in_force() {
 
 #[test]
 fn joints_are_driven_and_parameters_change_at_corners() {
-    // A torque on the elbow that changes its sign: the events are where it does, and the energy balance closes.
+    // A torque on the elbow that changes its sign: the events are where it does, and the energy
+    // balance closes.
     let script = "
         local torque
         function init(robot, params) torque = params.torque end

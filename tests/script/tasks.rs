@@ -78,7 +78,8 @@ fn efforts_against_gravity_hold_a_pendulum_still() {
 
 #[test]
 fn data_of_a_script_task_are_consistent() {
-    // Everything there is, checked against each other by the script itself while the robot falls over.
+    // Everything there is, checked against each other by the script itself while the robot falls
+    // over.
     let script = "
         needs = { \"com\", \"com_jacobian\", \"com_jacobian_base\", \"mass_matrix\", \"bias\", \"gravity_effort\", \"soles\",
                   \"sole_jacobians\", \"vertex_jacobians\", \"end_effectors\", \"loads\", \"contacts\", \"zmp\", \"support\",

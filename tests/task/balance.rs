@@ -19,7 +19,8 @@ fn end(task: &str) -> nalgebra::Vector3<f64> {
 
 #[test]
 fn the_centre_of_mass_moves_over_the_point_of_optimal_stability() {
-    // Soles start with their ankles at x = -0.034, so their common rectangle has its middle at -0.034 + 0.0112 (README of hoap2).
+    // Soles start with their ankles at x = -0.034, so their common rectangle has its middle at
+    // -0.034 + 0.0112 (README of hoap2).
     let middle = -0.0228;
     let without = end("");
     assert!((without.x - middle).abs() > 3e-3, "{without}");
@@ -31,8 +32,8 @@ fn the_centre_of_mass_moves_over_the_point_of_optimal_stability() {
     let task = task.replace("leaning = 3", "leaning = 0, integral = 4, feed_forward = false, offset = [0.01, -0.02]");
     let com = end(&task);
     assert!((com.x - middle - 0.01).abs() < 1e-4 && (com.y + 0.02).abs() < 1e-4, "{com}");
-    // So does one that comes later, from where the first has brought it; 1.2 s at 4 1/s leave 1 % of the 10 mm but for what
-    // the commanded posture has from the start.
+    // So does one that comes later, from where the first has brought it; 1.2 s at 4 1/s leave 1 %
+    // of the 10 mm but for what the commanded posture has from the start.
     let task = format!(
         "{task}change = [{{ at = 1.5, position = {{ offset = [0.005, -0.01], approach = 0.3 }} }}, {{ at = 1.6, position = {{ integral = 6 }} }}]\n"
     );

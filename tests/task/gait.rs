@@ -6,8 +6,8 @@ use stiction::task::gait::{Footsteps, Preview, Stride};
 
 #[test]
 fn the_riccati_solution_has_its_closed_form() {
-    // The input reaches the first state alone and the others decay at no cost, so that only p_00 = p is left of the equation:
-    // p = q + a^2 p r / (r + b^2 p), a quadratic in p.
+    // The input reaches the first state alone and the others decay at no cost, so that only p_00 =
+    // p is left of the equation: p = q + a^2 p r / (r + b^2 p), a quadratic in p.
     for (a, b, q, r) in [(1.0, 0.5, 2.0, 0.1), (1.3, 0.2, 1.0, 1e-3), (0.7, 1.0, 0.5, 10.0)] {
         let system = Matrix4::from_diagonal(&Vector4::new(a, 0.5, -0.2, 0.1));
         let cost = Matrix4::from_diagonal(&Vector4::new(q, 0.0, 0.0, 0.0));
@@ -26,8 +26,8 @@ fn the_riccati_solution_has_its_closed_form() {
 /// Height, period, state gains, preview gains, P_11.
 type Row = (f64, f64, [f64; 4], [f64; 4], f64);
 
-/// Height, period, (G_i, G_x), G_p(1), G_p(2), G_p(10), G_p(100), P_11 by `scipy.linalg.solve_discrete_are` of SciPy 1.17.1, g = 9.81, R = 1e-6; see
-/// make_preview.py.
+/// Height, period, (G_i, G_x), G_p(1), G_p(2), G_p(10), G_p(100), P_11 by
+/// `scipy.linalg.solve_discrete_are` of SciPy 1.17.1, g = 9.81, R = 1e-6; see make_preview.py.
 const SCIPY: [Row; 3] = [
     (
         0.26,
@@ -62,11 +62,12 @@ fn gains_agree_with_scipy() {
         let s = &found.state;
         let got = [found.integral, s[0], s[1], s[2], g[0], g[1], g[9], g[99], found.riccati.p[(1, 1)]];
         for (got, truth) in got.iter().zip(truth) {
-            // SciPy's P misses the equation by 2e-14 and ours by less; the condition of some 1e4 makes 1e-10 of it.
+            // SciPy's P misses the equation by 2e-14 and ours by less; the condition of some 1e4
+            // makes 1e-10 of it.
             assert!((got - truth).abs() < 1e-8 * truth.abs(), "{got} {truth}");
         }
-        // A zero-moment point that never moves leaves the centre of mass above it: the gains of place cancel, but for what
-        // lies beyond the horizon, exp(-sqrt(g/h) horizon).
+        // A zero-moment point that never moves leaves the centre of mass above it: the gains of
+        // place cancel, but for what lies beyond the horizon, exp(-sqrt(g/h) horizon).
         let beyond = (-(9.81f64 / height).sqrt() * 320.0 * period).exp();
         let sum: f64 = s[0] + g.iter().sum::<f64>();
         assert!(sum.abs() < 10.0 * beyond * s[0] + 1e-9 * s[0], "{sum}");
@@ -153,7 +154,8 @@ fn a_shorter_plan_agrees_with_a_longer_one() {
 fn swings_land_without_speed_or_acceleration() {
     let plan = footsteps(0.03);
     let land = 1.8;
-    // p = p1 + O(s^3): 5 ms before, of 0.6 s, (1/120)^3 (10 * 0.03 + 64 * 0.02) m is all that is left, 9e-7 m.
+    // p = p1 + O(s^3): 5 ms before, of 0.6 s, (1/120)^3 (10 * 0.03 + 64 * 0.02) m is all that is
+    // left, 9e-7 m.
     let (place, velocity) = plan.sole(1, land - 0.005);
     let left = (place - plan.sole(1, land).0).norm();
     assert!(left < 1e-6 && velocity.norm() < 6e-4, "{left:e} {velocity}");
@@ -176,7 +178,8 @@ fn the_zero_moment_point_rests_under_the_standing_foot_and_is_followed() {
     let off = samples.iter().zip(&reference).map(|(s, r)| (preview.zmp(&s.x) - r).abs()).fold(0.0, f64::max);
     // The weight of the jerk leaves some 0.5 mm where the reference turns.
     assert!(off < 1e-3 && off > 0.0, "{off}");
-    // In steady stepping the pendulum's closed form bounds the sway: less than the foot's 40 mm, more than half.
+    // In steady stepping the pendulum's closed form bounds the sway: less than the foot's 40 mm,
+    // more than half.
     let sway = samples.iter().map(|s| s.x[0].abs()).fold(0.0, f64::max);
     assert!(sway > 0.02 && sway < 0.04, "{sway}");
     // The model itself: c'' = g/h (c - p) is what `zmp` inverts, and samples join.

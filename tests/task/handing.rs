@@ -1,4 +1,5 @@
-//! What tasks hand over to one another: modes, efforts, positions, and the instants at which they begin and end.
+//! What tasks hand over to one another: modes, efforts, positions, and the instants at which they
+//! begin and end.
 
 use super::super::motion::{Folder, robot_of};
 use stiction::assemble;
@@ -15,7 +16,8 @@ const HOAP: &str = "duration = 1.5\nrobot = { model = \"ROBOTS/hoap2/hoap2.toml\
 /// Joint commands with their times.
 type Commands = Vec<(f64, Command)>;
 
-/// Joint commands at ticks up to `end` seconds, and the ends of the tasks. The robot stays in its initial state.
+/// Joint commands at ticks up to `end` seconds, and the ends of the tasks. The robot stays in its
+/// initial state.
 fn ticks(folder: &Folder, text: &str, end: f64) -> (Commands, Vec<(String, f64)>) {
     let run = folder.run(text).unwrap_or_else(|e| panic!("{e}"));
     let mut setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
@@ -104,8 +106,9 @@ fn an_earlier_task_resumes_a_joint_without_a_jump() {
     let tasks = "[[task]]\ntype = \"posture\"\nstart = 0.1\nduration = 0.7\njoints = { shoulder = -1.3, elbow = 6 }
         [[task]]\ntype = \"posture\"\nstart = 0.5\nduration = 0.2\njoints = { elbow = 0.5 }\n";
     let (recorded, _) = ticks(&Folder::with(&[]), &format!("{PENDULUM}{tasks}"), 2.0);
-    // The later one gives the joint back at 0.7 s, some 5 rad from where the earlier one is. Both and the fade have speeds of at
-    // most 15/8 of 6.2 rad in 0.7 s, of 3 rad in 0.2 s and of 5.5 rad in 0.5 s, with the difference of speeds in it.
+    // The later one gives the joint back at 0.7 s, some 5 rad from where the earlier one is. Both
+    // and the fade have speeds of at most 15/8 of 6.2 rad in 0.7 s, of 3 rad in 0.2 s and of 5.5
+    // rad in 0.5 s, with the difference of speeds in it.
     let moving = |w: &&[(f64, Command)]| w[0].0 > 0.5 + 1e-9;
     let steps = recorded.windows(2).filter(moving).map(|w| (w[1].1.position[1] - w[0].1.position[1]).abs());
     assert!(steps.clone().fold(0.0, f64::max) < 0.06, "{}", steps.fold(0.0, f64::max));

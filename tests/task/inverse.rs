@@ -57,8 +57,9 @@ fn goals_are_met_and_the_knees_obey_the_law_of_cosines() {
         for side in ["left", "right"] {
             let of = |part: &str| format!("{side}_{part}");
             let apart = origin(&model, &planned, &of("hip_pitch")) - origin(&model, &planned, &of("ankle_pitch"));
-            // Two limbs of equal length l: the knee's angle from straight is 2 acos(d / 2l). Near a bend of 0.7 rad its
-            // derivative is 1/(l sin 0.35) = 30 per m, so 1e-11 m of error are 3e-10.
+            // Two limbs of equal length l: the knee's angle from straight is 2 acos(d / 2l). Near a
+            // bend of 0.7 rad its derivative is 1/(l sin 0.35) = 30 per m, so 1e-11 m of error are
+            // 3e-10.
             let knee = 2.0 * (apart.norm() / (2.0 * LIMB)).acos();
             assert!((joint(&model, &planned, &of("knee")) - knee).abs() < 1e-9);
             // Root upright, sole level: rolls cancel, and so do pitches where there is no roll.
@@ -101,7 +102,8 @@ fn joint_velocities_are_the_derivative_of_joint_positions() {
     let (before, after, here) = (solve(-h), solve(h), solve(0.0));
     for j in planned_robot::leg_joints(&model) {
         let slope = (after.joints[j] - before.joints[j]) / (2.0 * h);
-        // Central difference: h^2 times third derivatives of some 100 rad/s^3, and 1e-11 / h of the solver.
+        // Central difference: h^2 times third derivatives of some 100 rad/s^3, and 1e-11 / h of the
+        // solver.
         assert!((slope - here.v[6 + j]).abs() < 1e-5, "{}: {slope} {}", model.joints[j].name, here.v[6 + j]);
     }
 }
@@ -142,8 +144,9 @@ fn steps_keep_the_soles_and_stop_at_limits() {
         v = planned.state.v[6 + model.joint("left_ankle_roll").unwrap().0];
     }
     let off = (0..2).map(|s| start.soles[s].inv_mul(&planned.sole(s)).translation.vector.norm()).fold(0.0, f64::max);
-    // One Newton step a call. The centre of mass moves by 2.24e-4 m over legs of 0.2 m, which turn by 1.1e-3 rad: what a step
-    // misses is half the square of that times 0.2 m, 1.3e-7 m, and the same once more that is left of the step before.
+    // One Newton step a call. The centre of mass moves by 2.24e-4 m over legs of 0.2 m, which turn
+    // by 1.1e-3 rad: what a step misses is half the square of that times 0.2 m, 1.3e-7 m, and the
+    // same once more that is left of the step before.
     assert!(off < 2.6e-7 && (planned.com() - goal.com).xy().norm() < 1e-6, "{off}");
     assert!(v.abs() > 0.01);
     // Under an unlimited bow, joints stop at their limits.
@@ -179,9 +182,10 @@ fn feed_forward_efforts_do_the_work_of_gravity_and_motion() {
         let zmp: Vector2<f64> = Vector2::new(0.01, 0.015);
         feed_forward::efforts(&model, &mut planned, &gravity, &acceleration, &zmp, &mut efforts);
         let power: f64 = efforts.iter().zip(&v[6..]).map(|(t, q)| t * q).sum();
-        // Soles at rest take no power and the root does not turn, so that joints work against felt gravity alone, and what the
-        // floor's force lacks of equilibrium is none: sum f = -m (g - c''). Velocities are damped by 1e-14 over the least
-        // eigenvalue of J J^T, some 1e-4: a part of 1e-10.
+        // Soles at rest take no power and the root does not turn, so that joints work against felt
+        // gravity alone, and what the floor's force lacks of equilibrium is none: sum f = -m (g -
+        // c''). Velocities are damped by 1e-14 over the least eigenvalue of J J^T, some 1e-4: a
+        // part of 1e-10.
         let truth = -model.mass() * (gravity - acceleration).dot(&com);
         assert!((power - truth).abs() < 1e-9 * truth.abs().max(10.0), "{power} {truth}");
     }

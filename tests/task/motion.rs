@@ -32,7 +32,8 @@ fn a_step_lifts_one_foot_after_the_other_and_puts_it_down() {
          steps = 1\nstep_time = 0.8\nwait = 0.8\nsettle = 0.3\nfirst = \"right\"\n"
     );
     let (metrics, recorded) = watch(&text);
-    // 0.3 s to settle, 0.8 s of swaying, 0.2 s on both feet, then the right one goes up; it is down again at 1.9 s.
+    // 0.3 s to settle, 0.8 s of swaying, 0.2 s on both feet, then the right one goes up; it is down
+    // again at 1.9 s.
     let up = metrics.first_liftoff_s.expect("it lifts a foot");
     assert!(up > 1.1 && up < 1.6, "{up}");
     let lifted: Vec<bool> =
@@ -44,8 +45,9 @@ fn a_step_lifts_one_foot_after_the_other_and_puts_it_down() {
         let points = ["walk.com", "walk.zmp", "walk.foot.left", "walk.foot.right"].map(|name| shown(s, name));
         assert!(points.iter().all(|p| p.is_some() == (s.time < 2.9 - 1e-9)), "{}", s.time);
         let [Some(com), Some(zmp), Some(left), Some(right)] = points else { continue };
-        // Servos with gravity fed forward follow within millimetres; the reference of the zero-moment point jumps from foot to foot in
-        // 0.2 s, which no centre of mass follows exactly.
+        // Servos with gravity fed forward follow within millimetres; the reference of the
+        // zero-moment point jumps from foot to foot in 0.2 s, which no centre of mass follows
+        // exactly.
         assert!((com - s.com).norm() < 5e-3, "{} {com} {}", s.time, s.com);
         assert!((zmp - s.centre_of_pressure.expect("it stands")).norm() < 0.05, "{}", s.time);
         for (sole, name, foot) in [(0, "left", left), (1, "right", right)] {

@@ -35,7 +35,8 @@ pub fn heights(case: &Case, _: usize, metric: &str) -> Option<f64> {
     }
 }
 
-/// `sqrt(2 h / g) (1 + e) / (1 - e)`, less what rebounds slower than `velocity_tolerance` would have added.
+/// `sqrt(2 h / g) (1 + e) / (1 - e)`, less what rebounds slower than `velocity_tolerance` would
+/// have added.
 pub fn rest(case: &Case, index: usize, metric: &str) -> Option<f64> {
     let (height, contact) = (case.fall(), &case.run.scenario.contact);
     let (e, fall) = (contact.restitution, (2.0 * height / G).sqrt());

@@ -1,8 +1,8 @@
 //! `scenarios/validation/`: contact against closed forms, as anyone can run it.
 //!
-//! Every value that a scenario expects is computed again here from its equation and the scenario's own numbers, by other
-//! means than those that made it (closed form, or the fixed-step integrator of the tests), and the program itself is run
-//! over the folder.
+//! Every value that a scenario expects is computed again here from its equation and the scenario's
+//! own numbers, by other means than those that made it (closed form, or the fixed-step integrator
+//! of the tests), and the program itself is run over the folder.
 
 mod case;
 mod command;
@@ -21,8 +21,8 @@ use case::{Case, cases, files};
 /// The truth of the expectation with this index and metric; `None` when the case knows none.
 type Truth = fn(&Case, usize, &str) -> Option<f64>;
 
-/// The rows of the table of analytic cases (the Painleve rod has its own scenario and tests), the scenarios of each, and the
-/// truth of what they expect.
+/// The rows of the table of analytic cases (the Painleve rod has its own scenario and tests), the
+/// scenarios of each, and the truth of what they expect.
 const ROWS: &[(&str, &[(&str, Truth)])] = &[
     ("free fall, then flat landing", &[("flat-landing", impact::landing)]),
     ("block slides and stops", &[("slide-and-stop", sliding::stop), ("feet-slide", sliding::stop)]),

@@ -15,8 +15,8 @@ struct Block {
 }
 
 impl Block {
-    /// Time to fall from rest at `tilt` until it lies flat: `phi = tilt - s^2` takes the root out of the integrand, Simpson
-    /// does the rest.
+    /// Time to fall from rest at `tilt` until it lies flat: `phi = tilt - s^2` takes the root out
+    /// of the integrand, Simpson does the rest.
     fn fall(&self, tilt: f64) -> f64 {
         let integrand = |s: f64| {
             let half = if s == 0.0 { 0.5 } else { (s * s / 2.0).sin() / (s * s) };

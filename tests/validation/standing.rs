@@ -3,7 +3,8 @@
 use super::case::Case;
 use crate::analytic::body::G;
 
-/// Nothing moves and the floor carries the weight: `m g cos tilt` along its normal. `final_base_shift_m` is zero.
+/// Nothing moves and the floor carries the weight: `m g cos tilt` along its normal.
+/// `final_base_shift_m` is zero.
 pub fn still(case: &Case, _: usize, metric: &str) -> Option<f64> {
     let [roll, pitch, _] = case.run.scenario.floor.rpy;
     // The third component of the floor's normal.

@@ -1,4 +1,5 @@
-//! The truths that `scenarios/studies/work-precision-block.toml` compares with, each computed again from its equation.
+//! The truths that `scenarios/studies/work-precision-block.toml` compares with, each computed again
+//! from its equation.
 
 use stiction::scenario;
 

@@ -1,4 +1,5 @@
-//! The state machine that turns the commands of the tasks into commands free of self-collision, tick by tick.
+//! The state machine that turns the commands of the tasks into commands free of self-collision,
+//! tick by tick.
 
 use std::sync::Arc;
 
@@ -36,7 +37,8 @@ pub struct Settings {
     pub seed: u64,
 }
 
-/// The joints at a tick, one entry per joint. Positions and velocities are commands, rewritten where they are not safe.
+/// The joints at a tick, one entry per joint. Positions and velocities are commands, rewritten
+/// where they are not safe.
 pub struct JointCommands<'a> {
     /// True for joints that follow their position command.
     pub follows: &'a [bool],
@@ -50,7 +52,8 @@ pub struct JointCommands<'a> {
     pub velocity: &'a mut [f64],
 }
 
-/// Keeps joint commands free of self-collision; see [`super`]. Allocates nothing after construction.
+/// Keeps joint commands free of self-collision; see [`super`]. Allocates nothing after
+/// construction.
 pub struct Avoider {
     collision: Arc<CollisionModel>,
     levers: Arc<Levers>,
@@ -151,8 +154,8 @@ impl Avoider {
         self.commanded.next().copy_from_slice(commands.position);
     }
 
-    /// Updates which joints follow their commands. A joint that begins to follow continues from its measured motion;
-    /// true when a joint has changed.
+    /// Updates which joints follow their commands. A joint that begins to follow continues from its
+    /// measured motion; true when a joint has changed.
     fn update_modes(&mut self, commands: &JointCommands) -> bool {
         let mut changes = false;
         for j in 0..commands.follows.len() {
@@ -264,8 +267,8 @@ impl Avoider {
         }
     }
 
-    /// Lets the joints follow the candidate, free where that is safe. Only regular cycles set a joint free: between them
-    /// a joint that was refused stays on its path.
+    /// Lets the joints follow the candidate, free where that is safe. Only regular cycles set a
+    /// joint free: between them a joint that was refused stays on its path.
     fn adopt(&mut self, robot: Robot, due: bool) {
         let planner = &self.planner;
         let (candidate, period) = (&planner.candidate, 1.0 / planner.settings.rate);

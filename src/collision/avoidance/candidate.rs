@@ -17,7 +17,8 @@ pub(super) struct Robot<'a> {
     pub margin: f64,
 }
 
-/// Excess of the measured over the needed distance, relative and in m, to leave room for the motions of the following ticks.
+/// Excess of the measured over the needed distance, relative and in m, to leave room for the
+/// motions of the following ticks.
 const MORE: (f64, f64) = (1.5, 0.02);
 
 /// Samples of a path that leads out of an overlap.
@@ -144,8 +145,9 @@ impl CandidatePaths {
         self.colliding.is_empty()
     }
 
-    /// True if a pair within the margin at the anchor moves apart, and hardly closer on the way. Such pairs occur only where an
-    /// uncontrolled joint has moved, or a motion was changed from outside.
+    /// True if a pair within the margin at the anchor moves apart, and hardly closer on the way.
+    /// Such pairs occur only where an uncontrolled joint has moved, or a motion was changed from
+    /// outside.
     fn leaves(&mut self, robot: Robot, pair: usize) -> bool {
         let own = robot.levers.of(pair).iter().map(|lever| self.paths[lever.joint].end());
         let end = own.fold(self.begin, f64::max);
@@ -185,8 +187,8 @@ impl CandidatePaths {
         self.detector.proximity(robot.collision, pair).distance
     }
 
-    /// Brakes the joints whose fallback an uncontrolled joint has blocked, if braking causes no other collision. `here` holds their
-    /// motion at the start.
+    /// Brakes the joints whose fallback an uncontrolled joint has blocked, if braking causes no
+    /// other collision. `here` holds their motion at the start.
     pub fn brake(&mut self, robot: Robot, here: &[TrajectoryPoint], limits: &[Limits]) {
         self.open.clear();
         for pair in 0..self.clearance.len() {

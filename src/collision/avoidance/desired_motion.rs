@@ -1,11 +1,13 @@
-//! The desired motion of the joints: commanded positions with estimated velocities, accelerations and jerk, and their
-//! extrapolation.
+//! The desired motion of the joints: commanded positions with estimated velocities, accelerations
+//! and jerk, and their extrapolation.
 //!
-//! Commanded velocities are used where they fit the positions, `|dq - (v + v') T / 2| <= T (|dv| + |dv'|) / 4` with the time T
-//! between ticks, dv the change of velocity in this tick and dv' in the last one (a smooth motion of jerk j misses by j T^3 / 12,
-//! and dv changes by j T^2); their change is the acceleration. Otherwise both are backward differences over [`WINDOW`], long
-//! enough that the last digits of a filtered reading do not appear as acceleration. Where these show a jerk near the limit, only
-//! the velocity common to two windows is used.
+//! Commanded velocities are used where they fit the positions,
+//! `|dq - (v + v') T / 2| <= T (|dv| + |dv'|) / 4` with the time T between ticks, dv the change of
+//! velocity in this tick and dv' in the last one (a smooth motion of jerk j misses by j T^3 / 12,
+//! and dv changes by j T^2); their change is the acceleration. Otherwise both are backward
+//! differences over [`WINDOW`], long enough that the last digits of a filtered reading do not
+//! appear as acceleration. Where these show a jerk near the limit, only the velocity common to two
+//! windows is used.
 
 use super::Limits;
 use crate::collision::kinematics::capped_travel;
@@ -59,7 +61,8 @@ impl PositionHistory {
         self.all[(self.newest + n - ticks) % n * self.joints + j]
     }
 
-    /// True if `next` as the next position keeps the limits over the windows that end there, and hardly jumps.
+    /// True if `next` as the next position keeps the limits over the windows that end there, and
+    /// hardly jumps.
     pub fn may_be_followed_by(&self, j: usize, next: f64, limits: &Limits) -> bool {
         let (h, t) = (self.window(), self.period);
         let [a, b, c] = [1, 2, 3].map(|k| self.ago(j, k * self.stride - 1));
@@ -157,7 +160,8 @@ impl DesiredMotion {
         self.before[j]
     }
 
-    /// Its jerk: from tick to tick where commanded velocities fit, otherwise the mean over the last three windows.
+    /// Its jerk: from tick to tick where commanded velocities fit, otherwise the mean over the last
+    /// three windows.
     pub fn jerk(&self, j: usize) -> f64 {
         if self.fitting[j] == 3 {
             return (self.now[j].a - self.before[j].a) / self.period;
@@ -184,8 +188,9 @@ impl DesiredMotion {
             && self.jerk(j).abs() <= limits.jerk * more
     }
 
-    /// Extrapolates by `ahead` seconds from the last tick: constant acceleration for `horizon`, then constant speed for `horizon`
-    /// more, within the limits of speed and range. A motion that breaks a limit, such as a step, stays at its position.
+    /// Extrapolates by `ahead` seconds from the last tick: constant acceleration for `horizon`,
+    /// then constant speed for `horizon` more, within the limits of speed and range. A motion that
+    /// breaks a limit, such as a step, stays at its position.
     pub fn ahead(&self, j: usize, ahead: f64, horizon: f64, limits: &Limits) -> TrajectoryPoint {
         let TrajectoryPoint { q, v, a } = self.now[j];
         if !self.keeps(j, limits) {
@@ -227,13 +232,15 @@ mod tests {
         for (v_commanded, window) in [(true, 0.001), (false, 0.01)] {
             let found = sine(0.001, v_commanded);
             let now = found.now(0);
-            // Backward differences: v to h^2 q''' / 3 (exact with velocity), a to h q''' and half of that with velocity.
+            // Backward differences: v to h^2 q''' / 3 (exact with velocity), a to h q''' and half
+            // of that with velocity.
             assert!(
                 (now.v - v).abs() <= if v_commanded { 0.0 } else { 13.5 * window * window / 3.0 * 1.1 },
                 "{now:?} {v}"
             );
             assert!((now.a - a).abs() <= 13.5 * window * 1.1, "{now:?} {a}");
-            // The mean of the last 30 ms lags by 15 ms (1 ms with velocity); the fourth derivative is at most 40.5.
+            // The mean of the last 30 ms lags by 15 ms (1 ms with velocity); the fourth derivative
+            // is at most 40.5.
             let late = if v_commanded { 0.001 } else { 0.015 };
             assert!((found.jerk(0) - jerk).abs() <= 40.5 * late * 1.1, "{} {jerk}", found.jerk(0));
         }
@@ -259,7 +266,8 @@ mod tests {
         // At 0.32 with 1.6 per second and 4 more each second.
         let p = desired.ahead(0, 0.1, 0.1, &LIMITS[0]);
         assert!((p.q - 0.5).abs() < 1e-12 && (p.v - 2.0).abs() < 1e-12 && (p.a - 4.0).abs() < 1e-9, "{p:?}");
-        // The acceleration ends after the horizon; the speed then reached lasts as long again, and the motion rests.
+        // The acceleration ends after the horizon; the speed then reached lasts as long again, and
+        // the motion rests.
         let p = desired.ahead(0, 0.15, 0.1, &LIMITS[0]);
         assert!((p.q - 0.6).abs() < 1e-12 && (p.v - 2.0).abs() < 1e-12 && p.a == 0.0, "{p:?}");
         let p = desired.ahead(0, 1.0, 0.1, &LIMITS[0]);

@@ -1,8 +1,8 @@
 //! Method 4: an intermediate posture from which the path to the goal is free.
 //!
-//! At the first posture x of the proposed motion that is too near, with the gradient of the pair's distance d over the
-//! joints that are stopped short of their goals (n the normal from A to B, a and b the nearest points, z_k and o_k axis
-//! and origin of joint k)
+//! At the first posture x of the proposed motion that is too near, with the gradient of the pair's
+//! distance d over the joints that are stopped short of their goals (n the normal from A to B, a
+//! and b the nearest points, z_k and o_k axis and origin of joint k)
 //!
 //! ```text
 //! g_k = n . (z_k x (b - o_k))  for a joint that carries B,   - n . (z_k x (a - o_k))  for one that carries A
@@ -14,8 +14,9 @@
 //! m = c + k (e - min(0, e . u) u) + w u,   e = goal - c
 //! ```
 //!
-//! for several k and w, c being the current posture. The first m that can be reached, and from which the goal can be
-//! reached, becomes the joints' target until they arrive, until the direct path is free, or for [`PATIENCE`] cycles.
+//! for several k and w, c being the current posture. The first m that can be reached, and from
+//! which the goal can be reached, becomes the joints' target until they arrive, until the direct
+//! path is free, or for [`PATIENCE`] cycles.
 
 use super::candidate::Robot;
 use super::joint_path::JointPath;
@@ -119,14 +120,15 @@ impl Detour {
         }
     }
 
-    /// Tries the intermediate posture; true when it can be reached and the goal can be reached from it.
+    /// Tries the intermediate posture; true when it can be reached and the goal can be reached from
+    /// it.
     fn leads_to_goal(&self, planner: &mut Planner, robot: Robot) -> bool {
         planner.try_marked(robot, |planner, j| planner.path_to_rest(j, self.posture[j]))
             && planner.goal_is_reachable(robot)
     }
 
-    /// Sets the unit gradient of a pair's distance over the joints of the detour, where the proposed motion first comes
-    /// too near; false when these joints cannot change the distance.
+    /// Sets the unit gradient of a pair's distance over the joints of the detour, where the
+    /// proposed motion first comes too near; false when these joints cannot change the distance.
     fn find_gradient(&mut self, planner: &mut Planner, robot: Robot, pair: usize) -> bool {
         let nearest = first_too_near(planner, robot, pair);
         let gradient = &mut self.gradient;
@@ -148,7 +150,8 @@ impl Detour {
     }
 }
 
-/// Nearest points of a pair at the first sample of the proposed motion within the margin, or else at the nearest one.
+/// Nearest points of a pair at the first sample of the proposed motion within the margin, or else
+/// at the nearest one.
 fn first_too_near(planner: &mut Planner, robot: Robot, pair: usize) -> Proximity {
     let (candidate, proposed) = (&mut planner.candidate, &planner.proposed);
     let begin = candidate.begin;

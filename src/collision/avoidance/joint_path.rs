@@ -10,15 +10,17 @@
 //! j1 = -v / d^2 - 3 a / (2 d),   j2 = v / d^2 + a / (2 d)
 //! ```
 //!
-//! with the smallest d of a geometric series that keeps the limits. A *go* meets (q1, v1, a1) after three pieces of length
-//! d, with `A = (a1 - a0) / d`, `B = (v1 - v0 - 3 d a0) / d^2`, `C = (q1 - q0 - 3 d v0 - 9/2 d^2 a0) / d^3`
+//! with the smallest d of a geometric series that keeps the limits. A *go* meets (q1, v1, a1) after
+//! three pieces of length d, with `A = (a1 - a0) / d`, `B = (v1 - v0 - 3 d a0) / d^2`,
+//! `C = (q1 - q0 - 3 d v0 - 9/2 d^2 a0) / d^3`
 //!
 //! ```text
 //! j1 = C - B + A / 3,   j2 = B - A / 2 - 2 j1,   j3 = A - j1 - j2
 //! ```
 //!
-//! and stops from there. A path can therefore always be followed to its end. Extremes are those of the polynomials: of
-//! acceleration at the ends of pieces, of speed there and where a = 0, of position there and where v = 0.
+//! and stops from there. A path can therefore always be followed to its end. Extremes are those of
+//! the polynomials: of acceleration at the ends of pieces, of speed there and where a = 0, of
+//! position there and where v = 0.
 
 use super::Limits;
 use crate::motion::spline::TrajectoryPoint;
@@ -77,15 +79,16 @@ impl JointPath {
         path
     }
 
-    /// From `from` at `begin` to rest, in the shortest stop that keeps the limits of acceleration and jerk. [`Self::keeps`] checks
-    /// speed and range.
+    /// From `from` at `begin` to rest, in the shortest stop that keeps the limits of acceleration
+    /// and jerk. [`Self::keeps`] checks speed and range.
     pub fn stop(from: TrajectoryPoint, begin: f64, limits: &Limits) -> Self {
         let mut path = JointPath::resting(from.q);
         path.append_stop(from, begin, limits);
         path
     }
 
-    /// From `from` at `begin` to `to` after `duration`, and then to rest; none when that breaks a limit.
+    /// From `from` at `begin` to `to` after `duration`, and then to rest; none when that breaks a
+    /// limit.
     pub fn go(from: TrajectoryPoint, begin: f64, to: TrajectoryPoint, duration: f64, limits: &Limits) -> Option<Self> {
         let mut path = JointPath::resting(to.q);
         let d = duration / 3.0;
@@ -106,8 +109,8 @@ impl JointPath {
         path.keeps(limits).then_some(path)
     }
 
-    /// The path with the shortest of a series of durations from `shortest` on that keeps the limits; `target` gives
-    /// the end of the motion for a duration.
+    /// The path with the shortest of a series of durations from `shortest` on that keeps the
+    /// limits; `target` gives the end of the motion for a duration.
     pub fn soonest(
         here: TrajectoryPoint,
         begin: f64,
@@ -316,7 +319,8 @@ mod tests {
         assert!(JointPath::go(rest(0.0), 0.0, rest(2.1), 5.0, &LIMITS).is_none());
         let up = TrajectoryPoint { q: 1.99, v: 1.0, a: 0.0 };
         assert!(JointPath::go(up, 0.0, rest(1.99), 0.5, &LIMITS).is_none());
-        // The mean speed of 2 rad in 0.88 s is within 5, the greatest, 2.25 times that at the middle, is not.
+        // The mean speed of 2 rad in 0.88 s is within 5, the greatest, 2.25 times that at the
+        // middle, is not.
         let wide = Limits { acceleration: 1e3, jerk: 1e5, ..LIMITS };
         assert!(JointPath::go(rest(0.0), 0.0, rest(2.0), 0.88, &wide).is_none());
         assert!(JointPath::go(rest(0.0), 0.0, rest(2.0), 0.92, &wide).is_some());

@@ -1,15 +1,15 @@
 //! Bounds on the change of two bodies' distance by joint motion.
 //!
-//! Rotating joint k by dq moves no point that it carries by more than r |dq|, with r the greatest distance of such a point from
-//! the joint's axis. The distance of two bodies changes by no more than the motion of one relative to the other. In any posture
-//! r is at most
+//! Rotating joint k by dq moves no point that it carries by more than r |dq|, with r the greatest
+//! distance of such a point from the joint's axis. The distance of two bodies changes by no more
+//! than the motion of one relative to the other. In any posture r is at most
 //!
 //! ```text
 //! L_k = greatest distance of a corner from the carried body's link origin + offsets (and slides) of the links in between
 //! ```
 //!
-//! and 1 for a sliding joint. About a given posture m, with the body's centre c and radius R and the joints j between k and the
-//! body displaced from m by t_j, a smaller bound holds:
+//! and 1 for a sliding joint. About a given posture m, with the body's centre c and radius R and
+//! the joints j between k and the body displaced from m by t_j, a smaller bound holds:
 //!
 //! ```text
 //! r_k = |z_k x (c - o_k)| + R + sum over j of min(L_j, r_j) t_j,      |d(q) - d(m)| <= sum over k of min(L_k, r_k) t_k
@@ -40,7 +40,8 @@ struct Sphere {
     radius: f64,
 }
 
-/// The joints between the bodies of each pair: those that carry the first body, from it upwards, then those of the second.
+/// The joints between the bodies of each pair: those that carry the first body, from it upwards,
+/// then those of the second.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Levers {
     all: Vec<Lever>,
@@ -89,7 +90,8 @@ impl Levers {
         moving.map(|lever| lever.length * travel[lever.joint]).sum()
     }
 
-    /// Sets the part of a pair in `radii`: for each lever the greatest distance of the carried body from the axis in a posture.
+    /// Sets the part of a pair in `radii`: for each lever the greatest distance of the carried body
+    /// from the axis in a posture.
     pub fn measure(&self, pair: usize, poses: &[LinkPose], radii: &mut [f64]) {
         let bodies = self.bodies[pair].map(|b| &self.spheres[b]);
         let centers = bodies.map(|s| poses[s.link].point(&s.center));
@@ -104,7 +106,8 @@ impl Levers {
         }
     }
 
-    /// Greatest change of a pair's distance when each joint moves by `travel` from the posture of `radii`, m.
+    /// Greatest change of a pair's distance when each joint moves by `travel` from the posture of
+    /// `radii`, m.
     pub fn change_from(&self, pair: usize, radii: &[f64], travel: &[f64]) -> f64 {
         let (mut change, mut moved, mut second) = (0.0, 0.0, false);
         for (lever, radius) in self.of(pair).iter().zip(&radii[self.first[pair]..]) {
@@ -124,7 +127,8 @@ impl Levers {
     }
 }
 
-/// For each joint the greatest change of any monitored pair's distance by it in any posture, m/rad, or 1 for a sliding joint.
+/// For each joint the greatest change of any monitored pair's distance by it in any posture, m/rad,
+/// or 1 for a sliding joint.
 pub fn levers(model: &Model, collision: &CollisionModel) -> Vec<f64> {
     let mut greatest = vec![0.0f64; model.nj()];
     for lever in Levers::new(model, collision).all {

@@ -1,10 +1,11 @@
-//! The four methods of the paper's Table I for cycles in which the direct paths to the goals are not free.
+//! The four methods of the paper's Table I for cycles in which the direct paths to the goals are
+//! not free.
 //!
 //! 1. All joints stop, each on its last proven path.
-//! 2. Only joints between the pairs in question stop. Then one side of each pair at a time is released where that is
-//!    free.
-//! 3. As 2; then random postures of the stopped joints are tried. One is kept where it brings them nearer to the goal
-//!    g: a smaller `sum (q_k - g_k)^2` over them.
+//! 2. Only joints between the pairs in question stop. Then one side of each pair at a time is
+//!    released where that is free.
+//! 3. As 2; then random postures of the stopped joints are tried. One is kept where it brings them
+//!    nearer to the goal g: a smaller `sum (q_k - g_k)^2` over them.
 //! 4. As 2; then a detour around the obstacle is searched ([`super::detour`]), and then as 3.
 //!
 //! Joints at their goals are stopped but never moved by 3 and 4: the robot may be standing on them.
@@ -84,13 +85,14 @@ impl Methods {
                     planner.candidate.reset(lever.joint);
                 }
             }
-            // Each round stops at least one more joint: a pair whose joints have all stopped is not tested again.
+            // Each round stops at least one more joint: a pair whose joints have all stopped is not
+            // tested again.
             planner.candidate.succeeds(robot);
         }
     }
 
-    /// Releases the stopped joints on one side of the blocking pairs where that is free: of all pairs at once, or else
-    /// of one after the other.
+    /// Releases the stopped joints on one side of the blocking pairs where that is free: of all
+    /// pairs at once, or else of one after the other.
     fn release_sides(&self, planner: &mut Planner, robot: Robot) {
         for second in [false, true] {
             let all = &self.blocking[..];
@@ -119,7 +121,8 @@ impl Methods {
             proofs += 1;
             let posture = &self.posture;
             let free = planner.try_marked(robot, |planner, j| planner.path_to_rest(j, posture[j]));
-            // A joint without a path stays where it is, so the error may be greater than the posture's.
+            // A joint without a path stays where it is, so the error may be greater than the
+            // posture's.
             let error = planner.goal_error();
             if free && error <= WORTH.0 * least - WORTH.1 {
                 least = error;
@@ -132,8 +135,8 @@ impl Methods {
         }
     }
 
-    /// Draws a posture of the marked joints and returns its goal error. Moves one joint part of its way, all of them
-    /// each a part of its own way, or all to anywhere near.
+    /// Draws a posture of the marked joints and returns its goal error. Moves one joint part of its
+    /// way, all of them each a part of its own way, or all to anywhere near.
     fn draw(&mut self, planner: &Planner, count: usize) -> f64 {
         let kind = self.random.below(3);
         let one = self.random.below(count as u64) as usize;

@@ -1,4 +1,5 @@
-//! One planning cycle: the goals of the joints, the paths proposed to reach them, and the candidate under test.
+//! One planning cycle: the goals of the joints, the paths proposed to reach them, and the candidate
+//! under test.
 
 use super::avoider::Settings;
 use super::candidate::{CandidatePaths, Robot};
@@ -52,8 +53,8 @@ impl Planner {
         }
     }
 
-    /// Saves the paths of the marked joints and tries others; a joint for which `path` gives none keeps its own.
-    /// True when the candidate is then proven free.
+    /// Saves the paths of the marked joints and tries others; a joint for which `path` gives none
+    /// keeps its own. True when the candidate is then proven free.
     pub fn try_marked(&mut self, robot: Robot, path: impl Fn(&Self, usize) -> Option<JointPath>) -> bool {
         for j in 0..self.marked.len() {
             if !self.marked[j] {

@@ -1,15 +1,16 @@
 //! Proves that a motion keeps the margin at all times, not only at samples.
 //!
-//! On a time interval let m be the posture in its middle and t_k the greatest distance of joint k from there. By the levers L_k
-//! and r_k of [`super::levers`] a pair whose distance d at m obeys
+//! On a time interval let m be the posture in its middle and t_k the greatest distance of joint k
+//! from there. By the levers L_k and r_k of [`super::levers`] a pair whose distance d at m obeys
 //!
 //! ```text
 //! d > margin + sum over k of min(L_k, r_k) t_k
 //! ```
 //!
-//! keeps the margin throughout the interval. Where that fails, the interval is bisected for the remaining pairs alone, until it
-//! holds, or d <= margin, or the sum is below [`RESOLUTION`], or [`MOST_POSTURES`] were tested; then the pair counts as
-//! colliding. Bisection is breadth first, so that a collision is found early.
+//! keeps the margin throughout the interval. Where that fails, the interval is bisected for the
+//! remaining pairs alone, until it holds, or d <= margin, or the sum is below [`RESOLUTION`], or
+//! [`MOST_POSTURES`] were tested; then the pair counts as colliding. Bisection is breadth first, so
+//! that a collision is found early.
 
 use super::joint_path::JointPath;
 use super::levers::Levers;
@@ -70,8 +71,8 @@ impl Prover {
         &self.poses
     }
 
-    /// Proves that `pairs` stay farther apart than `margin` along `paths` from `begin` on. If not, the first failures found are in
-    /// `colliding`, ascending.
+    /// Proves that `pairs` stay farther apart than `margin` along `paths` from `begin` on. If not,
+    /// the first failures found are in `colliding`, ascending.
     #[allow(clippy::too_many_arguments)]
     pub fn prove(
         &mut self,

@@ -5,7 +5,8 @@
 pub struct AvoidanceStatistics {
     /// Planning cycles.
     pub cycles: u64,
-    /// Of these, cycles between the regular ones: the last test did not cover the motion of a joint.
+    /// Of these, cycles between the regular ones: the last test did not cover the motion of a
+    /// joint.
     pub early: u64,
     /// Cycles in which a joint could not reach its goal.
     pub blocked: u64,
@@ -17,7 +18,8 @@ pub struct AvoidanceStatistics {
     pub tests_last: u64,
     /// Ticks of joints: one for each joint that follows its command at each tick.
     pub ticks: u64,
-    /// Of these, ticks of joints stopped by a method or commanded more than 1 mrad or mm from the desired position.
+    /// Of these, ticks of joints stopped by a method or commanded more than 1 mrad or mm from the
+    /// desired position.
     pub held_back: u64,
     /// Sum over them of the squared difference between commanded and desired position.
     pub squares: f64,
@@ -31,7 +33,8 @@ impl AvoidanceStatistics {
         (self.cycles > 0).then(|| self.tests as f64 / self.cycles as f64)
     }
 
-    /// Root mean square of the difference between commanded and desired position over joints and ticks, rad or m.
+    /// Root mean square of the difference between commanded and desired position over joints and
+    /// ticks, rad or m.
     pub fn deviation(&self) -> Option<f64> {
         (self.ticks > 0).then(|| (self.squares / self.ticks as f64).sqrt())
     }

@@ -1,8 +1,8 @@
 //! Check of each tick for joints that pass the desired motion unchanged between two cycles.
 //!
-//! With c the posture of the last test, d its distances, and t_k the greatest distance of joint k from c on its remaining
-//! motion (of a free joint: its position and its stop from there; of another one: the rest of its path), no pair touches
-//! as long as
+//! With c the posture of the last test, d its distances, and t_k the greatest distance of joint k
+//! from c on its remaining motion (of a free joint: its position and its stop from there; of
+//! another one: the rest of its path), no pair touches as long as
 //!
 //! ```text
 //! d_p - sum over k of min(L_k, r_k) t_k > margin         for every pair p with a free joint ([`super::levers`])
@@ -22,7 +22,8 @@ const DECAY: (f64, f64) = (0.05, 0.5);
 /// Part of the limits of acceleration and jerk that a decay may take.
 const PART: f64 = 0.5;
 
-/// An uncontrolled joint that moves this much farther than its last test assumed triggers an early cycle, rad or m.
+/// An uncontrolled joint that moves this much farther than its last test assumed triggers an early
+/// cycle, rad or m.
 const UNTESTED: f64 = 2e-3;
 
 /// How a joint is commanded.
@@ -48,7 +49,8 @@ impl DecayingOffset {
     pub const NONE: DecayingOffset =
         DecayingOffset { from: TrajectoryPoint { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY, length: 1.0 };
 
-    /// For a joint at `here` whose desired motion is at `desired`; none when the decay exceeds its part of the limits.
+    /// For a joint at `here` whose desired motion is at `desired`; none when the decay exceeds its
+    /// part of the limits.
     pub fn new(
         here: &TrajectoryPoint,
         desired: &TrajectoryPoint,
@@ -59,7 +61,8 @@ impl DecayingOffset {
         let from = TrajectoryPoint { q: here.q - desired.q, v: here.v - desired.v, a: here.a - desired.a };
         let length = period.clamp(DECAY.0, DECAY.1);
         let (q, v, a) = (from.q.abs(), from.v.abs(), from.a.abs());
-        // The quintic's jerk is greatest at its start or end, its acceleration less than the sum of those of its parts.
+        // The quintic's jerk is greatest at its start or end, its acceleration less than the sum of
+        // those of its parts.
         let jerk = 60.0 * q / length.powi(3) + 36.0 * v / length.powi(2) + 9.0 * a / length;
         let acceleration = 5.8 * q / length.powi(2) + 4.0 * v / length + a;
         let fits = jerk <= PART * limits.jerk && acceleration <= PART * limits.acceleration;
@@ -111,8 +114,8 @@ impl TickCheck {
         JointPath::stop(here, t, limits)
     }
 
-    /// True when the free joints may follow the desired motion now. `held` has the paths of the others. Marks joints that
-    /// may not in `refused`.
+    /// True when the free joints may follow the desired motion now. `held` has the paths of the
+    /// others. Marks joints that may not in `refused`.
     pub fn allows(
         &mut self,
         robot: Robot,

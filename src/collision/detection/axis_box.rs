@@ -4,14 +4,15 @@
 //! gap(A, B) = | max(|c_A - c_B| - (h_A + h_B), 0) |  <=  d(A, B)
 //! ```
 //!
-//! with centres c and half edges h, each maximum by component. The box of a rotated body contains its rotated oriented box:
-//! `h = |R| h_0`. Boxes use single precision, four numbers in a row, and are enlarged by more than its rounding errors, so the
-//! bound holds.
+//! with centres c and half edges h, each maximum by component. The box of a rotated body contains
+//! its rotated oriented box: `h = |R| h_0`. Boxes use single precision, four numbers in a row, and
+//! are enlarged by more than its rounding errors, so the bound holds.
 
 use crate::collision::kinematics::LinkPose;
 use crate::collision::spatial::OrientedBox;
 
-/// Boxes are enlarged by this part of their coordinates: an upper bound of the errors of a dozen roundings of 6e-8 each.
+/// Boxes are enlarged by this part of their coordinates: an upper bound of the errors of a dozen
+/// roundings of 6e-8 each.
 const GROWTH: f64 = 1e-6;
 
 /// An axis-aligned box; the fourth components are 0.

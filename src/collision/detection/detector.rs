@@ -1,8 +1,8 @@
 //! Distance and collision queries for a sequence of postures.
 //!
-//! Two layers: first axis-aligned boxes, then the exact distance of the polyhedra. Coherence: each pair starts at the vertices of
-//! its last answer. This changes only the time: each answer carries its proof ([`super::gjk`]), so it is the same from any start
-//! up to rounding.
+//! Two layers: first axis-aligned boxes, then the exact distance of the polyhedra. Coherence: each
+//! pair starts at the vertices of its last answer. This changes only the time: each answer carries
+//! its proof ([`super::gjk`]), so it is the same from any start up to rounding.
 
 use nalgebra::Vector3;
 
@@ -18,9 +18,11 @@ use crate::collision::kinematics::LinkPose;
 pub struct Proximity {
     /// Index into [`CollisionModel::pairs`].
     pub pair: usize,
-    /// Distance, m; below 0 the bodies overlap, and its size is the shortest translation that parts them.
+    /// Distance, m; below 0 the bodies overlap, and its size is the shortest translation that parts
+    /// them.
     pub distance: f64,
-    /// Unit vector from the first body to the second, along which moving the second changes the distance at rate 1.
+    /// Unit vector from the first body to the second, along which moving the second changes the
+    /// distance at rate 1.
     pub normal: Vector3<f64>,
     /// The first body's nearest (or deepest) point, in the frame of the poses, m.
     pub on_a: Vector3<f64>,
@@ -41,8 +43,8 @@ pub struct Counts {
     pub depths: u64,
 }
 
-/// Workspace: set a posture by [`Detector::set_poses`], then query. Nothing is allocated after construction. A posture that is
-/// not finite counts as a collision.
+/// Workspace: set a posture by [`Detector::set_poses`], then query. Nothing is allocated after
+/// construction. A posture that is not finite counts as a collision.
 ///
 /// # Panics
 /// May panic when given another model than the one it was built for.
@@ -83,13 +85,15 @@ impl Detector {
         }
     }
 
-    /// Discards earlier answers, so that later ones do not depend on them, not even in the last bits.
+    /// Discards earlier answers, so that later ones do not depend on them, not even in the last
+    /// bits.
     pub fn forget(&mut self) {
         self.warm.fill(Warm::COLD);
         (self.nearest, self.hit) = (0, 0);
     }
 
-    /// Moves the bodies to the posture of the next queries. `poses` has one entry per link of the robot, in any shared frame.
+    /// Moves the bodies to the posture of the next queries. `poses` has one entry per link of the
+    /// robot, in any shared frame.
     pub fn set_poses(&mut self, model: &CollisionModel, poses: &[LinkPose]) {
         self.counts.postures += 1;
         self.scene.set_poses(&model.bodies, poses);
@@ -118,7 +122,8 @@ impl Detector {
             }
         }
         self.counts.boxes += model.pairs.len() as u64;
-        // Probable pairs first: the sooner a small distance is known, the fewer pairs are compared exactly.
+        // Probable pairs first: the sooner a small distance is known, the fewer pairs are compared
+        // exactly.
         let likely = [self.nearest, first];
         let mut best = None;
         let mut least = limit;
@@ -170,7 +175,8 @@ impl Detector {
         exact(pair, &a, &b, f64::INFINITY, work).expect("not beyond")
     }
 
-    /// A lower bound of the distance of one pair, m: the distance itself where that is less than `enough`; 0 when they overlap.
+    /// A lower bound of the distance of one pair, m: the distance itself where that is less than
+    /// `enough`; 0 when they overlap.
     pub fn clearance(&mut self, model: &CollisionModel, pair: usize, enough: f64) -> f64 {
         self.counts.boxes += 1;
         let bodies = self.pairs[pair];
@@ -187,7 +193,8 @@ impl Detector {
         }
     }
 
-    /// True if one pair is closer than `margin`, m. A pair that is not proven to be farther counts as closer.
+    /// True if one pair is closer than `margin`, m. A pair that is not proven to be farther counts
+    /// as closer.
     pub fn is_within(&mut self, model: &CollisionModel, pair: usize, margin: f64) -> bool {
         self.counts.boxes += 1;
         let bodies = self.pairs[pair];

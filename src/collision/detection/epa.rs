@@ -1,13 +1,15 @@
-//! Penetration depth of two overlapping convex polyhedra: the shortest translation that separates them.
+//! Penetration depth of two overlapping convex polyhedra: the shortest translation that separates
+//! them.
 //!
 //! ```text
 //! depth = min over unit n of h(n),   h(n) = max { n . x : x in A - B } = n . (s_A(n) - s_B(-n))
 //! ```
 //!
-//! A polytope inside `A - B` that contains the origin grows: its face nearest to the origin, at distance d with normal n, is
-//! extended to the vertex of `A - B` farthest along n, until no vertex is beyond it. At every step d is at most the depth, and
-//! h(n) at least, since moving A by -h(n) n separates the bodies. Where rounding ends the growth early, the result is the least
-//! h(n) found: an upper bound, and still a translation that separates them. Source: [van den Bergen 2001].
+//! A polytope inside `A - B` that contains the origin grows: its face nearest to the origin, at
+//! distance d with normal n, is extended to the vertex of `A - B` farthest along n, until no vertex
+//! is beyond it. At every step d is at most the depth, and h(n) at least, since moving A by -h(n) n
+//! separates the bodies. Where rounding ends the growth early, the result is the least h(n) found:
+//! an upper bound, and still a translation that separates them. Source: [van den Bergen 2001].
 
 use nalgebra::Vector3;
 
@@ -179,8 +181,8 @@ impl Epa {
         self.faces.push(Face { corners, normal, distance });
     }
 
-    /// Adds the vertex: visible faces are removed, and new ones join it to the border of the hole. False when rounding has left the
-    /// hole without one closed border.
+    /// Adds the vertex: visible faces are removed, and new ones join it to the border of the hole.
+    /// False when rounding has left the hole without one closed border.
     fn grow(&mut self, w: Vector3<f64>, from: [u16; 2]) -> bool {
         self.horizon.clear();
         let mut i = 0;

@@ -5,9 +5,10 @@
 //! w_k = s_A(-v_k) - s_B(v_k);                   v_k . w_k / |v_k|  <=  d(A, B)  <=  |v_k|
 //! ```
 //!
-//! W_k holds at most four differences of vertices: those that v_(k-1) needs, and w_(k-1). Every step proves both bounds, so it
-//! stops when they meet, when the lower one exceeds the caller's limit, or when the hull of W contains the origin. Coherence: the
-//! first W holds the vertices of the last answer for this pair, at their present positions.
+//! W_k holds at most four differences of vertices: those that v_(k-1) needs, and w_(k-1). Every
+//! step proves both bounds, so it stops when they meet, when the lower one exceeds the caller's
+//! limit, or when the hull of W contains the origin. Coherence: the first W holds the vertices of
+//! the last answer for this pair, at their present positions.
 //!
 //! Sources: [Gilbert 1988]; bounds and termination by [van den Bergen 1999].
 
@@ -16,7 +17,8 @@ use nalgebra::Vector3;
 use super::simplex::Simplex;
 use super::support_mapping::SupportMapping;
 
-/// Gap between the bounds at convergence, m. Coordinates of about 1 m carry rounding errors of 1e-16 m.
+/// Gap between the bounds at convergence, m. Coordinates of about 1 m carry rounding errors of
+/// 1e-16 m.
 const MEET: f64 = 1e-12;
 /// Bodies closer than this touch, m: rounding hides the direction between them.
 const TOUCH: f64 = 1e-12;
@@ -90,7 +92,8 @@ pub fn nearest(a: &impl SupportMapping, b: &impl SupportMapping, v: &Vector3<f64
     Nearest { distance, normal: -v / distance, on_a, on_b }
 }
 
-/// The distance of A and B, or [`Outcome::Beyond`] as soon as it is proven to exceed `beyond`, m (infinity: never).
+/// The distance of A and B, or [`Outcome::Beyond`] as soon as it is proven to exceed `beyond`, m
+/// (infinity: never).
 pub fn distance(a: &impl SupportMapping, b: &impl SupportMapping, warm: &mut Warm, beyond: f64) -> Outcome {
     let mut s = warm.simplex(a, b);
     let mut v = s.reduce();
@@ -116,7 +119,8 @@ pub fn distance(a: &impl SupportMapping, b: &impl SupportMapping, warm: &mut War
         let old = s;
         s.push(w, ia, ib);
         let next = s.reduce();
-        // Without progress the rest is rounding: the last answer with its proven bounds is the best available.
+        // Without progress the rest is rounding: the last answer with its proven bounds is the best
+        // available.
         if next.norm_squared() >= square {
             s = old;
             break;

@@ -4,14 +4,15 @@
 //! v = argmin |x|,  x = sum l_i w_i,  l_i >= 0,  sum l_i = 1;   kept: the w_i with l_i > 0
 //! ```
 //!
-//! The nearest feature of a triangle follows from the signs of its areas, that of a tetrahedron from those of its volumes
-//! [Montanari 2017]; the formulas for a triangle are those of [Ericson 2005, section 5.1.5]. Where rounding hides an area or a
-//! volume, the features one dimension lower are compared by their distances.
+//! The nearest feature of a triangle follows from the signs of its areas, that of a tetrahedron
+//! from those of its volumes [Montanari 2017]; the formulas for a triangle are those of [Ericson
+//! 2005, section 5.1.5]. Where rounding hides an area or a volume, the features one dimension lower
+//! are compared by their distances.
 
 use nalgebra::Vector3;
 
-/// A triangle counts as a line where its area, and a tetrahedron as a triangle where its volume, is this part of the product of
-/// its edges: below it rounding decides the signs.
+/// A triangle counts as a line where its area, and a tetrahedron as a triangle where its volume, is
+/// this part of the product of its edges: below it rounding decides the signs.
 const FLAT: f64 = 1e-13;
 
 /// At most four points of the difference `A - B` of two bodies, with the vertices they come from.
@@ -53,8 +54,8 @@ impl Simplex {
         (0..self.len).any(|i| self.a[i] == a && self.b[i] == b)
     }
 
-    /// Keeps the smallest face that contains the point nearest to the origin and returns that point. Four points remain only when
-    /// the origin is inside.
+    /// Keeps the smallest face that contains the point nearest to the origin and returns that
+    /// point. Four points remain only when the origin is inside.
     pub fn reduce(&mut self) -> Vector3<f64> {
         let face = match self.len {
             1 => Face { len: 1, at: [0; 4], l: [1.0, 0.0, 0.0, 0.0] },
@@ -133,7 +134,8 @@ impl Simplex {
         let (e, f, g) = (q - p, r - p, s - p);
         let volume = e.dot(&f.cross(&g));
         let flat = volume.abs() <= FLAT * e.norm() * f.norm() * g.norm();
-        // Weight of each corner times the volume: the volume of the tetrahedron with the origin in place of that corner.
+        // Weight of each corner times the volume: the volume of the tetrahedron with the origin in
+        // place of that corner.
         let (m1, m2, m3) = (-p.dot(&f.cross(&g)), -p.dot(&g.cross(&e)), -p.dot(&e.cross(&f)));
         let parts = [volume - m1 - m2 - m3, m1, m2, m3];
         let outside = parts.map(|part| flat || part * volume < 0.0);
@@ -172,8 +174,9 @@ mod tests {
         s
     }
 
-    /// The kept face holds the point, and no corner of the whole simplex lies on the origin's side of the plane through
-    /// the point across the line to the origin: together they prove that it is the nearest.
+    /// The kept face holds the point, and no corner of the whole simplex lies on the origin's side
+    /// of the plane through the point across the line to the origin: together they prove that it is
+    /// the nearest.
     #[test]
     fn the_nearest_point_proves_itself() {
         let mut r = Stream::new(1, &["simplex"]);
@@ -186,10 +189,12 @@ mod tests {
             let sum: f64 = s.l[..s.len].iter().sum();
             assert!(s.l[..s.len].iter().all(|l| *l > 0.0) && (sum - 1.0).abs() < 1e-12, "{:?}", s.l);
             inside += usize::from(s.len == 4);
-            // Rounding of products of a handful of numbers of about 1, amplified by slivers among 40 000.
+            // Rounding of products of a handful of numbers of about 1, amplified by slivers among
+            // 40 000.
             assert!(points.iter().all(|p| v.dot(p) >= v.norm_squared() - 1e-10), "{points:?}");
         }
-        // Three in four random tetrahedra would miss a centred origin already (1 in 8 hold it); ours are moved away.
+        // Three in four random tetrahedra would miss a centred origin already (1 in 8 hold it);
+        // ours are moved away.
         assert!((50..2_000).contains(&inside), "{inside}");
     }
 

@@ -4,13 +4,15 @@
 //! q'(s) = clamp(q' + q'' s, -v_max, v_max),   q(t) = clamp(q + integral of q'(s) ds from 0 to t, lower, upper)
 //! ```
 //!
-//! Without limits this is `q + q' t + q'' t^2 / 2`. The limits of speed and range keep predictions within the robot's abilities
-//! ([Hale 2008], section IV, "kinematics"). The clamped speed is a ramp between two constants, so its integral is exact.
+//! Without limits this is `q + q' t + q'' t^2 / 2`. The limits of speed and range keep predictions
+//! within the robot's abilities ([Hale 2008], section IV, "kinematics"). The clamped speed is a
+//! ramp between two constants, so its integral is exact.
 
 use crate::robot::Model;
 
-/// Joint positions (rad, m) after `t` s, from positions `q`, velocities `qd` and constant accelerations `qdd`. Speeds are
-/// clamped to the joints' limits throughout, positions to their ranges at the end.
+/// Joint positions (rad, m) after `t` s, from positions `q`, velocities `qd` and constant
+/// accelerations `qdd`. Speeds are clamped to the joints' limits throughout, positions to their
+/// ranges at the end.
 ///
 /// # Panics
 /// When a slice is shorter than the model's joints.
@@ -53,7 +55,8 @@ mod tests {
     fn limits_clip_the_ramp_at_both_ends() {
         // From 0 at 2/s^2 the cap of 1 is there after 0.5 s and 0.25 covered; then 1 per second.
         assert_eq!(capped_travel(0.0, 2.0, 1.0, 2.0), 0.25 + 1.5);
-        // From -3, taken as -1: until the ramp passes -1 at 1 s, 1 down; to +1 at 2 s, nothing; then 1 up.
+        // From -3, taken as -1: until the ramp passes -1 at 1 s, 1 down; to +1 at 2 s, nothing;
+        // then 1 up.
         assert_eq!(capped_travel(-3.0, 2.0, 1.0, 3.0), -1.0 + 0.0 + 1.0);
         assert_eq!(capped_travel(3.0, -2.0, 1.0, 3.0), 1.0 + 0.0 - 1.0);
         // Starts above the limit and accelerates further: the limit throughout.
@@ -71,7 +74,8 @@ mod tests {
             let step = t / f64::from(n);
             let speed = |i: i32| (v + a * step * (f64::from(i) + 0.5)).clamp(-limit, limit);
             let sum: f64 = (0..n).map(speed).sum::<f64>() * step;
-            // The midpoint rule is exact on straight parts and errs by at most a h^2 / 8 at each of the two kinks.
+            // The midpoint rule is exact on straight parts and errs by at most a h^2 / 8 at each of
+            // the two kinks.
             let bar = a.abs() * step * step / 4.0 + 1e-12;
             assert!((capped_travel(v, a, limit, t) - sum).abs() <= bar, "{v} {a} {limit} {t}");
         }

@@ -1,4 +1,5 @@
-//! Link poses for given joint positions, without velocities and inertias, which collision tests do not need.
+//! Link poses for given joint positions, without velocities and inertias, which collision tests do
+//! not need.
 //!
 //! ```text
 //! R_i = R_p(i) R_i0 Rz(q_i),   p_i = p_p(i) + R_p(i) d_i          (revolute; prismatic adds z_i q_i to p_i)
@@ -31,7 +32,8 @@ impl LinkPose {
     }
 }
 
-/// Poses of all links' internal frames relative to the root's, for the joint positions `q`, rad or m.
+/// Poses of all links' internal frames relative to the root's, for the joint positions `q`, rad or
+/// m.
 ///
 /// # Panics
 /// When `q` or `poses` is shorter than the model's joints or links.

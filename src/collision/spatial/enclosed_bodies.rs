@@ -6,7 +6,8 @@ use super::pair_search::Sampler;
 use crate::collision::kinematics::{LinkPose, link_poses};
 use crate::robot::Model;
 
-/// Postures tested in addition to home; a quarter of the joints is at either end of its range in each.
+/// Postures tested in addition to home; a quarter of the joints is at either end of its range in
+/// each.
 const POSTURES: usize = 200;
 /// A body may protrude by this much and still count as enclosed, m: rounding.
 const ROUNDING: f64 = 1e-12;

@@ -55,7 +55,8 @@ pub struct CollisionModel {
 }
 
 impl CollisionModel {
-    /// Bodies and pairs of a robot. Random postures show which pairs cannot meet; the result depends only on the arguments.
+    /// Bodies and pairs of a robot. Random postures show which pairs cannot meet; the result
+    /// depends only on the arguments.
     pub fn new(model: &Model, settings: &SelfCollision) -> Self {
         Self::searched(model, settings, Search::default())
     }
@@ -91,7 +92,8 @@ impl CollisionModel {
         this
     }
 
-    /// Bodies of a robot and every pair of them except adjacent and ignored ones. Tests no postures, except for enclosed bodies.
+    /// Bodies of a robot and every pair of them except adjacent and ignored ones. Tests no
+    /// postures, except for enclosed bodies.
     pub fn every_pair(model: &Model, settings: &SelfCollision) -> Self {
         let (bodies, dropped_bodies) = bodies(model, settings);
         let carriers = carriers(model, |link| bodies.iter().any(|b| b.link == link));

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// At most this many of the polyhedron's triangles are tried, evenly spread: it limits load time, not accuracy.
+/// At most this many of the polyhedron's triangles are tried, evenly spread: it limits load time,
+/// not accuracy.
 const MOST_TRIED: usize = 200;
 
 /// A box with axes of its own.
@@ -17,7 +18,8 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// The box of least surface among those along the frame's axes and along a face and one of its edges.
+    /// The box of least surface among those along the frame's axes and along a face and one of its
+    /// edges.
     pub fn around(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Self {
         let along_frame = Self::along(Matrix3::identity(), vertices);
         let stride = triangles.len().div_ceil(MOST_TRIED).max(1);

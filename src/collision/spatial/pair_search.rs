@@ -1,14 +1,17 @@
-//! Searches for the pairs of bodies that can meet within the joint ranges, by random postures and descents.
+//! Searches for the pairs of bodies that can meet within the joint ranges, by random postures and
+//! descents.
 //!
-//! Each joint is drawn uniformly over its range, but in one of four postures at its lower end and in one of four at its upper
-//! end, since bodies far apart are closest at the ends. From the closest posture of a pair, and from further random ones,
-//! descents follow the gradient of the distance d with normal n from a, A's nearest point, to b, B's, within the ranges:
+//! Each joint is drawn uniformly over its range, but in one of four postures at its lower end and
+//! in one of four at its upper end, since bodies far apart are closest at the ends. From the
+//! closest posture of a pair, and from further random ones, descents follow the gradient of the
+//! distance d with normal n from a, A's nearest point, to b, B's, within the ranges:
 //!
 //! ```text
 //! dd/dq_k = n . (z_k x (b - o_k))  for a joint above B,   - n . (z_k x (a - o_k))  for one above A      (sliding: n . z_k)
 //! ```
 //!
-//! A pair that never comes within [`Search::margin`] counts as unable to meet. This is evidence, not proof.
+//! A pair that never comes within [`Search::margin`] counts as unable to meet. This is evidence,
+//! not proof.
 
 use super::body::Body;
 use super::link_tree::joints_between;
@@ -38,7 +41,8 @@ impl Default for Search {
     }
 }
 
-/// The least distance found for each pair of bodies, m; for a pair that comes within the margin, the first below it.
+/// The least distance found for each pair of bodies, m; for a pair that comes within the margin,
+/// the first below it.
 pub(super) fn closest_found(model: &Model, bodies: &[Body], pairs: &[[usize; 2]], search: &Search) -> Vec<f64> {
     let mut sampler = Sampler::new(model, search.seed, "reach");
     let mut descent =
@@ -111,7 +115,8 @@ impl Descent<'_> {
         }
     }
 
-    /// The nearest points of a pair with the joints between its bodies at `q`; `None` when they overlap.
+    /// The nearest points of a pair with the joints between its bodies at `q`; `None` when they
+    /// overlap.
     fn nearest_points(&mut self, f: &mut Found, way: &Way, q: &[f64]) -> Option<Nearest> {
         self.place_way(way, q);
         self.near.set_pair_poses(self.bodies, f.bodies, &self.poses);
@@ -187,7 +192,8 @@ pub(super) struct Sampler {
 impl Sampler {
     pub(super) fn new(model: &Model, seed: u64, purpose: &str) -> Self {
         let ranges = model.joints.iter().zip(&model.home).map(|(joint, home)| {
-            // A continuous joint is drawn within one turn; an unlimited sliding joint, within a metre of home.
+            // A continuous joint is drawn within one turn; an unlimited sliding joint, within a
+            // metre of home.
             let reach = if joint.kind == JointKind::Prismatic { 1.0 } else { std::f64::consts::PI };
             let end = |limit: f64, otherwise: f64| if limit.is_finite() { limit } else { otherwise };
             [end(joint.lower, home - reach), end(joint.upper, home + reach)]

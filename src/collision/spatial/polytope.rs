@@ -1,20 +1,23 @@
-//! A convex polyhedron with its support mapping (the outermost vertex in a direction) and an oriented box around it.
+//! A convex polyhedron with its support mapping (the outermost vertex in a direction) and an
+//! oriented box around it.
 //!
 //! ```text
 //! support(d) = argmax_k d . p_k
 //! ```
 //!
-//! A linear function on a convex body has no local maximum but the global one, so climbing from vertex to neighbour finds it,
-//! faster from a closer start. A table of start directions gained nothing over the last answer. Source: [van den Bergen 2004,
-//! section 4.3.4] (after Dobkin and Kirkpatrick; [Cameron 1997]).
+//! A linear function on a convex body has no local maximum but the global one, so climbing from
+//! vertex to neighbour finds it, faster from a closer start. A table of start directions gained
+//! nothing over the last answer. Source: [van den Bergen 2004, section 4.3.4] (after Dobkin and
+//! Kirkpatrick; [Cameron 1997]).
 
 use nalgebra::{Point3, Vector3};
 
 use super::oriented_box::OrientedBox;
 use crate::geometry::convex_hull_3d;
 
-/// Neighbouring faces whose normals differ by less than this angle, rad, count as one face. A climb that stops at the border of
-/// such a face is at most this angle times the size of the body below the maximum: 1e-10 m for a body of 1 m.
+/// Neighbouring faces whose normals differ by less than this angle, rad, count as one face. A climb
+/// that stops at the border of such a face is at most this angle times the size of the body below
+/// the maximum: 1e-10 m for a body of 1 m.
 const COPLANAR: f64 = 1e-10;
 
 /// A convex polyhedron, in the frame of its vertices.
@@ -32,7 +35,8 @@ pub struct Polytope {
 }
 
 impl Polytope {
-    /// The convex hull of points, m; `None` when they are flat, or when it has more than 65 535 vertices.
+    /// The convex hull of points, m; `None` when they are flat, or when it has more than 65 535
+    /// vertices.
     pub fn hull(points: &[Vector3<f64>]) -> Option<Self> {
         let points: Vec<Point3<f64>> = points.iter().map(|p| Point3::from(*p)).collect();
         let (vertices, triangles) = convex_hull_3d(&points)?;
@@ -47,7 +51,8 @@ impl Polytope {
         Some(Self { vertices, triangles, bounds, first, around })
     }
 
-    /// The outermost vertex in direction `d`, climbing from `start`. `points` are the vertices in the frame of `d`.
+    /// The outermost vertex in direction `d`, climbing from `start`. `points` are the vertices in
+    /// the frame of `d`.
     #[inline]
     pub fn support(&self, points: &[Vector3<f64>], d: &Vector3<f64>, start: u16) -> u16 {
         let mut at = start;
@@ -83,8 +88,8 @@ impl Polytope {
     }
 }
 
-/// Neighbours along the edges of the polyhedron. Diagonals of flat faces are left out, except at vertices that are not corners
-/// (inside a face or an edge), where a climb would stop without them.
+/// Neighbours along the edges of the polyhedron. Diagonals of flat faces are left out, except at
+/// vertices that are not corners (inside a face or an edge), where a climb would stop without them.
 fn neighbours(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u16>) {
     // Every edge twice, once from each of its triangles, by its lower and upper vertex.
     let mut edges: Vec<([u32; 2], Vector3<f64>)> = Vec::with_capacity(3 * triangles.len());

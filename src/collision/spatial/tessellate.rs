@@ -1,8 +1,9 @@
 //! Tessellates shapes to points whose convex hull contains the shape.
 //!
-//! A circle of radius r becomes a regular polygon of n corners around it, at r / cos(pi / n), so that it contains the shape. A
-//! sphere becomes n meridians and 2 ceil(n / 4) bands of equal latitude, moved outward until every face clears it. The excess
-//! of the polyhedron is at most, relative to the radius:
+//! A circle of radius r becomes a regular polygon of n corners around it, at r / cos(pi / n), so
+//! that it contains the shape. A sphere becomes n meridians and 2 ceil(n / 4) bands of equal
+//! latitude, moved outward until every face clears it. The excess of the polyhedron is at most,
+//! relative to the radius:
 //!
 //! ```text
 //! cylinder: 1 / cos(pi / n) - 1;    sphere: about 1 / cos^2(pi / n) - 1       (n = 16: 2 and 4 %)
@@ -43,8 +44,9 @@ fn ring(radius: f64, z: f64, n: usize) -> impl Iterator<Item = Vector3<f64>> {
 fn ball(radius: f64, length: f64, n: usize) -> Vec<Vector3<f64>> {
     let bands = n.div_ceil(4);
     let latitude = |k: usize| PI / 2.0 * k as f64 / bands as f64;
-    // Middle of a side of ring k of a unit ball, across the axis and along it; the sides between two rings lie in one
-    // plane, so its distance from the centre is that of the line through the two middles.
+    // Middle of a side of ring k of a unit ball, across the axis and along it; the sides between
+    // two rings lie in one plane, so its distance from the centre is that of the line through the
+    // two middles.
     let side = |k: usize| {
         let (s, c) = latitude(k).sin_cos();
         (c * (PI / n as f64).cos(), s)

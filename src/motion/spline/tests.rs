@@ -18,8 +18,8 @@ fn higher(spline: &Spline, i: usize, end: bool) -> [f64; 3] {
     ]
 }
 
-/// Integral of the squared jerk: the jerk is quadratic on an interval, so its square is integrated exactly by three Gauss
-/// points.
+/// Integral of the squared jerk: the jerk is quadratic on an interval, so its square is integrated
+/// exactly by three Gauss points.
 fn jerk(spline: &Spline) -> f64 {
     (0..spline.knots.len() - 1)
         .map(|i| {
@@ -64,7 +64,8 @@ fn knots_are_met_and_four_derivatives_are_continuous() {
         }
         for i in 0..TIMES.len() - 2 {
             let (left, right) = (higher(&spline, i, true), higher(&spline, i + 1, false));
-            // 1/h^4 = 625 for the shortest interval enlarges the roundings of the knots' derivatives.
+            // 1/h^4 = 625 for the shortest interval enlarges the roundings of the knots'
+            // derivatives.
             assert!((left[0] - right[0]).abs() < 1e-11 * scale, "jerk at {i}: {left:?} {right:?}");
             assert!((left[1] - right[1]).abs() < 1e-10 * scale, "snap at {i}: {left:?} {right:?}");
         }
@@ -88,8 +89,9 @@ fn end_conditions_hold() {
     assert!((first[0] - end[0]).abs() < 1e-11 * scale && (first[1] - end[1]).abs() < 1e-10 * scale);
 }
 
-/// No other curve through the knots with the same ends has less jerk: tested against curves with other knot derivatives, all of
-/// them quintics, which are the least between given ends. The excess is exactly quadratic, so both signs agree.
+/// No other curve through the knots with the same ends has less jerk: tested against curves with
+/// other knot derivatives, all of them quintics, which are the least between given ends. The excess
+/// is exactly quadratic, so both signs agree.
 #[test]
 fn the_jerk_is_least() {
     for (spline, ends) in all().into_iter().zip([Ends::Natural, Ends::Clamped, Ends::Periodic]) {
@@ -143,8 +145,9 @@ fn natural_ends_reproduce_parabolas_and_mirrors_are_mirrored() {
     }
 }
 
-/// Sampling a smooth function ever more densely, the error falls with the sixth power of the interval: at clamped ends where
-/// the function is at rest without acceleration, and on a periodic curve.
+/// Sampling a smooth function ever more densely, the error falls with the sixth power of the
+/// interval: at clamped ends where the function is at rest without acceleration, and on a periodic
+/// curve.
 #[test]
 fn the_error_is_of_order_six() {
     type Function = fn(f64) -> f64;

@@ -31,8 +31,9 @@ pub struct ContactPoint {
 }
 
 impl Augmented {
-    /// Uses the vertex forces of the simulated floor. Where a sensor measures only the resultants, these are split
-    /// ([`super::load_split`]); then vertices that bear load count as in contact, on soles that bear 2 % of the weight.
+    /// Uses the vertex forces of the simulated floor. Where a sensor measures only the resultants,
+    /// these are split ([`super::load_split`]); then vertices that bear load count as in contact,
+    /// on soles that bear 2 % of the weight.
     pub(super) fn find_contacts(&mut self, sensed: &Sensed, floor: &Plane) {
         self.contacts.clear();
         let light = LIGHT * body::whole(&self.workspace).mass * self.gravity.norm();

@@ -11,20 +11,22 @@ impl Augmented {
         self.frame_pose(link, &model.links[link.0].urdf_frame)
     }
 
-    /// Pose in the world of a frame given in the link's internal frame, as [`Model::link`] gives it for welded links.
+    /// Pose in the world of a frame given in the link's internal frame, as [`Model::link`] gives it
+    /// for welded links.
     pub fn frame_pose(&self, link: LinkId, frame: &Isometry3<f64>) -> Isometry3<f64> {
         let at = &self.workspace.links[link.0];
         let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(at.rotation));
         Isometry3::from_parts(Translation3::from(self.workspace.position + at.origin), turn) * frame
     }
 
-    /// Velocity of the link's point that is now at the world point `point`, m/s, and the link's angular velocity, rad/s.
+    /// Velocity of the link's point that is now at the world point `point`, m/s, and the link's
+    /// angular velocity, rad/s.
     pub fn twist(&self, link: LinkId, point: &Vector3<f64>) -> Motion {
         jacobian::link_twist(&self.workspace, link, point)
     }
 
-    /// Jacobian of the frame fixed in the link whose origin is now at the world point `point`: `(p', omega) = J v`, 6 x
-    /// nv, into `out`.
+    /// Jacobian of the frame fixed in the link whose origin is now at the world point `point`:
+    /// `(p', omega) = J v`, 6 x nv, into `out`.
     pub fn jacobian(&self, link: LinkId, point: &Vector3<f64>, out: &mut [f64]) {
         jacobian::frame(&self.workspace, link, point, out);
     }

@@ -4,10 +4,11 @@
 //! min sum N_i^2   with   sum N_i = F_z,  sum N_i (x_i, y_i) = F_z c,  N_i >= 0        c the centre of pressure
 //! ```
 //!
-//! The simulated floor uses the same rule for a face at rest ([`crate::contact::model::pressure`]). The split of a load over
-//! more than three vertices is indeterminate; this one is the most even. Tangential forces are proportional to the normal
-//! ones times the translation and rotation that balance the rest of the wrench. If sensor errors put the centre of pressure
-//! outside the sole, it moves to the nearest point of the outline, and the two ends of that side share the load.
+//! The simulated floor uses the same rule for a face at rest ([`crate::contact::model::pressure`]).
+//! The split of a load over more than three vertices is indeterminate; this one is the most even.
+//! Tangential forces are proportional to the normal ones times the translation and rotation that
+//! balance the rest of the wrench. If sensor errors put the centre of pressure outside the sole, it
+//! moves to the nearest point of the outline, and the two ends of that side share the load.
 
 use super::contacts::NOTHING;
 use super::soles::SoleData;
@@ -72,7 +73,8 @@ fn problem(sole: &Sole) -> SoleProblem {
     }
 }
 
-/// Gives the load to the two ends of the side nearest to `cop`, so that its centre of pressure is the nearest point.
+/// Gives the load to the two ends of the side nearest to `cop`, so that its centre of pressure is
+/// the nearest point.
 fn on_outline(sole: &SoleProblem, load: f64, cop: Vector2<f64>, normal: &mut [f64]) {
     let k = normal.len();
     let mut best = (f64::INFINITY, 0, 0.0);

@@ -1,8 +1,10 @@
-//! Data computed for tasks from the estimated state and the sensors, each part only when its [`Needs`] flag is set.
+//! Data computed for tasks from the estimated state and the sensors, each part only when its
+//! [`Needs`] flag is set.
 //!
-//! World axes and SI units unless stated otherwise. Jacobians are stored column by column: a 3 x nv one has entry (row, k) at
-//! `3 k + row`, a 6 x nv one at `6 k + row` with the three linear rows first. Columns are the model's velocities
-//! ([`crate::robot::model`]): six of a floating base, then the joints.
+//! World axes and SI units unless stated otherwise. Jacobians are stored column by column: a 3 x nv
+//! one has entry (row, k) at `3 k + row`, a 6 x nv one at `6 k + row` with the three linear rows
+//! first. Columns are the model's velocities ([`crate::robot::model`]): six of a floating base,
+//! then the joints.
 
 mod contacts;
 mod efforts;
@@ -26,8 +28,9 @@ use nalgebra::Vector3;
 /// The augmented data. Parts not needed at the last update are stale.
 #[derive(Clone, Debug)]
 pub struct Augmented {
-    /// Kinematics at the estimated state ([`Needs::LINKS`]; [`link_pose`](Self::link_pose) reads it), the mass matrix M
-    /// in `mass` ([`Needs::MASS`]) and the bias h in `bias` ([`Needs::BIAS`]): `M vdot + h = tau`.
+    /// Kinematics at the estimated state ([`Needs::LINKS`]; [`link_pose`](Self::link_pose) reads
+    /// it), the mass matrix M in `mass` ([`Needs::MASS`]) and the bias h in `bias`
+    /// ([`Needs::BIAS`]): `M vdot + h = tau`.
     pub workspace: Workspace,
     /// Centre of mass, m ([`Needs::COM`]).
     pub com: Vector3<f64>,
@@ -35,11 +38,12 @@ pub struct Augmented {
     pub com_velocity: Vector3<f64>,
     /// `com' = J v`, 3 x nv ([`Needs::COM_JACOBIAN`]).
     pub com_jacobian: Vec<f64>,
-    /// 3 x nj, no base velocities: `d/dt (R^T (com - p)) = J q'` with p the base's origin and R its axes: the rate of the
-    /// centre of mass relative to the base, in base axes ([`Needs::COM_JACOBIAN_BASE`]).
+    /// 3 x nj, no base velocities: `d/dt (R^T (com - p)) = J q'` with p the base's origin and R its
+    /// axes: the rate of the centre of mass relative to the base, in base axes
+    /// ([`Needs::COM_JACOBIAN_BASE`]).
     pub com_jacobian_base: Vec<f64>,
-    /// Generalised force that holds the robot against gravity, g(q), the bias at rest, nv: the force and moment on a
-    /// floating base, then the joint efforts, N m or N ([`Needs::GRAVITY`]).
+    /// Generalised force that holds the robot against gravity, g(q), the bias at rest, nv: the
+    /// force and moment on a floating base, then the joint efforts, N m or N ([`Needs::GRAVITY`]).
     pub gravity_effort: Vec<f64>,
     /// One entry per sole ([`Needs::SOLES`] and more).
     pub soles: Vec<SoleData>,
@@ -47,14 +51,14 @@ pub struct Augmented {
     pub end_effectors: Vec<EndEffectorData>,
     /// Vertices that stick or slide on the floor, sole by sole ([`Needs::CONTACTS`]).
     pub contacts: Vec<ContactPoint>,
-    /// Zero-moment point: point of the floor plane about which the floor's forces have no moment along it, m. None unless
-    /// they press on it ([`Needs::ZMP`]).
+    /// Zero-moment point: point of the floor plane about which the floor's forces have no moment
+    /// along it, m. None unless they press on it ([`Needs::ZMP`]).
     pub zmp: Option<Vector3<f64>>,
-    /// Corners of the convex hull of the contact points seen along the floor's normal, counter-clockwise, m; one or two for a
-    /// point or a line, none in flight ([`Needs::SUPPORT`]).
+    /// Corners of the convex hull of the contact points seen along the floor's normal,
+    /// counter-clockwise, m; one or two for a point or a line, none in flight ([`Needs::SUPPORT`]).
     pub support_polygon: Vec<Vector3<f64>>,
-    /// Point of optimal stability of the support polygon, on the floor plane, m ([`Needs::STABLE_POINT`]); see
-    /// [`crate::geometry::stable_point`].
+    /// Point of optimal stability of the support polygon, on the floor plane, m
+    /// ([`Needs::STABLE_POINT`]); see [`crate::geometry::stable_point`].
     pub stable_point: Option<Vector3<f64>>,
     /// Radius of the largest disc in the support polygon, m ([`Needs::STABLE_POINT`]).
     pub stable_radius: f64,
@@ -88,8 +92,8 @@ impl Augmented {
         }
     }
 
-    /// Computes the parts in `needs` and those they depend on. `gravity` in m/s^2; `floor` is the floor plane that the
-    /// estimator assumes. Allocates nothing.
+    /// Computes the parts in `needs` and those they depend on. `gravity` in m/s^2; `floor` is the
+    /// floor plane that the estimator assumes. Allocates nothing.
     pub fn update(
         &mut self,
         model: &Model,

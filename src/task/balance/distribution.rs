@@ -1,27 +1,31 @@
-//! Distributes a desired wrench on the body over contact points: least squares within the friction cones.
+//! Distributes a desired wrench on the body over contact points: least squares within the friction
+//! cones.
 //!
 //! ```text
 //! minimise  1/2 sum |f_i|^2   subject to   sum f_i = F,   sum r_i x f_i = N,   f_i in K_i                          (1)
 //! K_i = { f : f_n >= 0, |f_t| <= mu f_n }    about the normal n_i of the contact
 //! ```
 //!
-//! **Inside all cones** the solution is the pseudo-inverse, in closed form: with `G_i = (1; [r_i]x)` and
-//! `y = (sum G_i G_i^T)^-1 (F, N)`, `f_i = G_i^T y`, an affine field over the points. This is the least-norm distribution at
-//! the desired centre of pressure of [Hyon 2007, section III].
+//! **Inside all cones** the solution is the pseudo-inverse, in closed form: with
+//! `G_i = (1; [r_i]x)` and `y = (sum G_i G_i^T)^-1 (F, N)`, `f_i = G_i^T y`, an affine field over
+//! the points. This is the least-norm distribution at the desired centre of pressure of [Hyon 2007,
+//! section III].
 //!
-//! **Otherwise** (1) is solved by its dual, in six unknowns for any number of contacts: its minimiser has the form
-//! `f_i = P_i(G_i^T y)`, P_i the projection on K_i, and y maximises a concave function with the gradient
-//! `w - sum G_i P_i(G_i^T y)`, w = (F, N). Each step of the method of multipliers
+//! **Otherwise** (1) is solved by its dual, in six unknowns for any number of contacts: its
+//! minimiser has the form `f_i = P_i(G_i^T y)`, P_i the projection on K_i, and y maximises a
+//! concave function with the gradient `w - sum G_i P_i(G_i^T y)`, w = (F, N). Each step of the
+//! method of multipliers
 //!
 //! ```text
 //! y_k+1 = argmin  1/2 sum |P_i(G_i^T y)|^2 - w . y + eps/2 |y - y_k|^2                                             (2)
 //! ```
 //!
-//! is once continuously differentiable, strongly convex, and solved by Newton's method with the derivative of P_i (a
-//! semi-smooth Newton method) and a line search. If no forces in the cones add up to w, the same steps lead to the nearest
-//! feasible wrench [Chiche 2016], in the norm of [`Measure`]. It divides moments by a length smaller than the height of the
-//! centre of mass, so that a push past the edge of the soles reduces the horizontal force rather than adding a moment that
-//! would tip the body over.
+//! is once continuously differentiable, strongly convex, and solved by Newton's method with the
+//! derivative of P_i (a semi-smooth Newton method) and a line search. If no forces in the cones add
+//! up to w, the same steps lead to the nearest feasible wrench [Chiche 2016], in the norm of
+//! [`Measure`]. It divides moments by a length smaller than the height of the centre of mass, so
+//! that a push past the edge of the soles reduces the horizontal force rather than adding a moment
+//! that would tip the body over.
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -48,7 +52,8 @@ pub struct Measure {
 /// Weight of a missing vertical force: without it the robot would jump rather than yield.
 pub const VERTICAL: f64 = 10.0;
 
-/// Weights eps of the first steps of (2), relative to the number of contacts: the early steps bring the later ones close.
+/// Weights eps of the first steps of (2), relative to the number of contacts: the early steps bring
+/// the later ones close.
 const WEIGHTS: [f64; 2] = [1e-1, 1e-3];
 /// Weight of all further steps. Each reduces the remaining error to about this part.
 const LAST_WEIGHT: f64 = 1e-5;
@@ -86,7 +91,8 @@ impl Distribution {
         self.forces.clear();
     }
 
-    /// Adds a contact at `arm` from the reference point (m) with the unit normal `normal` towards the robot.
+    /// Adds a contact at `arm` from the reference point (m) with the unit normal `normal` towards
+    /// the robot.
     pub fn add(&mut self, arm: Vector3<f64>, normal: Vector3<f64>) {
         self.contacts.push(Contact { arm, normal });
         self.forces.push(Vector3::zeros());
@@ -97,7 +103,8 @@ impl Distribution {
         &self.forces
     }
 
-    /// Finds the forces; returns their sum, which is `desired` if the cones of coefficient `friction` allow it.
+    /// Finds the forces; returns their sum, which is `desired` if the cones of coefficient
+    /// `friction` allow it.
     pub fn solve(&mut self, desired: &Wrench, friction: f64, measure: &Measure) -> Wrench {
         let map = Map {
             lift: Matrix3::identity() + measure.up * measure.up.transpose() * (VERTICAL - 1.0),

@@ -1,4 +1,5 @@
-//! `balance` with `control = "force"`, and `gravity-compensation`: joint efforts for which the floor supports the robot.
+//! `balance` with `control = "force"`, and `gravity-compensation`: joint efforts for which the
+//! floor supports the robot.
 //!
 //! ```text
 //! F   = m (kp (c_ref - c) + kd (c_ref' - c') - g)          desired force of the floor on the robot           (1)
@@ -8,17 +9,20 @@
 //!       + D (kp P(q_ref - q) + kd P(q_ref') - kd q')                                                       (5)
 //! ```
 //!
-//! c centre of mass, R and omega orientation and angular velocity of the base, I the inertia of the whole about c, p_i the
-//! vertices of the soles, J_c and J_i the Jacobians of c and p_i (columns of the joints), D the diagonal of the mass matrix
-//! at the start, P the projection on motions that move no held quantity ([`super::null_space_motion`]). Source of (1), (3),
-//! (4) and of the damping in (5): [Hyon 2007]. Neither forces nor disturbances are measured, kinematics and dynamics are not
-//! inverted, and damping settles the motions that (1) leaves free. (2) and the springs of (5) are additions.
+//! c centre of mass, R and omega orientation and angular velocity of the base, I the inertia of the
+//! whole about c, p_i the vertices of the soles, J_c and J_i the Jacobians of c and p_i (columns of
+//! the joints), D the diagonal of the mass matrix at the start, P the projection on motions that
+//! move no held quantity ([`super::null_space_motion`]). Source of (1), (3), (4) and of the damping
+//! in (5): [Hyon 2007]. Neither forces nor disturbances are measured, kinematics and dynamics are
+//! not inverted, and damping settles the motions that (1) leaves free. (2) and the springs of (5)
+//! are additions.
 //!
-//! **Why it balances.** Gravity's generalised force is `m J_c^T g`, so (4) with `F = m (f_u - g)` reads
-//! `tau = h + m J_c^T f_u - sum J_i^T f_i` on the joints, h the bias of the robot at rest. The rows of the base say
-//! `0 = h + m J_c^T f_u + (0, N) - sum J_i^T f_i`, which the distribution (3) fulfils. With `f_u` = 0 and N = 0 efforts and
-//! contact forces f_i together are an exact equilibrium. Where the cones do not allow F and N, (4) is taken with the forces
-//! that they do allow, and stays consistent.
+//! **Why it balances.** Gravity's generalised force is `m J_c^T g`, so (4) with `F = m (f_u - g)`
+//! reads `tau = h + m J_c^T f_u - sum J_i^T f_i` on the joints, h the bias of the robot at rest.
+//! The rows of the base say `0 = h + m J_c^T f_u + (0, N) - sum J_i^T f_i`, which the distribution
+//! (3) fulfils. With `f_u` = 0 and N = 0 efforts and contact forces f_i together are an exact
+//! equilibrium. Where the cones do not allow F and N, (4) is taken with the forces that they do
+//! allow, and stays consistent.
 
 use super::distribution::{Distribution, Measure, Wrench};
 use super::null_space_motion::NullSpaceMotion;
@@ -55,7 +59,8 @@ pub struct Settings {
     pub approach: f64,
     /// Friction coefficient of (3).
     pub friction: f64,
-    /// Distance of the forces of (3) from the edge of the soles, from 0, the edge, to 1, the middle.
+    /// Distance of the forces of (3) from the edge of the soles, from 0, the edge, to 1, the
+    /// middle.
     pub margin: f64,
     /// True if only vertices in contact at the tick before bear load.
     pub sensed: bool,
@@ -105,7 +110,8 @@ pub struct ForceBalance {
 }
 
 impl ForceBalance {
-    /// A robot on `soles` (none: it must have a fixed base); `name` appears in messages; `changes` by ascending time.
+    /// A robot on `soles` (none: it must have a fixed base); `name` appears in messages; `changes`
+    /// by ascending time.
     pub fn new(
         name: &'static str,
         model: &Model,
@@ -284,7 +290,8 @@ impl Task for ForceBalance {
         for j in 0..nj {
             self.inertia[j] = ws.mass.get(nb + j, nb + j);
         }
-        // Joints that it does not drive stay in place: moving one would cost more than all others together.
+        // Joints that it does not drive stay in place: moving one would cost more than all others
+        // together.
         let mut weights = vec![1e6 * self.inertia.iter().fold(0.0, |m: f64, x| m.max(*x)); nj];
         self.joints.iter().for_each(|j| weights[j.0] = self.inertia[j.0]);
         self.null_space = NullSpaceMotion::new(nb, &weights, 6 * self.stance.soles().len() + 6);

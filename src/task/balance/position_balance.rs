@@ -7,16 +7,18 @@
 //! dq = z + W J^T (J W J^T + mu 1)^-1 (x - J z),   J = [J_soles; J_com,xy],   x = [0; r + u - c_plan],   z = k_q (q_0 - q) dt
 //! ```
 //!
-//! The commanded posture q of the plan keeps the soles in place and the centre of mass at r + u. Joints that this leaves free
-//! return to their initial posture q_0, and W weighs the joints' shares. r lies above the point of optimal stability of the
-//! soles' common hull, carried along with the soles. At rest d = e, so either integral brings the sensed centre of mass to r
-//! whatever the servos' sag; under a lasting push only d shows how far to lean.
+//! The commanded posture q of the plan keeps the soles in place and the centre of mass at r + u.
+//! Joints that this leaves free return to their initial posture q_0, and W weighs the joints'
+//! shares. r lies above the point of optimal stability of the soles' common hull, carried along
+//! with the soles. At rest d = e, so either integral brings the sensed centre of mass to r whatever
+//! the servos' sag; under a lasting push only d shows how far to lean.
 //!
-//! An accelerated centre of mass first moves the zero-moment point the wrong way, p = c - c'' h/g. k_z therefore has to stay
-//! well below sqrt(g/h): by default it is at most a third of that, and k_d at least 3.6 1/s times h/g.
+//! An accelerated centre of mass first moves the zero-moment point the wrong way, p = c - c'' h/g.
+//! k_z therefore has to stay well below sqrt(g/h): by default it is at most a third of that, and
+//! k_d at least 3.6 1/s times h/g.
 //!
-//! Sources: [Sugihara 2002] (the centre of mass resolved by its Jacobian, feet kept); [Hale 2008], section II.B
-//! (centre-of-mass feedback of position-actuated robots).
+//! Sources: [Sugihara 2002] (the centre of mass resolved by its Jacobian, feet kept); [Hale 2008],
+//! section II.B (centre-of-mass feedback of position-actuated robots).
 
 use super::reference_trajectory::ReferenceTrajectory;
 use crate::geometry::{convex_hull, stable_point};
@@ -26,8 +28,8 @@ use crate::task::kinematic::{Goal, InverseKinematics, PlannedRobot, Unknowns, fe
 use crate::task::{Command, Context, Needs, PointOfInterest, Status, Task, TaskResult, has_elapsed};
 use nalgebra::{Vector2, Vector3};
 
-/// Default k_z as a part of sqrt(g/h), the rate of the robot as an inverted pendulum, and its maximum, 1/s. HOAP-2 has 6 1/s,
-/// robots of human size 3.5 1/s.
+/// Default k_z as a part of sqrt(g/h), the rate of the robot as an inverted pendulum, and its
+/// maximum, 1/s. HOAP-2 has 6 1/s, robots of human size 3.5 1/s.
 const LEANING: (f64, f64) = (1.0 / 3.0, 2.0);
 /// Default k_d over h/g, 1/s, and its minimum, s.
 const DAMPING: (f64, f64) = (3.6, 0.1);
@@ -107,12 +109,14 @@ pub struct PositionBalance {
     rise: f64,
     /// w.
     memory: Vector2<f64>,
-    /// Desired centre of mass, r at the height of the plan, and desired zero-moment point, r on the ground.
+    /// Desired centre of mass, r at the height of the plan, and desired zero-moment point, r on the
+    /// ground.
     points: [PointOfInterest; 2],
 }
 
 impl PositionBalance {
-    /// For a robot that [`planned_robot::check`] accepts, on these soles, at least one; `changes` by ascending time.
+    /// For a robot that [`planned_robot::check`] accepts, on these soles, at least one; `changes`
+    /// by ascending time.
     pub fn new(model: &Model, soles: Vec<SoleId>, settings: Settings, changes: Vec<(f64, Change)>) -> Self {
         let (times, changes): (Vec<f64>, Vec<Change>) = changes.into_iter().unzip();
         let leans = |leaning: Option<f64>| leaning != Some(0.0);
@@ -201,7 +205,8 @@ impl Task for PositionBalance {
         let here = self.sensed_support(context);
         let error = desired - (context.data.com.xy() - here);
         let load = context.data.zmp.map_or(Vector2::zeros(), |p| desired - (p.xy() - here));
-        // While a sole stands on its edge the load position is unknown; an integral taken then would be wrong once it is flat.
+        // While a sole stands on its edge the load position is unknown; an integral taken then
+        // would be wrong once it is flat.
         let flat = self.soles.iter().all(|s| context.sensed.soles[s.0].clamped.iter().all(|c| *c));
         if flat {
             self.memory += (error * s.integral + load * self.leaning) * (period * progress);
@@ -231,8 +236,9 @@ impl Task for PositionBalance {
         } else {
             self.planned.update(model);
         }
-        // The velocity command stays zero: the plan's velocity contains the acceleration of the centre of mass times k_d, which the
-        // servos' damping would close into a loop that is unstable at the control rate.
+        // The velocity command stays zero: the plan's velocity contains the acceleration of the
+        // centre of mass times k_d, which the servos' damping would close into a loop that is
+        // unstable at the control rate.
         for &j in &self.joints {
             command.position[j] = self.planned.state.joints[j];
             command.velocity[j] = 0.0;

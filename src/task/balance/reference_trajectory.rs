@@ -1,5 +1,5 @@
-//! A reference that moves to new goals, also while it is still moving: every new goal adds a minimum-jerk move, so that
-//! neither the reference nor its velocity jumps.
+//! A reference that moves to new goals, also while it is still moving: every new goal adds a
+//! minimum-jerk move, so that neither the reference nor its velocity jumps.
 //!
 //! ```text
 //! r(t) = r_0 + sum_i (g_i - g_{i-1}) (10 s_i^3 - 15 s_i^4 + 6 s_i^5),   s_i = (t - t_i) / T_i,   g_0 = r_0
@@ -70,7 +70,8 @@ mod tests {
         let h = 1e-6;
         for t in [1.5, 2.2, 2.9] {
             let slope = (course.at(t + h).0 - course.at(t - h).0) / (2.0 * h);
-            // The polynomial's terms reach 10, times displacements of 4: roundings of 9e-15 at both ends, over 2 h.
+            // The polynomial's terms reach 10, times displacements of 4: roundings of 9e-15 at both
+            // ends, over 2 h.
             assert!((slope - course.at(t).1).norm() < 1e-8, "{t}");
         }
     }

@@ -39,8 +39,9 @@ impl Stance {
         &self.soles
     }
 
-    /// Updates the vertices to the kinematics `ws`, moved towards the middle of their sole by the part `margin` of their
-    /// distance from it. With `sensed` only vertices in contact count. `up` is the normal of soles that have none.
+    /// Updates the vertices to the kinematics `ws`, moved towards the middle of their sole by the
+    /// part `margin` of their distance from it. With `sensed` only vertices in contact count. `up`
+    /// is the normal of soles that have none.
     pub fn update(&mut self, model: &Model, ws: &Workspace, margin: f64, sensed: Option<&Sensed>, up: &Vector3<f64>) {
         self.footholds.clear();
         let (mut sum, mut count) = (Vector3::zeros(), 0.0);
@@ -61,8 +62,8 @@ impl Stance {
         self.centre = if count > 0.0 { sum / count } else { ws.position };
     }
 
-    /// Point of optimal stability of all vertices of the soles seen along `up`, at the height of the centre, world, m.
-    /// Needs [`update`](Self::update). Allocates.
+    /// Point of optimal stability of all vertices of the soles seen along `up`, at the height of
+    /// the centre, world, m. Needs [`update`](Self::update). Allocates.
     pub fn stable_point(&self, model: &Model, ws: &Workspace, up: &Vector3<f64>) -> Vector3<f64> {
         let axes = Rotation3::rotation_between(&Vector3::z(), up).unwrap_or_else(Rotation3::identity);
         let level = Plane { rotation: axes.into_inner(), point: self.centre };

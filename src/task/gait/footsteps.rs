@@ -6,16 +6,17 @@
 //!         S         d    | S - d          d    | S - d                d, then wait
 //! ```
 //!
-//! with S the step time and d the time of double support. Footfall i (1 to n) of a walk with step length L lands `i L` ahead
-//! of the initial position of its pair of feet, the last one level with the other foot at `(n - 1) L`; L = 0 steps in place.
-//! The swinging foot moves along
+//! with S the step time and d the time of double support. Footfall i (1 to n) of a walk with step
+//! length L lands `i L` ahead of the initial position of its pair of feet, the last one level with
+//! the other foot at `(n - 1) L`; L = 0 steps in place. The swinging foot moves along
 //!
 //! ```text
 //! p(s) = p0 + (p1 - p0) (10 s^3 - 15 s^4 + 6 s^5),     z(s) = z0 + (z1 - z0) (same) + H 64 s^3 (1 - s)^3
 //! ```
 //!
-//! which lifts off and lands without velocity or acceleration and clears the floor by H at half the swing. The zero-moment
-//! point rests under the standing foot's centroid and moves across in double support along the same quintic.
+//! which lifts off and lands without velocity or acceleration and clears the floor by H at half the
+//! swing. The zero-moment point rests under the standing foot's centroid and moves across in double
+//! support along the same quintic.
 
 use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::{Vector2, Vector3};
@@ -57,8 +58,8 @@ pub struct Footsteps {
 }
 
 impl Footsteps {
-    /// Soles whose centroids are at `start` (m), walking along the unit vector `ahead`. The plan is evaluated up to `until`
-    /// seconds only.
+    /// Soles whose centroids are at `start` (m), walking along the unit vector `ahead`. The plan is
+    /// evaluated up to `until` seconds only.
     pub fn new(stride: Stride, start: [Vector3<f64>; 2], ahead: Vector3<f64>, until: f64) -> Self {
         let mut positions = start;
         // The step in progress at the end and the one after it.
@@ -80,7 +81,8 @@ impl Footsteps {
         2.0 * self.stride.wait + self.stride.steps as f64 * self.stride.time + self.stride.double_support
     }
 
-    /// Step in progress at time `t` and the time since it began; `None` before the first and after the last.
+    /// Step in progress at time `t` and the time since it began; `None` before the first and after
+    /// the last.
     fn step(&self, t: f64) -> Option<(usize, f64)> {
         let since = t - self.stride.wait;
         let i = (since / self.stride.time).floor();

@@ -1,4 +1,5 @@
-//! Gait of a biped: the footstep plan with its zero-moment point, and the resulting centre-of-mass motion.
+//! Gait of a biped: the footstep plan with its zero-moment point, and the resulting centre-of-mass
+//! motion.
 
 pub mod footsteps;
 pub mod preview;

@@ -1,4 +1,5 @@
-//! Preview control of the cart-table model: the centre-of-mass motion whose zero-moment point follows a reference.
+//! Preview control of the cart-table model: the centre-of-mass motion whose zero-moment point
+//! follows a reference.
 //!
 //! ```text
 //! x = (c, c', c''),   x(k+1) = A x(k) + b u(k),   p(k) = C x(k),   C = (1, 0, -h/g)
@@ -7,7 +8,8 @@
 //! ```
 //!
 //! which minimises `sum Q (p - p_ref)^2 + R (u(k) - u(k-1))^2`. With the augmented system
-//! `A~ = [1 CA; 0 A], b~ = (Cb; b), Q~ = diag(Q, 0, 0, 0)` and the solution P of its Riccati equation
+//! `A~ = [1 CA; 0 A], b~ = (Cb; b), Q~ = diag(Q, 0, 0, 0)` and the solution P of its Riccati
+//! equation
 //!
 //! ```text
 //! (G_i, G_x) = (R + b~^T P b~)^-1 b~^T P A~,     A_c = A~ - b~ (G_i, G_x)
@@ -16,12 +18,14 @@
 //!
 //! Sources: [Kajita 2003, equations 11 to 15]; the gains after [Katayama 1985].
 //!
-//! Symbols: c centre of mass in one horizontal direction, p zero-moment point, h its height over the floor, g gravity.
+//! Symbols: c centre of mass in one horizontal direction, p zero-moment point, h its height over
+//! the floor, g gravity.
 
 use crate::linalg::riccati;
 use nalgebra::{Matrix3, Matrix4, RowVector3, Vector3, Vector4};
 
-/// Weight of the jerk's change against that of the error, `R / Q`, m^2 over (m/s^3)^2 [Kajita 2003].
+/// Weight of the jerk's change against that of the error, `R / Q`, m^2 over (m/s^3)^2 [Kajita
+/// 2003].
 pub const JERK_WEIGHT: f64 = 1e-6;
 
 /// Gains for one height and period.
@@ -59,8 +63,9 @@ impl Sample {
 }
 
 impl Preview {
-    /// Gains for a centre of mass `height` m above the floor under `gravity` m/s^2 (its magnitude), with samples every
-    /// `period` seconds and a preview of `horizon` seconds. `None` when no gains exist.
+    /// Gains for a centre of mass `height` m above the floor under `gravity` m/s^2 (its magnitude),
+    /// with samples every `period` seconds and a preview of `horizon` seconds. `None` when no gains
+    /// exist.
     pub fn new(height: f64, gravity: f64, period: f64, horizon: f64) -> Option<Self> {
         let (lag, t) = (height / gravity, period);
         let (a, b, c) = cart_table(lag, t);
@@ -97,10 +102,12 @@ impl Preview {
         x[0] - self.lag * x[2]
     }
 
-    /// Motion from rest at `reference[0]`: `count` samples, at most one per entry; the last entry continues indefinitely.
+    /// Motion from rest at `reference[0]`: `count` samples, at most one per entry; the last entry
+    /// continues indefinitely.
     pub fn follow(&self, reference: &[f64], count: usize) -> Vec<Sample> {
         let (Some(first), Some(last)) = (reference.first(), reference.last()) else { return Vec::new() };
-        // Relative to the start, so that cutting the preview off at the horizon has no effect at rest.
+        // Relative to the start, so that cutting the preview off at the horizon has no effect at
+        // rest.
         let target = |k: usize| reference.get(k).unwrap_or(last) - first;
         let (mut x, mut sum) = (Vector3::zeros(), 0.0);
         let count = count.min(reference.len());

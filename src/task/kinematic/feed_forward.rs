@@ -1,24 +1,25 @@
 //! Feed-forward efforts of a planned motion, so that servos hold it without sagging.
 //!
-//! The robot is assumed to move as a whole with the acceleration c'' of its centre of mass. In a frame that moves along it is
-//! at rest under `g - c''`, and the floor carries it by
+//! The robot is assumed to move as a whole with the acceleration c'' of its centre of mass. In a
+//! frame that moves along it is at rest under `g - c''`, and the floor carries it by
 //!
 //! ```text
 //! f = -m (g - c''),   f_s = a_s f at x_s,   sum a_s = 1,   sum a_s x_s = z
 //! tau = h(q, v; g - c'') - sum J_s^T f_s
 //! ```
 //!
-//! with z the zero-moment point of the plan, h the bias forces, x_s the centroid of sole s shifted by the part of z off the
-//! line of centroids, and the shares a_s in proportion to the position of z along that line. A robot with another number of
-//! soles than two is assumed to share evenly.
+//! with z the zero-moment point of the plan, h the bias forces, x_s the centroid of sole s shifted
+//! by the part of z off the line of centroids, and the shares a_s in proportion to the position of
+//! z along that line. A robot with another number of soles than two is assumed to share evenly.
 
 use super::PlannedRobot;
 use crate::dynamics::{jacobian, rnea};
 use crate::robot::Model;
 use nalgebra::{Vector2, Vector3};
 
-/// Writes the joints' part of tau (N m or N, one per joint) to `out`. `zmp` in world axes, m; `acceleration` is c'',
-/// `gravity` free fall, m/s^2. The plan's kinematics must be those of its state.
+/// Writes the joints' part of tau (N m or N, one per joint) to `out`. `zmp` in world axes, m;
+/// `acceleration` is c'', `gravity` free fall, m/s^2. The plan's kinematics must be those of its
+/// state.
 pub fn efforts(
     model: &Model,
     planned: &mut PlannedRobot,

@@ -17,7 +17,8 @@ pub struct Goal {
 /// Velocities of the targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rates {
-    /// For each sole the velocity of its centroid (m/s) and its angular velocity (rad/s), world axes.
+    /// For each sole the velocity of its centroid (m/s) and its angular velocity (rad/s), world
+    /// axes.
     pub soles: Vec<Motion>,
     /// Velocity of the centre of mass, m/s.
     pub com: Vector3<f64>,

@@ -1,16 +1,19 @@
-//! Whole-body inverse kinematics: from sole poses, centre of mass and root orientation to joint positions and velocities.
+//! Whole-body inverse kinematics: from sole poses, centre of mass and root orientation to joint
+//! positions and velocities.
 //!
 //! ```text
 //! e(q) = [ sole positions and rotations; centre of mass; root rotation ]  (goal less plan, rotations as rotation vectors)
 //! dv   = z + W J^T (J W J^T + mu 1)^-1 (e - J z),   q := q (+) dv        until |e| is small
 //! ```
 //!
-//! with J = -de/dv over the base's six velocities and the joints used, W the mobilities of these velocities, z a preferred
-//! motion (only its part in the goal's null space survives) and mu a damping that vanishes with the error, so that the
-//! iteration is Newton's near the goal and bounded far from it. Sources: [Nakamura 1986, equation 21] (damping),
-//! [Sugihara 2011, equation 19] (damping by the error).
+//! with J = -de/dv over the base's six velocities and the joints used, W the mobilities of these
+//! velocities, z a preferred motion (only its part in the goal's null space survives) and mu a
+//! damping that vanishes with the error, so that the iteration is Newton's near the goal and
+//! bounded far from it. Sources: [Nakamura 1986, equation 21] (damping), [Sugihara 2011, equation
+//! 19] (damping by the error).
 //!
-//! The base's velocities are unknowns like those of the joints: the motion of the root follows from the same equations.
+//! The base's velocities are unknowns like those of the joints: the motion of the root follows from
+//! the same equations.
 
 use super::{Goal, PlannedRobot, Rates};
 use crate::dynamics::{Motion, crba, jacobian};
@@ -79,7 +82,8 @@ pub struct InverseKinematics {
     error: Vec<f64>,
     /// Motion of all velocities, length nv.
     motion: Vec<f64>,
-    /// Preferred motion z, length nv; zero unless set. [`InverseKinematics::advance`] overwrites the entries of locked joints.
+    /// Preferred motion z, length nv; zero unless set. [`InverseKinematics::advance`] overwrites
+    /// the entries of locked joints.
     pub preferred: Vec<f64>,
     /// Unknowns that follow only their preferred motion.
     locked: Vec<bool>,
@@ -152,8 +156,9 @@ impl InverseKinematics {
         Err(Unreachable::TooFar { error: left })
     }
 
-    /// Takes one step towards the goal within `period` seconds, without iteration: the remaining error is of the square of the
-    /// step. Joints stop at their limits and the others take over. The plan's velocity is that of the step.
+    /// Takes one step towards the goal within `period` seconds, without iteration: the remaining
+    /// error is of the square of the step. Joints stop at their limits and the others take over.
+    /// The plan's velocity is that of the step.
     pub fn advance(&mut self, model: &Model, planned: &mut PlannedRobot, goal: &Goal, period: f64) {
         planned.update(model);
         self.assemble(model, planned);

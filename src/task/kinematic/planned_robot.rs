@@ -52,8 +52,8 @@ pub struct PlannedRobot {
     pub feet: Vec<Foot>,
 }
 
-/// Joints that move some sole, but not all of several: the legs. Joints that carry all soles alike (a waist above the legs of
-/// a robot whose root is its torso) are not among them.
+/// Joints that move some sole, but not all of several: the legs. Joints that carry all soles alike
+/// (a waist above the legs of a robot whose root is its torso) are not among them.
 pub fn leg_joints(model: &Model) -> Vec<usize> {
     let ws = Workspace::new(model);
     let nb = model.nb();
@@ -130,8 +130,8 @@ impl PlannedRobot {
         kinematics::update(model, &self.state, &mut self.ws);
     }
 
-    /// Sets the plan to rest, with the joints at their commanded positions and the soles, on average, where the estimated state
-    /// has them: the posture of the robot without sag.
+    /// Sets the plan to rest, with the joints at their commanded positions and the soles, on
+    /// average, where the estimated state has them: the posture of the robot without sag.
     pub fn stand_as_commanded(&mut self, context: &Context, command: &Command) {
         let model = context.model;
         self.state.copy_from(context.state);

@@ -58,8 +58,8 @@ impl PosturePlanner {
         Ok(())
     }
 
-    /// Moves the goal's centre of mass and root from their start to `com` and `root`, `t` seconds into a minimum-jerk move of
-    /// `duration` seconds.
+    /// Moves the goal's centre of mass and root from their start to `com` and `root`, `t` seconds
+    /// into a minimum-jerk move of `duration` seconds.
     pub fn approach(&mut self, t: f64, duration: f64, com: Vector3<f64>, root: UnitQuaternion<f64>) {
         let (progress, rate) = minimum_jerk(t, duration);
         let way = com - self.from.0;
@@ -70,7 +70,8 @@ impl PosturePlanner {
         self.rates.root = turn * rate;
     }
 
-    /// Writes the joint positions that meet the goal; joints that it does not move keep their commands.
+    /// Writes the joint positions that meet the goal; joints that it does not move keep their
+    /// commands.
     ///
     /// # Errors
     /// [`Unreachable`]; the command is then unchanged.
@@ -89,8 +90,8 @@ impl PosturePlanner {
         Ok(())
     }
 
-    /// Blends the efforts of the carrying joints from their commands to those of the motion by the factor `part`; see
-    /// [`feed_forward`]. Call after [`PosturePlanner::write_joints`].
+    /// Blends the efforts of the carrying joints from their commands to those of the motion by the
+    /// factor `part`; see [`feed_forward`]. Call after [`PosturePlanner::write_joints`].
     pub fn add_feed_forward(
         &mut self,
         context: &Context,
