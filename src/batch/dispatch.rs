@@ -1,5 +1,6 @@
 //! The one who is told everything: keeps the order, the clock of each run, and the only voice.
 
+use crate::files::names;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
@@ -124,7 +125,7 @@ impl<'a> Dispatcher<'a> {
             return Err(error);
         }
         for (index, laps) in &self.laps {
-            let path = self.plan.folder(*index, &self.options.output).join("run.json");
+            let path = self.plan.folder(*index, &self.options.output).join(names::RUN_RECORD);
             let mut record = RunRecord::read(&path)?;
             record.timing.repeats = clock::repeats(laps);
             record.notes.extend(self.notes.remove(index).into_iter().flatten());

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::planner::RESERVED;
 use super::{BatchError, Finished, Job, Listener, Plan, Role};
+use crate::files::names::BATCH_FILES;
 use crate::files::{Made, RecordError, may_replace};
 use crate::results::{JunitCase, JunitStatus, Verdict, write_junit};
 use crate::sim::Outcome;
@@ -34,7 +34,8 @@ impl Junit {
             let source = std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a folder; test results need a file");
             return Err(RecordError::io(path)(source).into());
         }
-        if is_at(path, output) && path.file_name().is_some_and(|name| RESERVED.iter().any(|reserved| name == *reserved))
+        if is_at(path, output)
+            && path.file_name().is_some_and(|name| BATCH_FILES.iter().any(|reserved| name == *reserved))
         {
             let source =
                 std::io::Error::new(std::io::ErrorKind::InvalidInput, "is a file of the results: choose another");

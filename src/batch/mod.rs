@@ -37,6 +37,7 @@ mod simulate;
 mod stale;
 mod store;
 
+use crate::files::names;
 use std::cell::RefCell;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -47,7 +48,7 @@ use std::time::Duration;
 use crate::files::{RecordError, confined, remove_partial};
 use crate::report::{Pictured, ReportRun, write_report_of};
 use crate::results::{
-    Machine, PROGRAM, ReferenceMotion, RunsLog, SHARD_LIST, SummaryFiles, SummaryRow, Tally, write_summary_of,
+    Machine, PROGRAM, ReferenceMotion, RunStatistics, RunsLog, SummaryFiles, SummaryRow, write_summary_of,
 };
 use crate::sim::{Outcome, Problems};
 
@@ -154,8 +155,8 @@ pub struct Finished {
 #[derive(Clone, Debug)]
 pub struct Report {
     /// Numbers of all finished runs.
-    pub tally: Tally,
-    /// Finished runs in the order of the plan: all of them unless they are more than [`MOST_KEPT`](crate::results::MOST_KEPT),
+    pub statistics: RunStatistics,
+    /// Finished runs in the order of the plan: all of them unless they are more than [`SAMPLE_SIZE`](crate::results::SAMPLE_SIZE),
     /// else the first of those that went wrong and of the others.
     pub finished: Vec<Finished>,
     /// How many of all finished runs did not end as they should, those apart of which an expectation did not hold.
@@ -232,19 +233,19 @@ impl Batch {
         std::fs::create_dir_all(&options.output).map_err(refused)?;
         // The summary is written at the end; that its folder takes files must be known now.
         tempfile::tempfile_in(&options.output).map_err(refused)?;
-        let runs_log_path = options.output.join("runs.jsonl");
+        let runs_log_path = options.output.join(names::RUNS_LOG);
         let mut runs_log = RunsLog::append(&runs_log_path)?;
         // Told now and not by each run.
         for scenario in plan.scenarios() {
             let folder = options.output.join(scenario);
-            confined::check(&options.output, &folder.join("references"))?;
+            confined::check(&options.output, &folder.join(names::REFERENCES))?;
             // Where others may not write, all of its runs would fail.
             if folder.is_dir() {
                 tempfile::tempfile_in(&folder).map_err(RecordError::io(&folder))?;
             }
         }
         remove_partial(&options.output);
-        for name in ["summary.csv", "summary.parquet", "report.html", SHARD_LIST] {
+        for name in names::BATCH_OUTPUTS {
             let path = options.output.join(name);
             match std::fs::remove_file(&path) {
                 Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
@@ -259,7 +260,7 @@ impl Batch {
         let resumed = if options.resume { resume::look(&plan, &options) } else { Resumed::default() };
         if resumed.runs() > 0 {
             // Between a run's record and its line the program may have been killed.
-            let told = RunsLog::told(&runs_log_path)?;
+            let told = RunsLog::logged(&runs_log_path)?;
             for index in resumed.finished.positions() {
                 if !told.contains(plan.scenario(index), &plan.key(index)) {
                     runs_log.push(&resumed.finished.row(index, &plan, &options.output)?)?;
@@ -325,15 +326,15 @@ impl Batch {
             }
         });
         let dispatch::Collected { finished: store, references, interrupted } = dispatcher.collect()?;
-        let rows = store::AllRows { store: &store, plan, output, tally: RefCell::default() };
+        let rows = store::AllRows { store: &store, plan, output, statistics: RefCell::default() };
         let summary = if store.count == 0 { None } else { Some(write_summary_of(output, &rows)?) };
-        let (count, tally) = (store.count, rows.tally.into_inner().unwrap_or_default());
+        let (count, statistics) = (store.count, rows.statistics.into_inner().unwrap_or_default());
         let (unfinished, failed) = (store.unfinished, store.failed);
         let (finished, references) = (store.into_kept(), references.into_kept());
-        let page = if count == 0 { None } else { Some(write_page(output, &finished, &tally, &references)?) };
+        let page = if count == 0 { None } else { Some(write_page(output, &finished, &statistics, &references)?) };
         Ok(Report {
             not_started: self.plan.runs() - count,
-            tally,
+            statistics,
             finished,
             unfinished,
             failed,
@@ -350,12 +351,12 @@ impl Batch {
 fn write_page(
     output: &Path,
     finished: &[Finished],
-    tally: &Tally,
+    statistics: &RunStatistics,
     references: &[Finished],
 ) -> Result<PathBuf, RecordError> {
-    let (page, machine) = (output.join("report.html"), Machine::here());
+    let (page, machine) = (output.join(names::REPORT), Machine::here());
     let runs = as_reported(finished, &machine);
-    write_report_of(&page, output, (&runs, tally), &as_reported(references, &machine), &Pictured::Few)?;
+    write_report_of(&page, output, (&runs, statistics), &as_reported(references, &machine), &Pictured::Few)?;
     Ok(page)
 }
 

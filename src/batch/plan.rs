@@ -1,5 +1,6 @@
 //! What will be run, and each run when it is wanted.
 
+use crate::files::names;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -228,7 +229,7 @@ impl Job {
         match self.role {
             Role::Run { .. } => scenario.join(&self.key),
             // One level deeper: who lists the runs of a scenario does not find it.
-            Role::Reference => scenario.join("references").join(&self.key),
+            Role::Reference => scenario.join(names::REFERENCES).join(&self.key),
         }
     }
 

@@ -9,15 +9,12 @@ use super::robots::Robots;
 use super::{Finding, Findings, keys};
 use crate::assemble::setup;
 use crate::files::input;
-use crate::results::SHARD_LIST;
+use crate::files::names::BATCH_FILES;
 use crate::robot::{Robot, RobotError};
 use crate::scenario::{self, Diagnostic, Diagnostics, Expansion, Run, ScenarioFile, Severity};
 
 /// Errors after which checking gives up.
 const MAX_ERRORS: usize = 50;
-
-/// Files of the results, beside which the folder of each scenario stands.
-pub(super) const RESERVED: [&str; 5] = ["summary.csv", "summary.parquet", "runs.jsonl", "report.html", SHARD_LIST];
 
 /// Loads scenario files and robots, makes every run of their sweeps and builds its setup once to see that it can be built.
 ///
@@ -129,7 +126,7 @@ impl Planner {
             let help = "rename one of them, or run them apart, each with an --output of its own";
             return self.refuse_file(file, message, help);
         }
-        if RESERVED.contains(&name.as_str()) {
+        if BATCH_FILES.contains(&name.as_str()) {
             let message = format!("`{name}` is a file of the results and no name for a folder");
             return self.refuse_file(file, message, "rename the scenario");
         }

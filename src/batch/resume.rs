@@ -3,6 +3,7 @@
 //! A run's key is a hash of everything its result depends on, so a whole record under the key of a run is that run's result.
 //! What depended on the clock, on a person or on trouble of the machine is made again.
 
+use crate::files::names;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -145,7 +146,7 @@ pub(super) fn look(plan: &Plan, options: &Options) -> Resumed {
 fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     let folder = job.folder(&options.output);
     remove_partial(&folder);
-    let path = folder.join("run.json");
+    let path = folder.join(names::RUN_RECORD);
     let record = match RunRecord::read(&path) {
         Ok(record) => record,
         Err(RecordError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => return State::Absent,
@@ -162,7 +163,7 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     if !repeats(&row) {
         return State::Again(format!("it ended as `{}`", row.outcome.name()));
     }
-    let log = folder.join("log.mcap");
+    let log = folder.join(names::LOG);
     if job.wants_log(options) {
         if record.log.is_none() && !log.exists() {
             return State::Again("it has no log".into());
@@ -171,7 +172,7 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
             return State::Again(fault.into());
         }
     }
-    let problems = folder.join("problems");
+    let problems = folder.join(names::PROBLEMS);
     if !has_problems(&row, &problems, options.problems) {
         return State::Again("it has not the contact problems that are asked for".into());
     }
@@ -216,12 +217,12 @@ impl Earlier {
         let mut earlier = Earlier { with_seed: HashMap::new(), without: HashMap::new(), folder };
         let Ok(entries) = std::fs::read_dir(&earlier.folder) else { return earlier };
         let names = entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned());
-        let written = |name: &String| earlier.folder.join(name).join("run.json").metadata()?.modified();
+        let written = |name: &String| earlier.folder.join(name).join(names::RUN_RECORD).metadata()?.modified();
         let names = names.filter(|name| !keys.contains(name));
         let mut names: Vec<_> = names.filter_map(|name| Some((written(&name).ok()?, name))).collect();
         names.sort();
         for (_, name) in names {
-            let Ok(record) = RunRecord::read(&earlier.folder.join(&name).join("run.json")) else { continue };
+            let Ok(record) = RunRecord::read(&earlier.folder.join(&name).join(names::RUN_RECORD)) else { continue };
             let (place, seed) = (identity(&record.parameters), record.seed);
             let own = Some((name.clone(), seed));
             let known = earlier.without.entry(place.clone()).or_insert_with(|| own.clone());
@@ -240,7 +241,7 @@ impl Earlier {
         let place = identity(&job.parameters());
         let same_seed = self.with_seed.get(&format!("{place} {}", job.run.scenario.seed));
         let name = same_seed.or_else(|| self.without.get(&place)?.as_ref().map(|(name, _)| name))?;
-        RunRecord::read(&self.folder.join(name).join("run.json")).ok()
+        RunRecord::read(&self.folder.join(name).join(names::RUN_RECORD)).ok()
     }
 }
 

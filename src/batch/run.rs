@@ -6,6 +6,7 @@ use super::clock::Clock;
 use super::judge::judge;
 use super::schedule::Against;
 use super::{Body, Cancellation, Finished, Job, Options, Reason, Role, Track, Wanted, guard};
+use crate::files::names;
 use crate::files::{confined, remove_partial};
 use crate::results::{
     Comparison, InputHash, LogFingerprint, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError,
@@ -96,7 +97,7 @@ pub(super) fn run(
     record.verdicts.clone_from(&row.verdicts);
     // What cannot be read now cannot be taken for whole later.
     record.log = wanted.log.as_deref().and_then(|log| LogFingerprint::of(log).ok());
-    let path = folder.join("run.json");
+    let path = folder.join(names::RUN_RECORD);
     let left = [wanted.log, wanted.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
     let finished = match confined.and_then(|()| record.write(&path)) {
         Ok(()) => Finished { files: [path].into_iter().chain(left).collect(), notes, row, accepted },
@@ -111,7 +112,7 @@ pub(super) fn run(
 /// While a run goes on there is no record of it: one that is there tells of the files that lie beside it.
 fn clear(folder: &Path) {
     remove_partial(folder);
-    for name in ["run.json", "log.mcap"] {
+    for name in [names::RUN_RECORD, names::LOG] {
         // What is in the way and cannot be removed is told when it is written anew.
         let _ = std::fs::remove_file(folder.join(name));
     }
@@ -123,8 +124,8 @@ fn wanted(job: &Job, options: &Options, folder: &Path, against: Option<&Against>
         return Wanted { track: Track::Keep(job.run.scenario.log.rate), ..Wanted::default() };
     }
     Wanted {
-        log: job.wants_log(options).then(|| folder.join("log.mcap")),
-        problems: (options.problems != Problems::None).then(|| (folder.join("problems"), options.problems)),
+        log: job.wants_log(options).then(|| folder.join(names::LOG)),
+        problems: (options.problems != Problems::None).then(|| (folder.join(names::PROBLEMS), options.problems)),
         track: against.and_then(|a| a.result.clone().ok()).map_or(Track::Nothing, Track::Compare),
     }
 }

@@ -1,18 +1,19 @@
 //! What has finished, whatever its number: a few thousand runs in memory, the others in their records.
 
+use crate::files::names;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::{Finished, Job, Plan};
 use crate::files::RecordError;
-use crate::results::{Kept, Machine, PROGRAM, Rows, RunRecord, SummaryRow, Tally};
+use crate::results::{BoundedSample, Machine, PROGRAM, Rows, RunRecord, RunStatistics, SummaryRow};
 use crate::sim::Outcome;
 
 /// Finished runs by their positions in the plan.
 #[derive(Debug, Default)]
 pub(super) struct Store {
-    kept: Kept<Finished>,
+    kept: BoundedSample<Finished>,
     /// Those without a record: nothing but memory has them.
     unwritten: BTreeMap<usize, Finished>,
     done: Vec<bool>,
@@ -32,7 +33,7 @@ impl Store {
         }
         self.done[index] = true;
         self.count += 1;
-        let is_written = finished.files.iter().any(|file| file.ends_with("run.json"));
+        let is_written = finished.files.iter().any(|file| file.ends_with(names::RUN_RECORD));
         match finished.row.outcome {
             Outcome::Failed => self.failed += 1,
             _ if !finished.accepted => self.unfinished += 1,
@@ -67,7 +68,7 @@ impl Store {
     pub fn row(&self, index: usize, plan: &Plan, output: &Path) -> Result<SummaryRow, RecordError> {
         match self.unwritten.get(&index).or_else(|| self.kept.get(index)) {
             Some(finished) => Ok(finished.row.clone()),
-            None => Ok(RunRecord::read(&plan.folder(index, output).join("run.json"))?.summary_row()),
+            None => Ok(RunRecord::read(&plan.folder(index, output).join(names::RUN_RECORD))?.summary_row()),
         }
     }
 
@@ -79,7 +80,7 @@ impl Store {
         if let Some(finished) = self.unwritten.get(&job.index).or_else(|| self.kept.get(job.index)) {
             return Ok(finished.clone());
         }
-        let path = job.folder(output).join("run.json");
+        let path = job.folder(output).join(names::RUN_RECORD);
         let record = RunRecord::read(&path)?;
         let row = record.summary_row();
         Ok(Finished { files: vec![path], notes: record.notes, accepted: !row.is_refused(), row })
@@ -102,23 +103,23 @@ pub(super) struct AllRows<'a> {
     pub plan: &'a Plan,
     pub output: &'a Path,
     /// Numbers of them; complete when they have been gone through. The order of sums is that of the plan.
-    pub tally: RefCell<Option<Tally>>,
+    pub statistics: RefCell<Option<RunStatistics>>,
 }
 
 impl Rows for AllRows<'_> {
-    fn each(&self, tell: &mut dyn FnMut(&SummaryRow) -> Result<(), RecordError>) -> Result<(), RecordError> {
-        let mut tally = self.tally.borrow().is_none().then(Tally::default);
+    fn for_each(&self, visit: &mut dyn FnMut(&SummaryRow) -> Result<(), RecordError>) -> Result<(), RecordError> {
+        let mut statistics = self.statistics.borrow().is_none().then(RunStatistics::default);
         let machine = Machine::here();
         for index in self.store.positions() {
             let row = self.store.row(index, self.plan, self.output)?;
-            if let Some(tally) = &mut tally {
-                let record = self.plan.folder(index, self.output).join("run.json");
-                tally.add(&row, PROGRAM, &machine, Some(&record));
+            if let Some(statistics) = &mut statistics {
+                let record = self.plan.folder(index, self.output).join(names::RUN_RECORD);
+                statistics.add(&row, PROGRAM, &machine, Some(&record));
             }
-            tell(&row)?;
+            visit(&row)?;
         }
-        if tally.is_some() {
-            self.tally.replace(tally);
+        if statistics.is_some() {
+            self.statistics.replace(statistics);
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use stiction::results::changes::{Limits, Results, Tolerance, compare};
+use stiction::results::compare::{Limits, Results, Tolerance, compare};
 
 use super::terminal::{complain, complain_of, print};
 use super::{Exit, numbers};

@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
+use stiction::files::names;
 
 use clap::{Args, ValueEnum};
 use stiction::export::{self, DataTable, ExportError, HeaderStyle, NumberFormat};
@@ -137,7 +138,7 @@ impl Export {
     }
 
     fn read(&self) -> Result<Trajectory, Exit> {
-        let path = if self.log.is_dir() { self.log.join("log.mcap") } else { self.log.clone() };
+        let path = if self.log.is_dir() { self.log.join(names::LOG) } else { self.log.clone() };
         if let Some(output) = &self.output
             && same_file(output, &path)
         {

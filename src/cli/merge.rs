@@ -1,9 +1,11 @@
 //! `runner merge`: the results of shards in one folder.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use stiction::files::names;
+use stiction::report::write_report_of_found;
 use stiction::results::merge::{MergeError, Merged, Shards};
 use stiction::results::table;
 use stiction::text::visible::visible_path;
@@ -47,7 +49,10 @@ impl Merge {
             return Err(Exit::Invalid);
         }
         let merged = shards.write(&self.output, &missing).map_err(refused)?;
-        print(&summary(&merged))?;
+        let page = self.output.join(names::REPORT);
+        let runs = (merged.runs.as_slice(), &merged.statistics);
+        write_report_of_found(&page, &self.output, runs, &merged.references).map_err(|error| refused(error.into()))?;
+        print(&summary(&merged, &page))?;
         Ok(match () {
             () if merged.unfinished > 0 => Exit::Unfinished,
             () if merged.failed > 0 => Exit::Failed,
@@ -56,19 +61,19 @@ impl Merge {
     }
 }
 
-fn summary(merged: &Merged) -> String {
+fn summary(merged: &Merged, page: &Path) -> String {
     let rows: Vec<_> = merged.runs.iter().map(|run| run.record.summary_row()).collect();
     let mut out = if rows.len() <= MOST_SHOWN { table(&rows) + "\n" } else { String::new() };
-    let outcomes = merged.tally.outcomes().into_iter().map(|(outcome, count)| format!("{count} {outcome}"));
+    let outcomes = merged.statistics.outcomes().into_iter().map(|(outcome, count)| format!("{count} {outcome}"));
     let words: Vec<String> = outcomes.collect();
     // A String takes every write.
-    let _ = write!(out, "{}: {}", plural(merged.tally.runs(), "run"), words.join(", "));
-    let (held, expected) = merged.tally.expectations();
+    let _ = write!(out, "{}: {}", plural(merged.statistics.runs(), "run"), words.join(", "));
+    let (held, expected) = merged.statistics.expectations();
     if expected > 0 {
         let _ = write!(out, "; {held} of {expected} expectations held");
     }
     out += "\nwritten:\n";
-    for path in [&merged.summary.csv, &merged.summary.parquet, &merged.runs_log, &merged.page] {
+    for path in [&*merged.summary.csv, &merged.summary.parquet, &merged.runs_log, page] {
         let _ = writeln!(out, "  {}", visible_path(path));
     }
     out

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stiction::files::{Made, RecordError, may_replace};
-use stiction::report::{Pictured, ReportRun, write_report_of};
+use stiction::files::{Made, RecordError, may_replace, names};
+use stiction::report::{Pictured, found_runs, write_report_of};
 use stiction::results::pareto::{Work, pareto_table};
-use stiction::results::{FoundRun, Listing, Seen, SummaryRow, list_records, write_summary_of};
+use stiction::results::{FoundRun, Listing, SampledRuns, SummaryRow, list_records, write_summary_of};
 use stiction::text::visible::visible_path;
 
 use super::Exit;
@@ -51,11 +51,11 @@ impl Report {
         let (asked, pictured) = self.pictured(&listing)?;
         let rows = listing.rows(&asked);
         let files = write_summary_of(&self.results, &rows).map_err(unwritten)?;
-        let Seen { tally, runs } = rows.into_seen();
+        let SampledRuns { statistics, runs } = rows.into_sampled();
         let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));
-        let (shown, references) = (as_reported(&rows, &runs), as_reported(&reference_rows, &listing.references));
-        let page = self.output.unwrap_or_else(|| self.results.join("report.html"));
-        write_report_of(&page, &self.results, (&shown, &tally), &references, &pictured).map_err(unwritten)?;
+        let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
+        let page = self.output.unwrap_or_else(|| self.results.join(names::REPORT));
+        write_report_of(&page, &self.results, (&shown, &statistics), &references, &pictured).map_err(unwritten)?;
         let accuracy = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>());
         let air = if accuracy.is_empty() { "" } else { "\n" };
         let written: Vec<String> =
@@ -72,7 +72,7 @@ impl Report {
         let (mut places, mut keys) = (Vec::new(), Vec::new());
         for typed in &self.runs {
             let before = places.len();
-            for place in listing.named(typed) {
+            for place in listing.with_key_prefix(typed) {
                 let (key, log) = listing.key_and_log(place);
                 if log.is_none() {
                     let scenario = listing.scenario(place);
@@ -92,15 +92,4 @@ impl Report {
 
 fn summary_rows(runs: &[FoundRun]) -> Vec<SummaryRow> {
     runs.iter().map(|run| run.record.summary_row()).collect()
-}
-
-fn as_reported<'a>(rows: &'a [SummaryRow], found: &'a [FoundRun]) -> Vec<ReportRun<'a>> {
-    let run = |(row, found): (&'a SummaryRow, &'a FoundRun)| ReportRun {
-        row,
-        program: &found.record.program,
-        machine: &found.record.timing.machine,
-        notes: &found.record.notes,
-        files: &found.files,
-    };
-    rows.iter().zip(found).map(run).collect()
 }

@@ -208,15 +208,15 @@ pub(super) fn summary(
 ) -> String {
     let all = report.rows();
     // Of more runs than can be kept those are shown that went wrong.
-    let is_whole = report.tally.runs() == all.len();
+    let is_whole = report.statistics.runs() == all.len();
     let rows: Vec<_> = if is_whole { all } else { all.into_iter().filter(SummaryRow::is_refused).collect() };
     let mut out = if is_whole || !rows.is_empty() { table(&rows) } else { String::new() };
     if !is_whole {
-        let outcomes = report.tally.outcomes().into_iter().map(|(outcome, count)| format!("{count} {outcome}"));
+        let outcomes = report.statistics.outcomes().into_iter().map(|(outcome, count)| format!("{count} {outcome}"));
         let words: Vec<String> = outcomes.collect();
-        let (held, expected) = report.tally.expectations();
+        let (held, expected) = report.statistics.expectations();
         // A String takes every write.
-        let _ = writeln!(out, "{}: {}", plural(report.tally.runs(), "run"), words.join(", "));
+        let _ = writeln!(out, "{}: {}", plural(report.statistics.runs(), "run"), words.join(", "));
         if expected > 0 {
             let _ = writeln!(out, "{held} of {expected} expectations held");
         }
@@ -270,7 +270,7 @@ pub(super) fn summary(
     for file in report.finished.iter().take(MOST_NAMED).flat_map(|f| &f.files) {
         let _ = writeln!(out, "  {}", visible_path(file));
     }
-    if let more @ 1.. = report.tally.runs().saturating_sub(MOST_NAMED) {
+    if let more @ 1.. = report.statistics.runs().saturating_sub(MOST_NAMED) {
         let _ = writeln!(out, "  and the same for {}", plural(more, "more run"));
     }
     out

@@ -1,5 +1,6 @@
 //! Recordings: logs as every run leaves them, begun and ended by hand, kept, loaded and written as tables.
 
+use crate::files::names;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -155,7 +156,7 @@ impl Session {
     pub(super) fn load(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
         let path = Session::path(words.need("a log")?);
         words.done()?;
-        let path = if path.is_dir() { path.join("log.mcap") } else { path };
+        let path = if path.is_dir() { path.join(names::LOG) } else { path };
         let recording = Recording::read(&path)?;
         self.stop_recording()?;
         (self.recording, self.cursor, self.player) = (Some(recording), None, None);

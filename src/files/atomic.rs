@@ -1,6 +1,6 @@
 //! Files that appear whole: written beside their final name in the same folder, then renamed onto it.
 
-use crate::files::RecordError;
+use crate::files::{RecordError, names};
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::Path;
@@ -101,9 +101,7 @@ impl Made {
 /// How a saved session begins.
 pub(crate) const SESSION: &str = "# A session at the console";
 
-/// Names and endings of what nobody means to replace by a table.
-const KEPT: [&str; 7] =
-    ["run.json", "jobs.json", "shard.jsonl", "runs.jsonl", "summary.csv", "summary.parquet", "report.html"];
+/// Extensions of inputs and logs, which a user never means to replace by a table.
 const INPUTS: [&str; 3] = ["toml", "urdf", "mcap"];
 
 /// Makes sure that what is written does not replace something else: a scenario, a record. What is there must be empty, no file
@@ -122,7 +120,7 @@ pub fn may_replace(path: &Path, made: Made) -> Result<(), RecordError> {
     let named =
         |names: &[&str], part: Option<&std::ffi::OsStr>| part.is_some_and(|part| names.iter().any(|n| part == *n));
     let other = match made {
-        Made::Table => named(&KEPT, meant.file_name()) || named(&INPUTS, meant.extension()),
+        Made::Table => named(&names::PROTECTED, meant.file_name()) || named(&INPUTS, meant.extension()),
         // What cannot be read cannot be written either, or is of no concern.
         _ => read.is_ok() && !begins.starts_with(wanted),
     };

@@ -7,6 +7,7 @@ pub mod atomic;
 pub mod confined;
 mod error;
 pub mod input;
+pub mod names;
 
 pub use atomic::{Made, may_replace};
 pub(crate) use atomic::{SESSION, remove_partial, write_named};

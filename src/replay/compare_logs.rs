@@ -2,6 +2,7 @@
 
 use crate::export::{DataTable, Selection, Values, events, series};
 use crate::files::input;
+use crate::files::names;
 use crate::log::{LogError, Trajectory};
 use crate::replay::difference::Difference;
 use std::path::Path;
@@ -45,7 +46,7 @@ fn compare_contents(then: &Trajectory, now: &Trajectory, inputs_changed: bool, t
         }
         None => {
             let position = "series and events are equal; drawn shapes or descriptions of messages are not";
-            Some(Difference { file: "log.mcap", position: position.to_owned(), values: None, more: 0 })
+            Some(Difference { file: names::LOG, position: position.to_owned(), values: None, more: 0 })
         }
     }
 }
@@ -87,5 +88,5 @@ fn cell(values: &Values, row: usize) -> String {
 
 fn difference(position: impl ToString, then: impl ToString, now: impl ToString) -> Difference {
     let values = Some((then.to_string(), now.to_string()));
-    Difference { file: "log.mcap", position: position.to_string(), values, more: 0 }
+    Difference { file: names::LOG, position: position.to_string(), values, more: 0 }
 }

@@ -1,5 +1,6 @@
 //! Compares the records of a run and its re-run.
 
+use crate::files::names;
 use crate::replay::difference::Difference;
 use crate::results::RunRecord;
 use serde_json::Value;
@@ -15,7 +16,7 @@ pub(super) fn compare(then: &RunRecord, now: &RunRecord) -> Option<Difference> {
     walk("", &then, &now, &mut found);
     let more = found.len().saturating_sub(1);
     let (position, then, now) = found.into_iter().next()?;
-    Some(Difference { file: "run.json", position, values: Some((then, now)), more })
+    Some(Difference { file: names::RUN_RECORD, position, values: Some((then, now)), more })
 }
 
 /// Compares value by value; numbers by their shortest digits, which differ for different numbers.

@@ -1,5 +1,6 @@
 //! Compares a recorded run with its re-run.
 
+use crate::files::names;
 use crate::replay::difference::Difference;
 use crate::replay::input_change::InputChange;
 use crate::replay::recorded_run::RecordedRun;
@@ -16,7 +17,7 @@ pub fn compare(recorded: &RecordedRun, rerun: &Rerun) -> Vec<Difference> {
     let logs = match (&recorded.log, &rerun.run.log) {
         (Some(then), Some(now)) => compare_logs::compare(then, now, inputs_changed, terminated),
         (None, _) if recorded.record.log.is_some() => Some(Difference {
-            file: "log.mcap",
+            file: names::LOG,
             position: "the log is missing, although the record has its hash".into(),
             values: None,
             more: 0,

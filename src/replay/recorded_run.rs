@@ -1,5 +1,6 @@
 //! Finds recorded runs by key, folder or file.
 
+use crate::files::names;
 use crate::replay::replay_error::ReplayError;
 use crate::results::{RunRecord, read_records};
 use crate::sim::Outcome;
@@ -23,7 +24,7 @@ impl RecordedRun {
     /// It cannot be read.
     pub fn read(path: &Path) -> Result<Self, ReplayError> {
         let record = RunRecord::read(path)?;
-        let log = Some(path.with_file_name("log.mcap")).filter(|log| log.exists());
+        let log = Some(path.with_file_name(names::LOG)).filter(|log| log.exists());
         Ok(Self { path: path.to_owned(), record, log })
     }
 
@@ -43,8 +44,8 @@ pub fn find(target: &str, results: &Path) -> Result<Vec<RecordedRun>, ReplayErro
     if path.is_file() {
         return Ok(vec![RecordedRun::read(path)?]);
     }
-    if path.join("run.json").is_file() {
-        return Ok(vec![RecordedRun::read(&path.join("run.json"))?]);
+    if path.join(names::RUN_RECORD).is_file() {
+        return Ok(vec![RecordedRun::read(&path.join(names::RUN_RECORD))?]);
     }
     let folder = if path.is_dir() { path } else { results };
     let mut records = read_records(folder)?;

@@ -1,6 +1,7 @@
 //! Prepares and executes the re-run of a recorded run.
 
 use crate::batch::{self, Batch, Findings, Interrupter, Options, Progress, simulate};
+use crate::files::names;
 use crate::replay::input_change::{InputChange, changes};
 use crate::replay::recorded_run::RecordedRun;
 use crate::replay::replay_error::ReplayError;
@@ -63,7 +64,7 @@ pub fn prepare(
         return Err(invalid(Findings::default()));
     }
     plan.tell_as_swept(&record.parameters);
-    let path = plan.folder(0, output).join("run.json");
+    let path = plan.folder(0, output).join(names::RUN_RECORD);
     let options = Options {
         output: output.to_owned(),
         jobs: 1,

@@ -3,7 +3,7 @@
 use crate::report::table::{Cell, Head, Part, Table};
 use crate::report::utc::utc;
 use crate::report::words::plural;
-use crate::results::Tally;
+use crate::results::RunStatistics;
 use crate::sim::Outcome;
 use serde::Serialize;
 
@@ -31,16 +31,16 @@ pub(super) struct Count {
     pub count: usize,
 }
 
-pub(super) fn head(tally: &Tally) -> Overview {
-    let all = tally.all();
+pub(super) fn head(statistics: &RunStatistics) -> Overview {
+    let all = statistics.total();
     Overview {
-        runs: format!("{} of {}", plural(all.runs, "run"), plural(tally.scenarios().len(), "scenario")),
+        runs: format!("{} of {}", plural(all.runs, "run"), plural(statistics.scenarios().len(), "scenario")),
         outcomes: outcomes(&all.outcomes),
         expectations: expectations(all.held, all.expected),
-        programs: tally.programs(),
-        machines: tally.machines(),
-        dates: dates(tally),
-        scenarios: table(tally),
+        programs: statistics.programs(),
+        machines: statistics.machines(),
+        dates: dates(statistics),
+        scenarios: table(statistics),
     }
 }
 
@@ -56,8 +56,8 @@ fn expectations(held: usize, all: usize) -> String {
 }
 
 /// When the records were written, from the first to the last.
-fn dates(tally: &Tally) -> String {
-    let (first, last) = tally.recorded().unzip();
+fn dates(statistics: &RunStatistics) -> String {
+    let (first, last) = statistics.recorded().unzip();
     match (first.and_then(utc), last.and_then(utc)) {
         (Some(first), Some(last)) if first == last => first,
         (Some(first), Some(last)) => format!("{first} to {last}"),
@@ -65,8 +65,8 @@ fn dates(tally: &Tally) -> String {
     }
 }
 
-fn table(tally: &Tally) -> Table {
-    let row = |sums: &crate::results::tally::Sums| {
+fn table(statistics: &RunStatistics) -> Table {
+    let row = |sums: &crate::results::ScenarioStatistics| {
         let words = outcomes(&sums.outcomes).into_iter().map(|c| format!("{} {}", c.count, c.outcome));
         vec![
             Cell::text(&sums.scenario),
@@ -86,7 +86,7 @@ fn table(tally: &Tally) -> Table {
             Head::number("simulated", "s"),
             Head::number("processor time", "s"),
         ],
-        parts: vec![Part { title: String::new(), rows: tally.scenarios().iter().map(row).collect() }],
+        parts: vec![Part { title: String::new(), rows: statistics.scenarios().iter().map(row).collect() }],
         more: String::new(),
     }
 }

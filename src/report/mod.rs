@@ -29,9 +29,10 @@ mod utc;
 mod words;
 mod work;
 
+use crate::files::names;
 use crate::files::{RecordError, atomic};
 use crate::results::pareto::Work;
-use crate::results::{Machine, SummaryRow, Tally};
+use crate::results::{FoundRun, Machine, RunRecord, RunStatistics, SummaryRow};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{Environment, State, UndefinedBehavior, Value, context};
@@ -55,7 +56,13 @@ pub struct ReportRun<'a> {
     pub files: &'a [PathBuf],
 }
 
-impl ReportRun<'_> {
+impl<'a> ReportRun<'a> {
+    /// A run read from its record, with its row.
+    pub fn found(row: &'a SummaryRow, found: &'a FoundRun) -> Self {
+        let RunRecord { program, timing, notes, .. } = &found.record;
+        ReportRun { row, program, machine: &timing.machine, notes, files: &found.files }
+    }
+
     fn file(&self, name: &str) -> Option<&Path> {
         self.files.iter().map(PathBuf::as_path).find(|path| path.file_name().is_some_and(|n| n == name))
     }
@@ -89,9 +96,9 @@ pub fn write_report(
     references: &[ReportRun],
     pictured: &Pictured,
 ) -> Result<(), RecordError> {
-    let mut tally = Tally::default();
-    runs.iter().for_each(|run| tally.add(run.row, run.program, run.machine, run.file("run.json")));
-    write_report_of(path, results, (runs, &tally), references, pictured)
+    let mut statistics = RunStatistics::default();
+    runs.iter().for_each(|run| statistics.add(run.row, run.program, run.machine, run.file(names::RUN_RECORD)));
+    write_report_of(path, results, (runs, &statistics), references, pictured)
 }
 
 /// The same for some of the runs, beside what there is to say of all.
@@ -101,11 +108,11 @@ pub fn write_report(
 pub fn write_report_of(
     path: &Path,
     results: &Path,
-    (runs, tally): (&[ReportRun], &Tally),
+    (runs, statistics): (&[ReportRun], &RunStatistics),
     references: &[ReportRun],
     pictured: &Pictured,
 ) -> Result<(), RecordError> {
-    let page = page(results, (runs, tally), references, pictured)?;
+    let page = page(results, (runs, statistics), references, pictured)?;
     let html = render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
     let fill = |out: &mut BufWriter<File>| out.write_all(html.as_bytes()).map_err(RecordError::io(path));
     // What stands in the folder of results is replaced, not followed.
@@ -114,6 +121,27 @@ pub fn write_report_of(
     } else {
         atomic::write_named(path, atomic::Made::Page, fill)
     }
+}
+
+/// Writes the report on a sample of runs read from their records, with the statistics of all.
+///
+/// # Errors
+/// See [`write_report`].
+pub fn write_report_of_found(
+    path: &Path,
+    results: &Path,
+    (runs, statistics): (&[FoundRun], &RunStatistics),
+    references: &[FoundRun],
+) -> Result<(), RecordError> {
+    let rows = |runs: &[FoundRun]| runs.iter().map(|run| run.record.summary_row()).collect::<Vec<_>>();
+    let (run_rows, reference_rows) = (rows(runs), rows(references));
+    let (runs, references) = (found_runs(&run_rows, runs), found_runs(&reference_rows, references));
+    write_report_of(path, results, (&runs, statistics), &references, &Pictured::Few)
+}
+
+/// Runs read from their records, with their rows.
+pub fn found_runs<'a>(rows: &'a [SummaryRow], found: &'a [FoundRun]) -> Vec<ReportRun<'a>> {
+    rows.iter().zip(found).map(|(row, found)| ReportRun::found(row, found)).collect()
 }
 
 /// What the template is filled with.
@@ -134,14 +162,14 @@ struct Page {
 
 fn page(
     results: &Path,
-    (runs, tally): (&[ReportRun], &Tally),
+    (runs, statistics): (&[ReportRun], &RunStatistics),
     references: &[ReportRun],
     pictured: &Pictured,
 ) -> Result<Page, RecordError> {
     let works: Vec<Work> = runs.iter().map(|run| Work::of(run.row)).collect();
     Ok(Page {
-        head: head::head(tally),
-        left_out: left_out(tally.runs() - runs.len()),
+        head: head::head(statistics),
+        left_out: left_out(statistics.runs() - runs.len()),
         work: work::work(&works)?,
         residuals: residuals::residuals(runs),
         pictures: pictures::pictures(runs, pictured)?,

@@ -1,6 +1,7 @@
 //! Chosen runs over time, from their logs.
 
 use crate::files::RecordError;
+use crate::files::names;
 use crate::log::Trajectory;
 use crate::report::history::History;
 use crate::report::plot_run::{legend, run_over_time};
@@ -46,7 +47,7 @@ pub(super) fn pictures(runs: &[ReportRun], pictured: &Pictured) -> Result<Sectio
 
 /// Runs with their logs.
 fn choose<'a>(runs: &'a [ReportRun<'a>], pictured: &Pictured) -> (Vec<(&'a ReportRun<'a>, &'a Path)>, String) {
-    let logged: Vec<_> = runs.iter().filter_map(|run| Some((run, run.file("log.mcap")?))).collect();
+    let logged: Vec<_> = runs.iter().filter_map(|run| Some((run, run.file(names::LOG)?))).collect();
     if let Pictured::Keys(keys) = pictured {
         return (logged.into_iter().filter(|(run, _)| keys.contains(&run.row.key)).collect(), String::new());
     }

@@ -120,7 +120,7 @@ pub(super) fn notes(runs: &[ReportRun]) -> Vec<String> {
 
 /// Files of the batch and of its runs, from the folder of the results on.
 pub(super) fn files(results: &Path, runs: &[ReportRun], references: &[ReportRun]) -> (Vec<String>, usize) {
-    let batch = ["summary.csv", "summary.parquet", "runs.jsonl"].map(|name| results.join(name));
+    let batch = crate::files::names::SUMMARIES.map(|name| results.join(name));
     let batch = batch.into_iter().filter(|path| path.is_file());
     let own = runs.iter().chain(references).flat_map(|run| run.files.iter().cloned());
     let words = |path: &Path| path.strip_prefix(results).unwrap_or(path).display().to_string();

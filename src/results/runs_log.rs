@@ -1,10 +1,10 @@
-//! `runs.jsonl`: one line of JSON as each run ends, with the summary's names. A batch that is killed leaves every line
-//! it wrote. Whoever has it open to append has the folder to himself: the lock ends with the program, however that ends.
+//! `runs.jsonl`: one line of JSON as each run ends, with the summary's names. A killed batch leaves every line it wrote.
+//! The writer locks the file, and with it the folder of results; the lock ends with the process.
 
 use crate::files::{RecordError, confined};
 use crate::metrics::{COLUMNS, number::Real};
 use crate::results::SummaryRow;
-use crate::results::columns::TEXT_COLUMNS;
+use crate::results::summary::TEXT_COLUMNS;
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap};
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -20,33 +20,33 @@ pub struct RunsLog {
 }
 
 impl RunsLog {
-    /// Opens the file to append to it; it and its folder are created if need be. What a crash left of a line is cut off.
+    /// Opens the file to append to it, after creating it and its folder if needed. Removes an incomplete last line.
     ///
     /// # Errors
     /// The folder or file cannot be written; another program has it open to append.
     pub fn append(path: &Path) -> Result<Self, RecordError> {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(RecordError::io(folder))?;
-            // It alone is written in place, so what a link leads to would be.
+            // This file alone is written in place: a link would lead the writes elsewhere.
             confined::check(folder, path)?;
         }
-        // A pipe would wait for another end, or keep nothing of what is written.
+        // A pipe would block, or lose the lines.
         if path.symlink_metadata().is_ok_and(|about| !about.is_file()) {
-            let source = std::io::Error::new(ErrorKind::InvalidInput, "is there and is no file: remove it");
+            let source = std::io::Error::new(ErrorKind::InvalidInput, "exists and is not a file: remove it");
             return Err(RecordError::Io { path: path.to_owned(), source });
         }
         let mut file =
             OpenOptions::new().create(true).read(true).append(true).open(path).map_err(RecordError::io(path))?;
         match file.try_lock() {
-            // A file system without locks has none to break.
+            // Some file systems have no locks.
             Ok(()) | Err(TryLockError::Error(_)) => {}
             Err(TryLockError::WouldBlock) => return Err(RecordError::InUse { path: path.to_owned() }),
         }
-        cut_torn_line(&mut file).map_err(RecordError::io(path))?;
+        remove_torn_line(&mut file).map_err(RecordError::io(path))?;
         Ok(Self { path: path.to_owned(), file, line: Vec::new() })
     }
 
-    /// The same for results that are written anew: what the file held is gone.
+    /// Opens the file for new results, and empties it.
     ///
     /// # Errors
     /// See [`RunsLog::append`].
@@ -68,53 +68,53 @@ impl RunsLog {
         let before = self.file.metadata().map(|m| m.len());
         // One write per line, straight to the file: lines of a killed program are whole or absent.
         self.file.write_all(&self.line).and_then(|()| self.file.flush()).map_err(|source| {
-            // A disk that is full takes the beginning of a line; what cannot be shortened is no ordinary file.
+            // A full disk accepts the beginning of a line, which is removed here; devices cannot be truncated.
             let _ = before.and_then(|length| self.file.set_len(length));
             RecordError::Io { path: self.path.clone(), source }
         })
     }
 
-    /// The runs that have a line.
+    /// The runs with a line; empty if the file does not exist.
     ///
     /// # Errors
-    /// The file cannot be read; that there is none is no error.
-    pub fn told(path: &Path) -> Result<Told, RecordError> {
+    /// The file cannot be read.
+    pub fn logged(path: &Path) -> Result<LoggedRuns, RecordError> {
         #[derive(Deserialize)]
         struct Run {
             scenario: String,
             key: String,
         }
         let file = match File::open(path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Told::default()),
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(LoggedRuns::default()),
             file => file.map_err(RecordError::io(path))?,
         };
-        let mut told = Told::default();
+        let mut logged = LoggedRuns::default();
         for line in BufReader::new(file).split(b'\n') {
-            // A line that is no run tells nothing.
+            // Lines that are not runs are skipped.
             if let Ok(Run { scenario, key }) = serde_json::from_slice(&line.map_err(RecordError::io(path))?) {
-                told.0.insert(digest(&scenario, &key));
+                logged.0.insert(digest(&scenario, &key));
             }
         }
-        Ok(told)
+        Ok(logged)
     }
 }
 
-/// Runs that have a line, as their hashes: there may be millions.
+/// Hashes of the runs with a line; there may be millions.
 #[derive(Debug, Default)]
-pub struct Told(HashSet<u64>);
+pub struct LoggedRuns(HashSet<u64>);
 
-impl Told {
-    /// Has this run a line?
+impl LoggedRuns {
+    /// The run has a line.
     pub fn contains(&self, scenario: &str, key: &str) -> bool {
         self.0.contains(&digest(scenario, key))
     }
 
-    /// How many there are.
+    /// Number of runs.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Are there none?
+    /// There are none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -126,8 +126,8 @@ fn digest(scenario: &str, key: &str) -> u64 {
     hasher.finish()
 }
 
-/// A crash in the middle of a line must not spoil the next one.
-fn cut_torn_line(file: &mut File) -> std::io::Result<()> {
+/// Removes an incomplete last line, which would spoil the next one.
+fn remove_torn_line(file: &mut File) -> std::io::Result<()> {
     let length = file.metadata()?.len();
     let (mut end, mut block) = (length, [0; 4096]);
     while end > 0 {

@@ -1,8 +1,9 @@
-//! `shard.jsonl`: which runs of a plan a shard has, so that shards can be put together again and what is missing can be told.
+//! `shard.jsonl`: the runs of a shard and their indices in the plan, from which `merge` finds missing runs.
 //!
 //! The first line is a [`ShardHead`], each further one a [`ShardRun`], in the order of the plan.
 
 use crate::files::input;
+pub use crate::files::names::SHARD_LIST;
 use crate::files::{RecordError, atomic, confined};
 use crate::results::PROGRAM;
 use serde::de::DeserializeOwned;
@@ -14,21 +15,18 @@ use std::path::{Path, PathBuf};
 /// Format version of `shard.jsonl`.
 pub const SHARD_SCHEMA: u32 = 1;
 
-/// Its name in a folder of results.
-pub const SHARD_LIST: &str = "shard.jsonl";
-
-/// What a shard is a part of.
+/// The shard and its plan.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShardHead {
     /// Format version, [`SHARD_SCHEMA`].
     pub schema: u32,
     /// Program and version.
     pub program: String,
-    /// Which shard, from 1.
+    /// Number of the shard, from 1.
     pub shard: u64,
-    /// Of how many.
+    /// Number of shards.
     pub of: u64,
-    /// Runs of all shards together.
+    /// Number of runs of all shards.
     pub runs: usize,
     /// A hash of their scenarios and keys in the order of the plan, hexadecimal.
     pub plan: String,
@@ -37,7 +35,7 @@ pub struct ShardHead {
 /// A run of a shard.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShardRun {
-    /// Place in the whole plan, from 0.
+    /// Index in the whole plan, from 0.
     pub at: usize,
     /// Name of the scenario.
     pub scenario: String,
@@ -61,7 +59,7 @@ impl ShardHead {
     /// Writes the list into a folder of results.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn write(&self, results: &Path, runs: impl Iterator<Item = ShardRun>) -> Result<(), RecordError> {
         let path = results.join(SHARD_LIST);
         atomic::write(&path, |out| {
@@ -86,13 +84,13 @@ pub struct PlanHash(blake3::Hasher);
 impl PlanHash {
     /// Adds the next run.
     pub fn add(&mut self, scenario: &str, key: &str) {
-        // No name holds a zero.
-        for word in [scenario, key] {
-            self.0.update(word.as_bytes()).update(&[0]);
+        // Names contain no zero byte.
+        for name in [scenario, key] {
+            self.0.update(name.as_bytes()).update(&[0]);
         }
     }
 
-    /// Of all that were added.
+    /// The hash of all added runs.
     pub fn end(&self) -> String {
         self.0.finalize().to_hex()[..32].to_owned()
     }
@@ -100,7 +98,7 @@ impl PlanHash {
 
 /// An open `shard.jsonl`, read line by line.
 pub struct ShardList {
-    /// What it says first.
+    /// Its first line.
     pub head: ShardHead,
     path: PathBuf,
     lines: BufReader<File>,
@@ -110,7 +108,7 @@ impl ShardList {
     /// Opens the list of a folder of results.
     ///
     /// # Errors
-    /// There is none, or it is none, or of another version.
+    /// There is no list, or it is invalid or of another version.
     pub fn open(results: &Path) -> Result<Self, RecordError> {
         #[derive(Deserialize)]
         struct Version {
@@ -126,13 +124,11 @@ impl ShardList {
         }
         Ok(ShardList { head: parse(&text, &path)?, path, lines })
     }
-}
 
-impl ShardList {
-    /// A run whose names are those of folders: what is merged is copied by them, and removed.
-    fn plain(&self, run: ShardRun) -> Result<ShardRun, RecordError> {
-        let strange = [&run.scenario, &run.key].into_iter().find(|name| !confined::is_plain(name)).cloned();
-        strange.map_or(Ok(run), |name| Err(RecordError::Name { path: self.path.clone(), name }))
+    /// Refuses names that are not plain folder names, since merging copies and removes folders of these names.
+    fn checked(&self, run: ShardRun) -> Result<ShardRun, RecordError> {
+        let invalid = [&run.scenario, &run.key].into_iter().find(|name| !confined::is_plain(name)).cloned();
+        invalid.map_or(Ok(run), |name| Err(RecordError::Name { path: self.path.clone(), name }))
     }
 }
 
@@ -143,7 +139,7 @@ impl Iterator for ShardList {
         let mut text = String::new();
         match self.lines.read_line(&mut text) {
             Ok(0) => None,
-            Ok(_) => Some(parse(&text, &self.path).and_then(|run| self.plain(run))),
+            Ok(_) => Some(parse(&text, &self.path).and_then(|run| self.checked(run))),
             Err(source) => Some(Err(RecordError::Io { path: self.path.clone(), source })),
         }
     }

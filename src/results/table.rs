@@ -1,7 +1,7 @@
 //! The table a person sees at the end of a batch.
 
 use crate::results::SummaryRow;
-use crate::results::parameter::is_truth;
+use crate::results::is_truth;
 use crate::results::summary::{parameter, parameter_names};
 use crate::sim::Outcome;
 use crate::text::visible::visible;

@@ -1,7 +1,7 @@
 //! Verdicts: what was expected of a run, what was measured, and how far apart they are.
 
 use crate::metrics::number;
-use crate::results::parameter::is_truth;
+use crate::results::is_truth;
 use crate::results::table::{align, clip};
 use crate::results::{ParamValue, SummaryRow};
 use crate::text::visible::visible;

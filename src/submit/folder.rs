@@ -3,14 +3,12 @@
 use std::path::Path;
 
 use super::{Jobs, SubmitError, Sweep};
+use crate::files::names::BATCH_MARKERS;
 use crate::files::{RecordError, confined};
-use crate::results::{SHARD_LIST, ShardHead, ShardList};
+use crate::results::{ShardHead, ShardList};
 
 /// The beginning of the names of the parts' folders.
 const PART: &str = "part-";
-
-/// What a batch leaves in its folder, and a sweep that is shared out in none but those of its parts and of its results.
-const RESULTS: [&str; 3] = [SHARD_LIST, "runs.jsonl", "summary.csv"];
 
 /// See [`Sweep::check_folder`].
 pub(super) fn check(sweep: &Sweep) -> Result<(), SubmitError> {
@@ -30,7 +28,7 @@ pub(super) fn check(sweep: &Sweep) -> Result<(), SubmitError> {
     if !sweep.scripts().exists() && sweep.results().exists() {
         return other("it has a folder `results` that no earlier submission left".into());
     }
-    if let Some(name) = RESULTS.into_iter().find(|name| sweep.folder.join(name).symlink_metadata().is_ok()) {
+    if let Some(name) = BATCH_MARKERS.into_iter().find(|name| sweep.folder.join(name).symlink_metadata().is_ok()) {
         return other(format!("it is a folder of results: it has a {name}"));
     }
     for (name, path) in parts(&sweep.folder)? {

@@ -11,8 +11,7 @@ use crate::files::{RecordError, atomic};
 /// Format version of `jobs.json`.
 pub const SUBMIT_SCHEMA: u32 = 1;
 
-/// Its name in the folder of the scripts.
-pub(super) const JOBS: &str = "jobs.json";
+pub(super) use crate::files::names::JOBS;
 
 /// A sweep that was submitted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

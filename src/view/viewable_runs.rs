@@ -2,6 +2,7 @@
 
 use crate::files::RecordError;
 use crate::files::input;
+use crate::files::names;
 use crate::results::{RunRecord, read_records};
 use crate::view::view_error::ViewError;
 use std::path::{Path, PathBuf};
@@ -29,18 +30,18 @@ impl ViewableRuns {
     /// # Errors
     /// There is no such file or folder.
     pub fn find(path: &Path) -> Result<(Self, Vec<RecordError>), ViewError> {
-        let within = path.join("log.mcap");
+        let within = path.join(names::LOG);
         if !path.is_dir() || within.is_file() {
             let log = if path.is_dir() { within } else { path.to_owned() };
             // The log is read when a browser requests it; now only its existence is checked.
             input::open(&log).map_err(|source| ViewError::Io { path: log.clone(), source })?;
-            let record = RunRecord::read(&log.with_file_name("run.json")).ok().map(Box::new);
+            let record = RunRecord::read(&log.with_file_name(names::RUN_RECORD)).ok().map(Box::new);
             return Ok((Self { shown: vec![ViewableRun { log, record }], without: 0 }, Vec::new()));
         }
         let found = read_records(path)?;
         let total = found.runs.len();
         let logged = found.runs.into_iter().filter_map(|run| {
-            let log = run.files.iter().find(|file| file.ends_with("log.mcap"))?.clone();
+            let log = run.files.iter().find(|file| file.ends_with(names::LOG))?.clone();
             Some(ViewableRun { log, record: Some(Box::new(run.record)) })
         });
         let shown: Vec<_> = logged.collect();

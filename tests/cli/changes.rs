@@ -22,7 +22,7 @@ fn last(done: &Done) -> &str {
 fn equal_results_agree_whatever_file_they_are_read_from() {
     let place = slides();
     place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "b", "-j", "1"]).exits(0);
-    let same = "2 runs compared: within what is allowed; 0 values beyond, 0 outcomes changed, 0 runs missing";
+    let same = "2 runs compared: within the tolerances; 0 values beyond tolerance, 0 outcomes changed, 0 runs missing";
     for b in ["b", "b/summary.csv", "b/summary.parquet", "b/runs.jsonl"] {
         // Not a digit may differ.
         let done = place.runner(&["compare", "a", b, "--absolute", "0", "--relative", "0"]).exits(0);
@@ -167,7 +167,7 @@ fn what_cannot_be_compared_is_2_and_nothing_is_4() {
         (&["a", "a", "--threshold", "final_base_q=1"], "did you mean `final_base_"),
         (&["a", "a", "--threshold", "final_base_x"], "COLUMN=ABS[,REL]"),
         (&["a", "a", "--threshold", "final_base_x=-1"], "a number of 0 or more is wanted"),
-        (&["a", "a", "--threshold", "method=1"], "neither has a numeric column `method`"),
+        (&["a", "a", "--threshold", "method=1"], "neither result has a numeric column `method`"),
         (&["a", "a", "--timing", "0.5"], "a number of 1 or more is wanted"),
         (&["a"], "required"),
     ] {

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 
 use polars_io::SerReader;
 use polars_io::parquet::read::ParquetReader;
-use stiction::results::MOST_KEPT;
+use stiction::results::SAMPLE_SIZE;
 
 use super::Place;
 use crate::same::rows;
@@ -12,7 +12,7 @@ use crate::same::rows;
 #[test]
 fn runs_that_are_not_kept_are_in_the_summary_in_their_order() {
     let place = Place::new();
-    let runs = MOST_KEPT + 60;
+    let runs = SAMPLE_SIZE + 60;
     // One of them does not end as it should, long after memory is full.
     place.block(
         "s.toml",

@@ -70,14 +70,14 @@ fn a_record_that_is_not_whole_is_told_and_left_out() {
     let record = first(&place, "a", "run.json");
     fs::write(&record, "{").unwrap();
     let done = merge(&place, &[]).exits(2);
-    assert!(done.stderr.contains("(its record is no whole record); run it again with --resume"), "{}", done.stderr);
+    assert!(done.stderr.contains("(its record is incomplete); run it again with --resume"), "{}", done.stderr);
     assert!(!place.path("merged").exists());
     // That of another run, whole as it is.
     let others = files(&place.path("a")).into_iter().filter(|f| f.contains("thrown") && f.ends_with("run.json"));
     let other = others.map(|f| place.path("a").join(f)).find(|path| *path != record).expect("two runs");
     fs::copy(&other, &record).unwrap();
     let done = merge(&place, &[]).exits(2);
-    assert!(done.stderr.contains("(its record is that of another run); run it again"), "{}", done.stderr);
+    assert!(done.stderr.contains("(its record belongs to another run); run it again"), "{}", done.stderr);
     assert!(!place.path("merged").exists());
     merge(&place, &["--partial"]).exits(0);
     let reference = files(&place.path("b")).into_iter().find(|f| f.contains("references/")).unwrap();
@@ -95,11 +95,11 @@ fn a_record_that_is_not_whole_is_told_and_left_out() {
 fn shards_with_and_without_logs_are_no_single_batch() {
     let place = shards(&["--no-log"]);
     let done = merge(&place, &[]).exits(2);
-    assert!(done.stderr.contains("some runs left no log (--no-log) and others did"), "{}", done.stderr);
+    assert!(done.stderr.contains("some runs have no log (--no-log) and others have one"), "{}", done.stderr);
     assert!(done.stderr.contains(" of b (shard 2/2), such as ") && !done.stderr.contains("of a ("), "{}", done.stderr);
     assert!(!place.path("merged").exists());
     let done = merge(&place, &["--partial"]).exits(0);
-    assert!(done.stderr.contains("warning: some runs left no log"), "{}", done.stderr);
+    assert!(done.stderr.contains("warning: some runs have no log"), "{}", done.stderr);
     assert_eq!(place.summary("merged").rows.len(), 8 + 6 + 6);
     // All without are one batch, and those that want none are beside such as have theirs.
     run(&place, &FILES, &["--shard", "1/2", "-o", "a", "--no-log"]);
@@ -112,9 +112,9 @@ fn shards_with_and_without_logs_are_no_single_batch() {
 #[test]
 fn what_is_no_folder_of_results_is_told_with_what_is_wanted() {
     let place = shards(&[]);
-    for (given, what) in [("a/summary.csv", "it is a file"), ("nowhere", "it is not there")] {
+    for (given, what) in [("a/summary.csv", "a file, not a folder"), ("nowhere", "no such folder")] {
         let done = place.runner(&["merge", "a", given, "-o", "merged"]).exits(2);
-        let told = format!("error: {given}: {what}; wanted are the folders of results of all shards, as `runner run");
+        let told = format!("error: {given}: {what}\nhelp: name the folders of results of all shards, as `runner run");
         assert!(done.stderr.contains(&told), "{}", done.stderr);
     }
     assert!(!place.path("merged").exists());
@@ -160,20 +160,20 @@ fn the_folder_to_write_lies_in_none_to_read_nor_they_in_a_scenarios_place() {
     let to = |output: &str| place.runner(&["merge", "a", "b", "-o", output]).exits(2).stderr;
     let nested = to("b/merged");
     assert!(
-        nested.contains("b/merged: the folder to write is inside b, which is to be read; name one outside"),
+        nested.contains("b/merged: the output folder is inside the input b\nhelp: name a folder outside"),
         "{nested}"
     );
-    assert!(to("./nowhere/../b/deep/er").contains("is inside b, which"), "a name with dots");
-    assert!(to("b/../a").contains("which is to be read"));
+    assert!(to("./nowhere/../b/deep/er").contains("is inside the input b"), "a name with dots");
+    assert!(to("b/../a").contains("inside the input"));
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink(place.path("b"), place.path("link")).unwrap();
-        assert!(to("link/merged").contains("link/merged: the folder to write is inside b"));
+        assert!(to("link/merged").contains("link/merged: the output folder is inside the input b"));
     }
     // `thrown` is a scenario: its results would lie in that part.
     fs::rename(place.path("b"), place.path("thrown")).unwrap();
     let over = place.runner(&["merge", "a", "thrown", "-o", "."]).exits(2).stderr;
-    let told = "results of the scenario `thrown` would be written into thrown, which is to be read";
+    let told = "results of the scenario `thrown` would be written into the input thrown";
     assert!(over.contains(told), "{over}");
     assert_eq!([files(&place.path("a")), files(&place.path("thrown"))], before);
     assert!(!place.path("summary.csv").exists());

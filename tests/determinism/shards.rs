@@ -125,15 +125,15 @@ fn results_that_do_not_belong_together_are_refused() {
         assert!(!place.path("merged").exists());
     };
     run(&place, &FILES[..1], &["-o", "plain"]);
-    refused(&["shard-1", "plain"], "plain: no results of a shard: it has no shard.jsonl");
+    refused(&["shard-1", "plain"], "plain: not the results of a shard: it has no shard.jsonl");
     run(&place, &FILES[..1], &["-o", "fewer", "--shard", "2/2"]);
-    refused(&["shard-1", "fewer"], "shard-1 and fewer are no shards of one plan: the plans have 21 and 8 runs");
+    refused(&["shard-1", "fewer"], "shard-1 and fewer are not shards of one plan: the plans have 21 and 8 runs");
     run(&place, &FILES, &["-o", "other", "--shard", "2/2", "--set", "gravity=[0, 0, -9.8]"]);
     refused(&["shard-1", "other"], "their scenarios, values, robots or other files differ");
     run(&place, &FILES, &["-o", "third", "--shard", "2/3"]);
     refused(&["shard-1", "third"], "one of 2 and one of 3");
     let done = place.runner(&merge(&names, "shard-1")).exits(2);
-    assert!(done.stderr.contains("shard-1: the folder to write is one of those to read"), "{}", done.stderr);
+    assert!(done.stderr.contains("shard-1: the output folder is one of the inputs"), "{}", done.stderr);
     // The same shard twice is no trouble, unless the two differ.
     run(&place, &FILES, &["-o", "again", "--shard", "2/2"]);
     place.runner(&merge(&["shard-1", "shard-2", "again"], "twice")).exits(0);
@@ -145,7 +145,7 @@ fn results_that_do_not_belong_together_are_refused() {
     record.metrics.steps += 1;
     record.write(&path).unwrap();
     let steps = format!("metrics.steps is {} and {}", record.metrics.steps - 1, record.metrics.steps);
-    refused(&["shard-1", "shard-2", "again"], "1 runs are in several folders and differ:");
+    refused(&["shard-1", "shard-2", "again"], "1 runs differ between folders:");
     refused(&["shard-1", "shard-2", "again"], &format!("{scenario} {key}: {steps} in shard-2 and again"));
     // References are made by every shard that needs them: machines that differ give themselves away.
     let reference = |name: &str| {

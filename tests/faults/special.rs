@@ -162,7 +162,7 @@ fn the_list_of_runs() {
     place.shell("rm r/runs.jsonl && mkfifo r/runs.jsonl").exits(0);
     for arguments in ["s.toml -o r", "s.toml -o r --resume"] {
         let done = limited(&place, arguments).exits(2);
-        assert!(done.stderr.contains("r/runs.jsonl: is there and is no file: remove it"), "{}", done.stderr);
+        assert!(done.stderr.contains("r/runs.jsonl: exists and is not a file: remove it"), "{}", done.stderr);
     }
 }
 

@@ -288,7 +288,7 @@ fn a_line_torn_by_a_crash_is_cut_off() {
         let rest = text.strip_prefix(before).expect("whole lines stay");
         assert_eq!(rest.lines().count(), 1);
         assert!(serde_json::from_str::<serde_json::Value>(rest).is_ok(), "{rest}");
-        assert_eq!(RunsLog::told(&path).unwrap().len(), before.lines().count() + 1);
+        assert_eq!(RunsLog::logged(&path).unwrap().len(), before.lines().count() + 1);
     }
 }
 

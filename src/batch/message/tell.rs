@@ -100,7 +100,7 @@ impl BatchFinished {
             interrupted: report.interrupted,
             ..BatchFinished::default()
         };
-        finished.outcomes.extend(report.tally.outcomes());
+        finished.outcomes.extend(report.statistics.outcomes());
         let summary = report.summary.iter().flat_map(|files| [&files.csv, &files.parquet]);
         let own = summary.chain(&report.page).chain([&report.runs_log]).map(|path| path.as_path());
         finished.files = own.chain(junit).map(|path| path.display().to_string()).collect();

@@ -1,15 +1,18 @@
-//! Shards put together to the folder that one run of all would have left.
+//! Merges shards into the folder of results that a single batch would have written.
 //!
-//! Every shard says in its `shard.jsonl` which runs of the plan it has, and where in the plan they stand. Everything is checked
-//! before anything is written: the shards are of one plan, all are there, every run has its record, and what two of them
-//! have is the same in both. Lists and records are read one by one, so that memory does not grow with the number of runs.
+//! The `shard.jsonl` of each shard lists its runs with their indices in the plan. All checks come before any write: the shards
+//! belong to one plan, none is missing, every run has its record, and copies of one run are equal. Lists and records are
+//! read one by one, so memory does not grow with the number of runs.
+//!
+//! Imports `results::{record, summary, discovery}` and `files`. `runner merge` calls it.
 
-mod gather;
-mod logs;
-mod look;
-mod place;
+mod copy_run;
+mod merged;
+mod missing_logs;
+mod plan_walk;
+mod record_difference;
 mod references;
-mod walk;
+mod shard_check;
 
 use crate::files::RecordError;
 use crate::results::{SHARD_LIST, ShardHead, ShardList};
@@ -17,83 +20,83 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::{OsStr, OsString};
 use std::path::{Component, Path, PathBuf};
 
-pub use gather::Merged;
-use look::Look;
+pub use merged::Merged;
+use plan_walk::Holder;
 use references::References;
-use walk::Holder;
+use shard_check::ShardCheck;
 
-/// Runs that are named of those with the same trouble.
+/// Number of runs named for one problem.
 const MOST_NAMED: usize = 10;
 
-/// Why shards cannot be put together. Nothing has been written, unless it is a file that could not be.
+/// Errors of merging. Nothing has been written, unless writing a file failed.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
     /// A file cannot be read or written.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// A folder that holds no shard.
-    #[error("{}: no results of a shard: it has no {}", folder.display(), SHARD_LIST)]
+    /// A folder that is not a shard.
+    #[error("{}: not the results of a shard: it has no {}", folder.display(), SHARD_LIST)]
     NoShard {
         /// The folder.
         folder: PathBuf,
     },
-    /// Something that is no folder.
+    /// A path that is not a folder.
     #[error(
-        "{}: it is {what}; wanted are the folders of results of all shards, as `runner run ... --shard I/N -o DIR` leaves them",
+        "{}: {what}\nhelp: name the folders of results of all shards, as `runner run ... --shard I/N -o DIR` writes them",
         path.display()
     )]
     NoFolder {
-        /// What was named.
+        /// The path.
         path: PathBuf,
-        /// What it is.
+        /// Its state.
         what: &'static str,
     },
-    /// The folder to write is one of those to read, or inside one.
+    /// The output folder is an input, or inside one.
     #[error(
-        "{}: the folder to write is {}; name one outside of the results of all shards",
+        "{}: the output folder is {}\nhelp: name a folder outside the results of all shards",
         output.display(),
-        if folder == output { "one of those to read".to_owned() } else { format!("inside {}, which is to be read", folder.display()) }
+        if folder == output { "one of the inputs".to_owned() } else { format!("inside the input {}", folder.display()) }
     )]
     Onto {
-        /// The folder to read.
+        /// The input folder.
         folder: PathBuf,
-        /// The folder to write.
+        /// The output folder.
         output: PathBuf,
     },
-    /// A folder to read stands where results would be written.
+    /// An input folder is at the path of a scenario's results.
     #[error(
-        "{}: results of the scenario `{scenario}` would be written into {}, which is to be read; name another folder with -o",
+        "{}: results of the scenario `{scenario}` would be written into the input {}\nhelp: name another folder with -o",
         output.display(), folder.display()
     )]
     Over {
-        /// The folder to read.
+        /// The input folder.
         folder: PathBuf,
-        /// The folder to write.
+        /// The output folder.
         output: PathBuf,
         /// The scenario of that name.
         scenario: String,
     },
     /// Two shards of different plans.
-    #[error("{} and {} are no shards of one plan: {what}", a.display(), b.display())]
+    #[error("{} and {} are not shards of one plan: {what}", a.display(), b.display())]
     OtherPlan {
         /// A folder.
         a: PathBuf,
         /// Another.
         b: PathBuf,
-        /// What tells them apart.
+        /// The difference.
         what: String,
     },
-    /// What is missing or differs, one thing a line.
+    /// Missing or differing runs, one line each.
     #[error("{}", .0.join("\n"))]
     Runs(Vec<String>),
 }
 
-/// What shards do not have.
+/// Missing parts of the results.
 #[derive(Debug)]
 pub struct Missing {
-    /// In words, one thing a line; empty when everything is there.
+    /// One line of text each; empty when nothing is missing.
     pub lines: Vec<String>,
-    /// Shards and places of what is there and is no result to take.
+    /// Shard and plan index of unusable results.
     broken: BTreeSet<(usize, usize)>,
     references: References,
 }
@@ -106,15 +109,15 @@ pub struct Shards {
 }
 
 impl Shards {
-    /// Reads what the folders are.
+    /// Opens the folders of shards.
     ///
     /// # Errors
-    /// One of them is no shard, or they are not of one plan.
+    /// A folder is not a shard, or they belong to different plans.
     pub fn open(folders: &[PathBuf]) -> Result<Self, MergeError> {
         let heads = folders.iter().map(|folder| match ShardList::open(folder) {
             Ok(list) => Ok(list.head),
             Err(_) if !folder.is_dir() => {
-                let what = if folder.exists() { "a file" } else { "not there" };
+                let what = if folder.exists() { "a file, not a folder" } else { "no such folder" };
                 Err(MergeError::NoFolder { path: folder.clone(), what })
             }
             Err(RecordError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
@@ -126,7 +129,9 @@ impl Shards {
         for (folder, head) in shards.folders.iter().zip(&shards.heads).skip(1) {
             let first = &shards.heads[0];
             let what = match () {
-                () if head.program != first.program => format!("made by {} and {}", first.program, head.program),
+                () if head.program != first.program => {
+                    format!("their programs are {} and {}", first.program, head.program)
+                }
                 () if head.of != first.of => format!("one of {} and one of {}", first.of, head.of),
                 () if head.runs != first.runs => format!("the plans have {} and {} runs", first.runs, head.runs),
                 () if head.plan != first.plan => "their scenarios, values, robots or other files differ".to_owned(),
@@ -137,49 +142,49 @@ impl Shards {
         Ok(shards)
     }
 
-    /// Runs of the whole plan.
+    /// Number of runs of the whole plan.
     pub fn runs(&self) -> usize {
         self.heads.first().map_or(0, |head| head.runs)
     }
 
-    /// Looks at every run: is it there and whole, and the same wherever it is? Returns what there is not.
+    /// Checks that every run is present, whole, and equal in all shards that have it; returns what is missing.
     ///
     /// # Errors
-    /// Runs that two shards have and that differ; lists that contradict each other or cannot be read.
+    /// A run differs between shards; lists contradict each other or cannot be read.
     pub fn check(&self) -> Result<Missing, MergeError> {
-        let (mut looked, mut references) = (Look::new(self.folders.len()), References::default());
-        let (mut place, mut gaps) = (0, 0);
-        self.walk(&mut |holders: &[Holder]| {
+        let (mut check, mut references) = (ShardCheck::new(self.folders.len()), References::default());
+        let (mut next, mut gaps) = (0, 0);
+        self.for_each_run(&mut |holders: &[Holder]| {
             let run = &holders[0].run;
-            gaps += run.at - place;
-            place = run.at + 1;
+            gaps += run.at - next;
+            next = run.at + 1;
             if let Some(other) = holders.iter().find(|h| h.run != *run) {
                 return Err(self.contradiction(holders[0].shard, other.shard));
             }
-            if let Some((holder, record)) = looked.at(holders) {
-                references.note(self, holder, &record);
+            if let Some((holder, record)) = check.check(holders) {
+                references.add(self, holder, &record);
             }
             Ok(())
         })?;
-        gaps += self.runs().saturating_sub(place);
+        gaps += self.runs().saturating_sub(next);
         let mut lines = self.missing_shards();
         if gaps > 0 && lines.is_empty() {
             return Err(MergeError::Runs(vec![format!(
-                "{gaps} runs of the plan are in no shard: lines of a {SHARD_LIST} are gone"
+                "{gaps} runs of the plan are in no shard: a {SHARD_LIST} lacks lines"
             )]));
         }
-        let unlike = logs::unlike(self, &looked)?;
-        let Look { absent, broken, .. } = looked.same()?;
-        for (shard, lost) in absent.into_iter().enumerate() {
-            lines.extend(lost.line(&self.name(shard)));
+        let missing_logs = missing_logs::missing_logs(self, &check)?;
+        let ShardCheck { absent, broken, .. } = check.require_equal()?;
+        for (shard, missing) in absent.into_iter().enumerate() {
+            lines.extend(missing.line(&self.name(shard)));
         }
-        let references = references.same()?;
-        lines.extend(references.lost(self));
-        lines.extend(unlike);
+        let references = references.require_equal()?;
+        lines.extend(references.missing(self));
+        lines.extend(missing_logs);
         Ok(Missing { lines, broken, references })
     }
 
-    /// `results-1 (shard 1/8)`
+    /// Such as `results-1 (shard 1/8)`.
     fn name(&self, shard: usize) -> String {
         let (folder, head) = (self.folders[shard].display(), &self.heads[shard]);
         format!("{folder} (shard {}/{})", head.shard, head.of)
@@ -187,8 +192,8 @@ impl Shards {
 
     fn missing_shards(&self) -> Vec<String> {
         let Some(of) = self.heads.first().map(|head| head.of) else { return Vec::new() };
-        let there = |number: &u64| self.heads.iter().any(|head| head.shard == *number);
-        let numbers: Vec<u64> = (1..=of).filter(|number| !there(number)).collect();
+        let exists = |number: &u64| self.heads.iter().any(|head| head.shard == *number);
+        let numbers: Vec<u64> = (1..=of).filter(|number| !exists(number)).collect();
         if numbers.is_empty() {
             return Vec::new();
         }
@@ -198,14 +203,14 @@ impl Shards {
     }
 
     fn contradiction(&self, a: usize, b: usize) -> MergeError {
-        let what = "their lists have different runs at one place".to_owned();
+        let what = "their lists have different runs at one index".to_owned();
         MergeError::OtherPlan { a: self.folders[a].clone(), b: self.folders[b].clone(), what }
     }
 
-    /// May this be the folder to write?
+    /// Checks the output folder.
     ///
     /// # Errors
-    /// It is one of those to read or inside one, or one of those to read would be written over as a scenario's results.
+    /// It is an input or inside one, or an input is at the path of a scenario's results.
     pub fn check_output(&self, output: &Path) -> Result<(), MergeError> {
         let to = real(output);
         let mut inside: BTreeMap<OsString, &PathBuf> = BTreeMap::new();
@@ -220,7 +225,7 @@ impl Shards {
         if inside.is_empty() {
             return Ok(());
         }
-        self.walk(&mut |holders| {
+        self.for_each_run(&mut |holders| {
             let scenario = &holders[0].run.scenario;
             match inside.get(OsStr::new(scenario)) {
                 Some(folder) => Err(MergeError::Over {
@@ -234,7 +239,7 @@ impl Shards {
     }
 }
 
-/// The folder that is meant, without links and dots. What is not there yet will be a folder where its name says.
+/// The canonical path of a folder that may not exist yet.
 fn real(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     absolute.components().fold(PathBuf::new(), |mut here, part| {

@@ -1,6 +1,7 @@
 //! Runs that can be held against each other, and the curves among them.
 
 use crate::results::pareto::Work;
+use crate::results::record::compare_values;
 use crate::results::{ParamValue, is_truth};
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -100,7 +101,7 @@ fn curves(works: &[Work], method: &str, integrator: &str, rows: &[usize]) -> Vec
         .into_iter()
         .map(|((variant, _), mut rows)| {
             if let Some(along) = &along {
-                rows.sort_by(|&a, &b| compare(parameter(works, a, along), parameter(works, b, along)));
+                rows.sort_by(|&a, &b| compare_values(parameter(works, a, along), parameter(works, b, along)));
             }
             let along = along.clone().filter(|_| rows.len() > 1);
             Curve { method: method.to_owned(), integrator: integrator.to_owned(), variant, along, rows }
@@ -143,15 +144,6 @@ fn word(works: &[Work], row: usize, key: &str) -> String {
 /// `name=value`, blank between.
 pub(super) fn words<'a>(parameters: impl Iterator<Item = &'a (String, ParamValue)>) -> String {
     parameters.map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" ")
-}
-
-/// Numbers by size, others by their text; none comes first.
-pub(in crate::results) fn compare(a: Option<&ParamValue>, b: Option<&ParamValue>) -> std::cmp::Ordering {
-    let number = |v: Option<&ParamValue>| v.and_then(ParamValue::number);
-    match (number(a), number(b)) {
-        (Some(x), Some(y)) => x.total_cmp(&y),
-        _ => a.map(ToString::to_string).cmp(&b.map(ToString::to_string)),
-    }
 }
 
 /// Items by their key, both in the order in which they are first met.

@@ -7,11 +7,11 @@
 mod group;
 mod table;
 
-pub(super) use group::compare;
 pub use group::{Curve, Group, groups};
 pub use table::pareto_table;
 
-use crate::results::{NUMERIC_COLUMNS, SummaryRow, TruthError, metric};
+use crate::metrics::NUMERIC_COLUMNS;
+use crate::results::{SummaryRow, TruthError, metric};
 use crate::sim::Outcome;
 
 /// What one run says about work and precision.

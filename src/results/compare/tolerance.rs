@@ -1,50 +1,50 @@
-//! Which columns are compared, and how far apart two values may be.
+//! Tolerances by column, and the check of two values against them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::metrics::NUMERIC_COLUMNS;
-use crate::results::changes::Results;
+use crate::results::compare::Results;
 
-/// How far apart two numbers may be: `absolute + relative max(|a|, |b|)`.
+/// Allowed distance of two numbers: `absolute + relative max(|a|, |b|)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// In the column's unit.
     pub absolute: f64,
-    /// As a part of the greater of the two.
+    /// As a fraction of the greater of the two.
     pub relative: f64,
 }
 
-/// What is allowed to differ.
+/// Allowed differences.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
-    /// For columns that are not named below.
+    /// For columns without their own tolerance.
     pub default: Tolerance,
     /// By column.
     pub columns: BTreeMap<String, Tolerance>,
-    /// How many times as slow B may be as A; none: times are not compared.
+    /// Allowed ratio of B's times to A's; none: times are not compared.
     pub timing: Option<f64>,
 }
 
 impl Default for Limits {
-    /// What another compiler or processor may change in the last digits of a smooth run: 1e-9 and 1e-6 of the value.
+    /// Differences in the last digits of a smooth run between compilers or processors: 1e-9 and 1e-6 of the value.
     fn default() -> Self {
         let default = Tolerance { absolute: 1e-9, relative: 1e-6 };
         Limits { default, columns: BTreeMap::new(), timing: None }
     }
 }
 
-/// Limits for a column that there is not.
+/// A tolerance for an unknown column.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("neither has a numeric column `{column}`: {help}")]
+#[error("neither result has a numeric column `{column}`: {help}")]
 pub struct UnknownColumn {
     /// The name.
     pub column: String,
-    /// What may be meant.
+    /// A suggestion.
     pub help: String,
 }
 
 impl Limits {
-    /// Is every column that is named in one of the results?
+    /// Checks that each named column is in one of the results.
     pub(super) fn check(&self, a: &Results, b: &Results) -> Result<(), UnknownColumn> {
         let names = a.columns.iter().chain(&b.columns).map(String::as_str);
         let known: BTreeSet<&str> = names.filter(|name| is_measured(name)).collect();
@@ -57,19 +57,19 @@ impl Limits {
         }
     }
 
-    /// How a column is compared; none when it is not.
-    pub(super) fn kind(&self, column: &str) -> Option<Kind> {
+    /// The check of a column; none when it is not compared.
+    pub(super) fn check_of(&self, column: &str) -> Option<ColumnCheck> {
         match (self.columns.get(column), crate::metrics::column(column).is_some_and(|c| c.is_cost())) {
-            // Any distance is allowed, and any cell.
+            // An infinite tolerance ignores the column.
             (Some(tolerance), _) if tolerance.absolute.is_infinite() => None,
-            (Some(tolerance), _) => Some(Kind::Number(*tolerance)),
-            (None, true) => self.timing.map(|ratio| Kind::Time { ratio, inverse: column == "real_time_factor" }),
-            (None, false) => Some(Kind::Number(self.default)),
+            (Some(tolerance), _) => Some(ColumnCheck::Number(*tolerance)),
+            (None, true) => self.timing.map(|ratio| ColumnCheck::Time { ratio, inverse: column == "real_time_factor" }),
+            (None, false) => Some(ColumnCheck::Number(self.default)),
         }
     }
 }
 
-/// Is it a measured number, and neither a swept parameter nor a word?
+/// The column holds measured numbers, not swept parameters or text.
 pub(super) fn is_measured(column: &str) -> bool {
     NUMERIC_COLUMNS.contains(&column) || column.strip_prefix("error_").is_some_and(|m| NUMERIC_COLUMNS.contains(&m))
 }
@@ -83,52 +83,52 @@ pub(super) fn common(a: &Results, b: &Results) -> (Vec<String>, Vec<String>) {
     (common, alone)
 }
 
-/// How the values of a column are held against each other.
+/// How the values of a column are checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum ColumnCheck {
     Number(Tolerance),
-    /// B may be slower by this factor; any faster is well. The inverse of a time is smaller when slower.
+    /// B may be slower by this factor, and faster by any. `inverse`: the column decreases with time.
     Time {
         ratio: f64,
         inverse: bool,
     },
 }
 
-/// Two values that are not the same.
+/// The difference of two cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Judged {
+pub(super) struct CellDifference {
     pub beyond: bool,
     pub distance: Option<f64>,
     pub relative: Option<f64>,
     pub allowed: f64,
 }
 
-impl Kind {
-    /// Holds two cells against each other; none when they are the same.
-    pub fn judge(self, a: &str, b: &str) -> Option<Judged> {
+impl ColumnCheck {
+    /// Checks two cells; none when they are equal.
+    pub fn difference(self, a: &str, b: &str) -> Option<CellDifference> {
         let (x, y) = match (number(a), number(b)) {
             (Some(x), Some(y)) => (x, y),
             (None, None) if a == b => return None,
-            // Who was not timed is not slow.
-            _ if matches!(self, Kind::Time { .. }) => return None,
-            _ => return Some(Judged { beyond: true, distance: None, relative: None, allowed: 0.0 }),
+            // A run without times is not slower.
+            _ if matches!(self, ColumnCheck::Time { .. }) => return None,
+            _ => return Some(CellDifference { beyond: true, distance: None, relative: None, allowed: 0.0 }),
         };
         if x == y || x.is_nan() && y.is_nan() {
             return None;
         }
         let (distance, scale) = ((x - y).abs(), x.abs().max(y.abs()));
         let (within, allowed) = match self {
-            Kind::Number(t) => {
+            ColumnCheck::Number(t) => {
                 let allowed = t.absolute + t.relative * scale;
                 (distance <= allowed, allowed)
             }
-            Kind::Time { ratio, inverse: false } => (y <= ratio * x, ratio),
-            Kind::Time { ratio, inverse: true } => (x <= ratio * y, ratio),
+            ColumnCheck::Time { ratio, inverse: false } => (y <= ratio * x, ratio),
+            ColumnCheck::Time { ratio, inverse: true } => (x <= ratio * y, ratio),
         };
         let finite = |value: f64| Some(value).filter(|v| v.is_finite());
-        // One that is not finite beside one that is cannot be near it, whatever is allowed in proportion.
+        // An infinite value is beyond every tolerance of a finite one; a relative tolerance alone would accept it.
         let beyond = !within || !distance.is_finite();
-        Some(Judged { beyond, distance: finite(distance), relative: finite(distance / scale), allowed })
+        Some(CellDifference { beyond, distance: finite(distance), relative: finite(distance / scale), allowed })
     }
 }
 
@@ -141,41 +141,44 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_agree_within_both_tolerances_together() {
-        let kind = Kind::Number(Tolerance { absolute: 0.5, relative: 0.1 });
-        let beyond = |a: &str, b: &str| kind.judge(a, b).map(|j| j.beyond);
-        assert_eq!(beyond("10", "10.0"), None, "one number in two writings");
+    fn tolerance_is_the_sum_of_absolute_and_relative() {
+        let kind = ColumnCheck::Number(Tolerance { absolute: 0.5, relative: 0.1 });
+        let beyond = |a: &str, b: &str| kind.difference(a, b).map(|j| j.beyond);
+        assert_eq!(beyond("10", "10.0"), None, "one number written in two ways");
         assert_eq!((beyond("10", "8.5"), beyond("8.5", "10")), (Some(false), Some(false)), "0.5 + 1");
         assert_eq!((beyond("10", "8.4"), beyond("-8.4", "-10")), (Some(true), Some(true)));
         assert_eq!((beyond("NaN", "NaN"), beyond("inf", "inf"), beyond("", "")), (None, None, None));
         for (a, b) in [("NaN", "1"), ("inf", "1"), ("inf", "-inf"), ("", "1"), ("1", "")] {
             assert_eq!((beyond(a, b), beyond(b, a)), (Some(true), Some(true)), "{a:?} {b:?}");
         }
-        let judged = kind.judge("10", "8").unwrap();
+        let judged = kind.difference("10", "8").unwrap();
         assert_eq!((judged.distance, judged.relative, judged.allowed), (Some(2.0), Some(0.2), 1.5));
     }
 
     #[test]
-    fn only_slower_is_too_far_in_time() {
-        let time = Kind::Time { ratio: 1.5, inverse: false };
-        let factor = Kind::Time { ratio: 1.5, inverse: true };
-        let beyond = |kind: Kind, a: &str, b: &str| kind.judge(a, b).unwrap().beyond;
+    fn only_slower_times_are_beyond_tolerance() {
+        let time = ColumnCheck::Time { ratio: 1.5, inverse: false };
+        let factor = ColumnCheck::Time { ratio: 1.5, inverse: true };
+        let beyond = |kind: ColumnCheck, a: &str, b: &str| kind.difference(a, b).unwrap().beyond;
         assert!(!beyond(time, "1", "1.5") && beyond(time, "1", "1.51") && !beyond(time, "1", "0.1"));
         assert!(!beyond(factor, "3", "2") && beyond(factor, "3", "1.9") && !beyond(factor, "3", "30"));
-        assert_eq!((time.judge("1", ""), time.judge("", "1")), (None, None), "one was not timed");
+        assert_eq!((time.difference("1", ""), time.difference("", "1")), (None, None), "one was not timed");
     }
 
     #[test]
-    fn times_are_compared_when_asked_for() {
+    fn times_are_compared_on_request() {
         let mut limits = Limits::default();
-        assert_eq!((limits.kind("wall_s"), limits.kind("steps")), (None, Some(Kind::Number(limits.default))));
+        assert_eq!(
+            (limits.check_of("wall_s"), limits.check_of("steps")),
+            (None, Some(ColumnCheck::Number(limits.default)))
+        );
         limits.timing = Some(2.0);
-        assert_eq!(limits.kind("timing_cpu_min_s"), Some(Kind::Time { ratio: 2.0, inverse: false }));
-        assert_eq!(limits.kind("real_time_factor"), Some(Kind::Time { ratio: 2.0, inverse: true }));
+        assert_eq!(limits.check_of("timing_cpu_min_s"), Some(ColumnCheck::Time { ratio: 2.0, inverse: false }));
+        assert_eq!(limits.check_of("real_time_factor"), Some(ColumnCheck::Time { ratio: 2.0, inverse: true }));
         let own = Tolerance { absolute: 1.0, relative: 0.0 };
         limits.columns.insert("wall_s".into(), own);
-        assert_eq!(limits.kind("wall_s"), Some(Kind::Number(own)));
+        assert_eq!(limits.check_of("wall_s"), Some(ColumnCheck::Number(own)));
         limits.columns.insert("steps".into(), Tolerance { absolute: f64::INFINITY, relative: 0.0 });
-        assert_eq!(limits.kind("steps"), None, "ignored");
+        assert_eq!(limits.check_of("steps"), None, "ignored");
     }
 }

@@ -1,25 +1,25 @@
-//! Which rows of two results are the same run.
+//! Pairs the rows of two results that belong to the same run.
 
 use std::collections::HashMap;
 
-use crate::results::changes::{Results, Row};
+use crate::results::compare::{ResultRow, Results};
 
-/// Rows side by side.
+/// Pairs of rows.
 pub(super) struct Pairs<'a> {
-    pub matched: Vec<(&'a Row, &'a Row)>,
-    /// How many of them have one key.
+    pub matched: Vec<(&'a ResultRow, &'a ResultRow)>,
+    /// Number of pairs with equal keys.
     pub by_key: usize,
-    pub only_in_a: Vec<&'a Row>,
-    pub only_in_b: Vec<&'a Row>,
+    pub only_in_a: Vec<&'a ResultRow>,
+    pub only_in_b: Vec<&'a ResultRow>,
 }
 
-/// By scenario and key; what is left by scenario, swept parameters, method, integrator and seed, since another version of
-/// the program or another edition of the scenario has other keys. Where that still leaves several they pair in their order.
+/// Pairs rows by scenario and key; then the others by scenario, swept parameters, method, integrator and seed, since keys
+/// depend on the versions of program and scenario. Rows that remain ambiguous pair in their order.
 pub(super) fn pair<'a>(a: &'a Results, b: &'a Results) -> Pairs<'a> {
     let mut partner: Vec<Option<usize>> = vec![None; a.rows.len()];
     let mut taken = vec![false; b.rows.len()];
     let by_key = link(a, b, &mut partner, &mut taken, |row| [row.text("scenario"), row.text("key")].join("\n"));
-    link(a, b, &mut partner, &mut taken, nature);
+    link(a, b, &mut partner, &mut taken, identity);
     let rows = || a.rows.iter().zip(&partner);
     Pairs {
         matched: rows().filter_map(|(row, partner)| Some((row, &b.rows[(*partner)?]))).collect(),
@@ -29,13 +29,13 @@ pub(super) fn pair<'a>(a: &'a Results, b: &'a Results) -> Pairs<'a> {
     }
 }
 
-/// Pairs rows that are still alone and that `name` calls the same; returns how many.
+/// Pairs the unpaired rows with equal `name`; returns the number of pairs.
 fn link(
     a: &Results,
     b: &Results,
     partner: &mut [Option<usize>],
     taken: &mut [bool],
-    name: impl Fn(&Row) -> String,
+    name: impl Fn(&ResultRow) -> String,
 ) -> usize {
     let mut free: HashMap<String, Vec<usize>> = HashMap::new();
     for (i, row) in b.rows.iter().enumerate().rev().filter(|(i, _)| !taken[*i]) {
@@ -51,10 +51,10 @@ fn link(
     linked
 }
 
-/// What a run is, whatever program made it.
-fn nature(row: &Row) -> String {
+/// Identity of a run independent of the program's version.
+fn identity(row: &ResultRow) -> String {
     let own = ["scenario", "method", "integrator", "seed"].map(|name| row.text(name).to_owned());
-    // A number has several writings.
+    // Equal numbers may be written differently.
     let same = |value: &str| value.parse::<f64>().map_or(value.to_owned(), |x| format!("{x:e}"));
     let parameters = row.parameters().map(|(name, value)| format!("{name}={}", same(value)));
     own.into_iter().chain(parameters).collect::<Vec<_>>().join("\n")

@@ -1,16 +1,16 @@
-//! Changes for a person.
+//! Text of the differences for the terminal.
 
 use std::fmt::{self, Display, Formatter};
 
-use crate::results::changes::Changes;
+use crate::results::compare::Changes;
 use crate::results::table::align;
 use crate::text::visible::visible;
 
-/// Differences that are named one by one.
+/// Number of differences that are listed.
 const MOST: usize = 50;
 
 impl Display for Changes {
-    /// Runs that one side lacks, outcomes, values beyond what is allowed, every column that differs, and a count.
+    /// Missing runs, outcomes, values beyond the tolerances, columns that differ, and counts.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         for (rows, side) in [(&self.only_in_a, "A"), (&self.only_in_b, "B")] {
             rows.iter().take(MOST).try_for_each(|run| writeln!(f, "only in {side}: {}", visible(run)))?;
@@ -56,10 +56,10 @@ impl Display for Changes {
         let (runs, values) = (self.matched, self.beyond.len());
         let missing = self.only_in_a.len() + self.only_in_b.len();
         let outcomes = self.outcomes.len();
-        let verdict = if self.is_within() { "within what is allowed" } else { "different" };
+        let verdict = if self.is_within() { "within the tolerances" } else { "different" };
         writeln!(
             f,
-            "{runs} runs compared{by_key}: {verdict}; {values} values beyond, {outcomes} outcomes changed, {missing} runs missing"
+            "{runs} runs compared{by_key}: {verdict}; {values} values beyond tolerance, {outcomes} outcomes changed, {missing} runs missing"
         )
     }
 }

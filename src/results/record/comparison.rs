@@ -1,12 +1,11 @@
-//! How far a run is from its reference run and from known truths.
+//! Distances of a run from its reference run and from known truths.
 
 use crate::metrics::{Distance, number};
 use serde::{Deserialize, Serialize};
 
-/// What a comparison found. Without a reference, and where nothing could be compared, the errors are none.
+/// Result of a comparison. Errors are none without a reference, and where there was nothing to compare.
 ///
-/// Means are over the instants of the scenario's log and the run's end, up to the end of whichever of the two runs is
-/// shorter.
+/// Means are over the instants of the scenario's log and the run's end, up to the end of the shorter run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Comparison {
@@ -14,9 +13,9 @@ pub struct Comparison {
     pub reference: Option<String>,
     /// Instants compared.
     pub instants: u64,
-    /// The last of them, s.
+    /// The last instant, s.
     pub until_s: Option<f64>,
-    /// Both runs were compared to their ends.
+    /// The comparison covers both runs to their ends.
     pub whole: bool,
     /// Root mean square distance of the base's origins, m.
     #[serde(with = "number::some_real")]
@@ -27,7 +26,7 @@ pub struct Comparison {
     /// Root mean square over the soles of the length of the force difference, N; none without soles.
     #[serde(with = "number::some_real", rename = "error_force_rms_N")]
     pub error_force_rms_n: Option<f64>,
-    /// Part of all soles at all instants whose contact states have one name, 0 to 1; none without soles.
+    /// Fraction of soles and instants with equal contact states, 0 to 1; none without soles.
     pub contact_state_agreement: Option<f64>,
     /// Distance of the base's origins at the last instant, m.
     #[serde(with = "number::some_real")]
@@ -35,7 +34,7 @@ pub struct Comparison {
     /// Angle between the base's orientations at the last instant, rad.
     #[serde(with = "number::some_real")]
     pub error_final_rotation_rad: Option<f64>,
-    /// Metrics whose truth is known, and how far what was measured is from it; none where nothing was measured.
+    /// Distances of metrics from known truths.
     pub truth: Vec<TruthError>,
 }
 
@@ -44,20 +43,20 @@ pub struct Comparison {
 pub struct TruthError {
     /// A numeric column of the summary.
     pub metric: String,
-    /// `|measured - truth|` in the metric's unit.
+    /// `|measured - truth|` in the metric's unit; none where nothing was measured.
     #[serde(with = "number::some_real")]
     pub error: Option<f64>,
 }
 
 impl TruthError {
-    /// The column that holds the distance.
+    /// The summary column of the distance.
     pub fn column(&self) -> String {
         format!("error_{}", self.metric)
     }
 }
 
 impl Comparison {
-    /// Was there nothing to compare with?
+    /// There was nothing to compare with.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
@@ -74,7 +73,7 @@ impl Comparison {
     }
 }
 
-/// Times of a run that was repeated alone on the machine, s.
+/// Times of a run repeated alone on the machine, s.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Repeats {
     /// Repetitions.

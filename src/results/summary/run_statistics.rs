@@ -1,31 +1,32 @@
-//! What can be said of any number of runs without having them all at hand.
+//! Streaming statistics over runs, by scenario.
 
 use crate::results::{Machine, SummaryRow};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::SystemTime;
 
-/// Numbers of all runs, by scenario; kept while runs come and go.
+/// Statistics of all runs added so far.
 #[derive(Clone, Debug, Default)]
-pub struct Tally {
-    /// In the order in which the scenarios were first met.
-    scenarios: Vec<Sums>,
-    places: BTreeMap<String, usize>,
+pub struct RunStatistics {
+    /// In the order in which the scenarios first appear.
+    scenarios: Vec<ScenarioStatistics>,
+    /// Positions in `scenarios` by name.
+    positions: BTreeMap<String, usize>,
     programs: BTreeSet<String>,
     machines: BTreeSet<String>,
     recorded: Option<(SystemTime, SystemTime)>,
 }
 
-/// What the runs of one scenario come to.
+/// Statistics of the runs of one scenario.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Sums {
+pub(crate) struct ScenarioStatistics {
     pub scenario: String,
     pub runs: usize,
-    /// How many ended in each way, in the order in which these were first met.
+    /// Runs by outcome, in the order in which the outcomes first appear.
     pub outcomes: Vec<(&'static str, usize)>,
     /// Expectations.
     pub expected: usize,
-    /// Those that held.
+    /// Expectations that held.
     pub held: usize,
     /// Simulated time, s.
     pub simulated_s: f64,
@@ -33,14 +34,14 @@ pub(crate) struct Sums {
     pub cpu_s: f64,
 }
 
-impl Tally {
-    /// Counts a run; `record` is its `run.json`, if it has one.
+impl RunStatistics {
+    /// Adds a run; `record` is the path of its `run.json`, if it has one.
     pub fn add(&mut self, row: &SummaryRow, program: &str, machine: &Machine, record: Option<&Path>) {
-        let place = *self.places.entry(row.scenario.clone()).or_insert_with(|| {
-            self.scenarios.push(Sums { scenario: row.scenario.clone(), ..Sums::default() });
+        let position = *self.positions.entry(row.scenario.clone()).or_insert_with(|| {
+            self.scenarios.push(ScenarioStatistics { scenario: row.scenario.clone(), ..Default::default() });
             self.scenarios.len() - 1
         });
-        self.scenarios[place].add(row);
+        self.scenarios[position].add(row);
         if !self.programs.contains(program) {
             self.programs.insert(program.to_owned());
         }
@@ -52,23 +53,23 @@ impl Tally {
         }
     }
 
-    /// Runs counted.
+    /// Number of runs.
     pub fn runs(&self) -> usize {
         self.scenarios.iter().map(|s| s.runs).sum()
     }
 
-    /// How many ended in each way.
+    /// Runs by outcome.
     pub fn outcomes(&self) -> Vec<(&'static str, usize)> {
-        self.all().outcomes
+        self.total().outcomes
     }
 
     /// Expectations: held, and all.
     pub fn expectations(&self) -> (usize, usize) {
-        let all = self.all();
-        (all.held, all.expected)
+        let total = self.total();
+        (total.held, total.expected)
     }
 
-    pub(crate) fn scenarios(&self) -> &[Sums] {
+    pub(crate) fn scenarios(&self) -> &[ScenarioStatistics] {
         &self.scenarios
     }
 
@@ -80,38 +81,39 @@ impl Tally {
         self.machines.iter().cloned().collect()
     }
 
-    /// When the first and the last record were written.
+    /// Times of modification of the first and the last record.
     pub(crate) fn recorded(&self) -> Option<(SystemTime, SystemTime)> {
         self.recorded
     }
 
-    pub(crate) fn all(&self) -> Sums {
-        let mut all = Sums::default();
+    /// Counts over all scenarios; times are not summed.
+    pub(crate) fn total(&self) -> ScenarioStatistics {
+        let mut total = ScenarioStatistics::default();
         for s in &self.scenarios {
-            s.outcomes.iter().for_each(|(outcome, count)| all.count(outcome, *count));
-            all.runs += s.runs;
-            all.expected += s.expected;
-            all.held += s.held;
+            s.outcomes.iter().for_each(|(outcome, count)| total.count(outcome, *count));
+            total.runs += s.runs;
+            total.expected += s.expected;
+            total.held += s.held;
         }
-        all
+        total
     }
 }
 
-impl Sums {
+impl ScenarioStatistics {
     fn add(&mut self, row: &SummaryRow) {
         self.runs += 1;
         self.count(row.outcome.name(), 1);
         self.expected += row.verdicts.len();
         self.held += row.verdicts.iter().filter(|v| v.held).count();
-        // What was not measured is no part of a sum.
+        // Unmeasured values are left out of sums.
         self.simulated_s += Some(row.metrics.duration_s).filter(|x| x.is_finite()).unwrap_or(0.0);
         self.cpu_s += Some(row.cpu_s).filter(|x| x.is_finite()).unwrap_or(0.0);
     }
 
-    fn count(&mut self, outcome: &'static str, more: usize) {
+    fn count(&mut self, outcome: &'static str, runs: usize) {
         match self.outcomes.iter_mut().find(|(known, _)| *known == outcome) {
-            Some((_, count)) => *count += more,
-            None => self.outcomes.push((outcome, more)),
+            Some((_, count)) => *count += runs,
+            None => self.outcomes.push((outcome, runs)),
         }
     }
 }

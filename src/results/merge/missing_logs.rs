@@ -1,20 +1,22 @@
-//! Shards of which some were made with `--no-log`: one batch leaves all logs that the scenarios ask for, or none.
+//! Detects shards run with `--no-log` among others: one batch writes all logs of its scenarios, or none.
 
 use crate::results::RunRecord;
-use crate::results::merge::look::Look;
-use crate::results::merge::walk::{Found, Holder};
+use crate::results::merge::plan_walk::{Holder, ShardResult};
+use crate::results::merge::shard_check::ShardCheck;
 use crate::results::merge::{MOST_NAMED, MergeError, Shards};
 
-/// In words, which runs left no log though they were to, when others left theirs.
-pub(super) fn unlike(shards: &Shards, looked: &Look) -> Result<Option<String>, MergeError> {
-    // Only then is it worth to look at each scenario.
-    if looked.with_log == 0 || looked.without_log == 0 {
+/// A line that names runs without the log of their scenario, while others have theirs.
+pub(super) fn missing_logs(shards: &Shards, check: &ShardCheck) -> Result<Option<String>, MergeError> {
+    // Reading every scenario again is only worth it for a mixture.
+    if check.with_log == 0 || check.without_log == 0 {
         return Ok(None);
     }
     let mut without = vec![(0, String::new()); shards.folders.len()];
-    shards.walk(&mut |holders: &[Holder]| {
-        let found = holders.iter().find_map(|holder| match holder.find() {
-            Found::Whole(record) if !looked.broken.contains(&(holder.shard, holder.run.at)) => Some((holder, record)),
+    shards.for_each_run(&mut |holders: &[Holder]| {
+        let found = holders.iter().find_map(|holder| match holder.result() {
+            ShardResult::Whole(record) if !check.broken.contains(&(holder.shard, holder.run.at)) => {
+                Some((holder, record))
+            }
             _ => None,
         });
         if let Some((holder, _)) = found.filter(|(holder, record)| !holder.log().exists() && wants_log(record)) {
@@ -36,13 +38,13 @@ pub(super) fn unlike(shards: &Shards, looked: &Look) -> Result<Option<String>, M
     let dots = if words.len() > MOST_NAMED { "; ..." } else { "" };
     words.truncate(MOST_NAMED);
     Ok(Some(format!(
-        "some runs left no log (--no-log) and others did: no single batch leaves that. Without are {}{dots}; run them again \
-         with --resume and without --no-log",
+        "some runs have no log (--no-log) and others have one, unlike in a single batch. Without log: {}{dots}; re-run these \
+         shards with --resume and without --no-log",
         words.join("; ")
     )))
 }
 
-/// Does its scenario ask for a log?
+/// The scenario sets a log rate.
 fn wants_log(record: &RunRecord) -> bool {
     let rate = record.resolved.parse::<toml::Table>().ok().and_then(|table| table.get("log")?.get("rate").cloned());
     rate.and_then(|rate| rate.as_float().or(rate.as_integer().map(|i| i as f64))).is_some_and(|rate| rate > 0.0)

@@ -1,4 +1,4 @@
-//! `run.json`: what one run was, how it ended and what it measured.
+//! `run.json`, the record of one run: inputs, outcome, metrics and timing.
 
 use crate::files::input::{self, MOST_DATA};
 use crate::files::{RecordError, atomic};
@@ -13,13 +13,13 @@ use std::path::Path;
 /// Format version of `run.json`.
 pub const RUN_SCHEMA: u32 = 1;
 
-/// This program and its version, as records name them.
+/// Program and version, as in records.
 pub const PROGRAM: &str = concat!("stiction ", env!("CARGO_PKG_VERSION"));
 
-/// Which build of it this is: a hash of its sources.
+/// Build of the program: a hash of its sources.
 pub const BUILD: &str = env!("STICTION_BUILD");
 
-/// The record of one finished run. Everything but `timing` depends on the run alone.
+/// The record of one finished run. All fields but `timing` depend on the run alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Format version, [`RUN_SCHEMA`].
@@ -31,7 +31,7 @@ pub struct RunRecord {
     /// How it ended.
     #[serde(with = "outcome")]
     pub outcome: Outcome,
-    /// Why, when there is something to say.
+    /// Reason of the outcome; may be empty.
     pub message: String,
     /// Contact method.
     pub method: String,
@@ -41,26 +41,26 @@ pub struct RunRecord {
     pub seed: u64,
     /// Swept parameters under their dotted names, in file order.
     pub parameters: Vec<(String, ParamValue)>,
-    /// What was expected of it, and what came of it, in file order.
+    /// Expectations and their results, in file order.
     pub verdicts: Vec<Verdict>,
-    /// What was measured.
+    /// Metrics.
     pub metrics: Metrics,
-    /// How far it is from what it was compared with.
+    /// Distances from the reference run and from known truths.
     #[serde(default, skip_serializing_if = "Comparison::is_empty")]
     pub comparison: Comparison,
-    /// What else there is to tell a person.
+    /// Further notes for the user.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
     /// Program and version.
     pub program: String,
-    /// Files the run was made of.
+    /// Input files.
     pub inputs: Vec<InputHash>,
     /// The resolved scenario, as TOML.
     pub resolved: String,
-    /// The log that it left; none if it left none, or was made by an earlier version, which did not say.
+    /// The log; none without one. Earlier versions did not record it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub log: Option<LogFingerprint>,
-    /// What depends on the machine and the moment.
+    /// Times and machine.
     pub timing: Timing,
 }
 
@@ -78,7 +78,7 @@ pub fn hash_input(name: &str, bytes: &[u8]) -> InputHash {
     InputHash { name: name.to_owned(), blake3: blake3::hash(bytes).to_hex().to_string() }
 }
 
-/// Times and the machine they were taken on.
+/// Times of a run and its machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     /// Wall-clock time, s.
@@ -87,32 +87,32 @@ pub struct Timing {
     /// Processor time, s.
     #[serde(with = "number::real")]
     pub cpu_s: f64,
-    /// Where.
+    /// Machine.
     pub machine: Machine,
-    /// The scenario file as it was named: relative paths in [`RunRecord::resolved`] begin at its folder. Records of earlier
-    /// versions do not say.
+    /// The scenario file as given: relative paths in [`RunRecord::resolved`] begin at its folder. Earlier versions did not
+    /// record it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// The build of the program, [`BUILD`]: no part of the key, since most changes of the sources change no result. Records of
-    /// earlier versions do not say.
+    /// The build of the program, [`BUILD`]. It is not part of the key, since most source changes change no result. Earlier
+    /// versions did not record it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub build: Option<String>,
-    /// Times of its repetitions, if there were any.
+    /// Times of repetitions, if there were any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeats: Option<Repeats>,
-    /// Of the processor time, what avoidance of self-collision took.
+    /// Processor time of self-collision avoidance, a part of `cpu_s`; none without.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub avoidance: Option<AvoidanceTime>,
 }
 
-/// The machine a run was made on.
+/// The machine of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// Operating system.
     pub os: String,
     /// Processor architecture.
     pub arch: String,
-    /// Processors this program may use.
+    /// Processors available to the program.
     pub cpus: usize,
 }
 
@@ -128,7 +128,7 @@ impl Machine {
 }
 
 impl RunRecord {
-    /// Writes the record beside `path` and renames it there; a `run.json` that exists is complete.
+    /// Writes the record to a temporary file and renames it to `path`: an existing `run.json` is complete.
     ///
     /// # Errors
     /// The folder or file cannot be written.
@@ -143,9 +143,9 @@ impl RunRecord {
     /// Reads a record back.
     ///
     /// # Errors
-    /// No such file, no JSON, a field missing, or another format version.
+    /// No such file, no valid JSON, a missing field, or another format version.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
-        /// The version is looked at first: another one may have other fields.
+        /// Read first, since other versions may have other fields.
         #[derive(Deserialize)]
         struct Version {
             schema: u64,
@@ -182,7 +182,7 @@ impl RunRecord {
     }
 }
 
-/// An outcome as its word in the summary.
+/// Serializes an outcome by its name.
 mod outcome {
     use super::*;
 

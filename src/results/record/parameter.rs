@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// The value one run had for a swept parameter. Vectors and tables are recorded as text.
+/// The value of a swept parameter in one run. Vectors and tables are recorded as text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum ParamValue {
@@ -12,9 +12,9 @@ pub enum ParamValue {
     Integer(i64),
     /// A real number; finite, as scenario files are.
     Number(f64),
-    /// A switch.
+    /// A boolean.
     Flag(bool),
-    /// Anything else, as the scenario file would write it (strings without quotes).
+    /// Any other value, as the scenario file would write it (strings without quotes).
     Text(String),
 }
 
@@ -29,9 +29,18 @@ impl ParamValue {
     }
 }
 
-/// Is a swept parameter a truth that is swept along? It distinguishes no run from another.
+/// The swept parameter is a truth (`expect.*`, `compare.truth.*`), which does not distinguish runs.
 pub fn is_truth(name: &str) -> bool {
     name.starts_with("expect.") || name.starts_with("compare.truth.")
+}
+
+/// Compares numbers by size and other values by their text; a missing value comes first.
+pub(in crate::results) fn compare_values(a: Option<&ParamValue>, b: Option<&ParamValue>) -> std::cmp::Ordering {
+    let number = |v: Option<&ParamValue>| v.and_then(ParamValue::number);
+    match (number(a), number(b)) {
+        (Some(x), Some(y)) => x.total_cmp(&y),
+        _ => a.map(ToString::to_string).cmp(&b.map(ToString::to_string)),
+    }
 }
 
 /// Shortest text that reads back to the same value.

@@ -1,4 +1,4 @@
-//! Results read back as text: from a folder, a summary or `runs.jsonl`.
+//! Reads results as text: from a folder, a summary or `runs.jsonl`.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -10,34 +10,35 @@ use polars_io::csv::read::CsvReadOptions;
 use polars_io::parquet::read::ParquetReader;
 use serde_json::{Map, Value};
 
-use crate::results::changes::columns::is_measured;
+use crate::files::names::SUMMARIES;
+use crate::results::compare::tolerance::is_measured;
 use crate::results::is_truth;
 
-/// Columns of words and the seed: they say which run it is and how it ended.
+/// Columns of text and the seed, which identify a run and its outcome.
 const IDENTITY: [&str; 7] = ["scenario", "key", "outcome", "message", "method", "integrator", "seed"];
 
 /// Rows of runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Results {
-    /// The file they are from.
+    /// The file.
     pub path: PathBuf,
     /// Names of the columns.
     pub columns: Vec<String>,
     /// One per run.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ResultRow>,
 }
 
-/// One run; cells as text by their columns, empty ones left out.
+/// One run: non-empty cells as text, by column.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Row(BTreeMap<String, String>);
+pub struct ResultRow(BTreeMap<String, String>);
 
-/// Why results cannot be read.
+/// Error of reading results.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {reason}", path.display())]
 pub struct ResultsError {
     /// The file or folder.
     pub path: PathBuf,
-    /// In words.
+    /// The reason.
     pub reason: String,
 }
 
@@ -45,7 +46,7 @@ impl Results {
     /// Reads a summary (`.csv` or `.parquet`), `runs.jsonl`, or the first of these in a folder of results.
     ///
     /// # Errors
-    /// No such file, none of these, or not made of runs.
+    /// No such file, another kind of file, or a table without runs.
     pub fn read(path: &Path) -> Result<Self, ResultsError> {
         let path = if path.is_dir() { inside(path)? } else { path.to_owned() };
         let fail = |reason: String| ResultsError { path: path.clone(), reason };
@@ -59,20 +60,20 @@ impl Results {
         .map_err(fail)?;
         match ["scenario", "key", "outcome"].iter().find(|name| !columns.iter().any(|c| c == *name)) {
             Some(missing) if !columns.is_empty() => {
-                Err(fail(format!("no summary of runs: it has no column `{missing}`")))
+                Err(fail(format!("not a summary of runs: it has no column `{missing}`")))
             }
             _ => Ok(Results { path, columns, rows }),
         }
     }
 }
 
-impl Row {
+impl ResultRow {
     /// A cell; empty when there is none.
     pub fn text(&self, column: &str) -> &str {
         self.0.get(column).map_or("", String::as_str)
     }
 
-    /// The swept parameters with their values, truths that are swept along left out.
+    /// The swept parameters with their values, without truths.
     pub(super) fn parameters(&self) -> impl Iterator<Item = (&str, &str)> {
         let cells = self.0.iter().map(|(name, value)| (name.as_str(), value.as_str()));
         cells.filter(|(name, _)| {
@@ -80,7 +81,7 @@ impl Row {
         })
     }
 
-    /// The run in words: scenario, parameters, and what else tells it from others.
+    /// A label of the run: scenario, parameters, and a seed other than 1.
     pub(super) fn label(&self) -> String {
         let mut words = vec![self.text("scenario").to_owned()];
         words.extend(self.parameters().map(|(name, value)| format!("{name}={value}")));
@@ -93,15 +94,14 @@ impl Row {
 }
 
 fn inside(folder: &Path) -> Result<PathBuf, ResultsError> {
-    let names = ["summary.csv", "summary.parquet", "runs.jsonl"];
-    let found = names.iter().map(|name| folder.join(name)).find(|path| path.is_file());
+    let found = SUMMARIES.iter().map(|name| folder.join(name)).find(|path| path.is_file());
     found.ok_or_else(|| ResultsError {
         path: folder.to_owned(),
-        reason: format!("a folder without results: none of {}", names.join(", ")),
+        reason: format!("a folder without results: none of {}", SUMMARIES.join(", ")),
     })
 }
 
-type Read = Result<(Vec<String>, Vec<Row>), String>;
+type ReadRows = Result<(Vec<String>, Vec<ResultRow>), String>;
 
 fn csv(path: &Path) -> Result<DataFrame, String> {
     let options = CsvReadOptions::default().with_infer_schema_length(Some(0));
@@ -114,17 +114,17 @@ fn parquet(path: &Path) -> Result<DataFrame, String> {
     ParquetReader::new(file).finish().map_err(|e| e.to_string())
 }
 
-fn table(frame: Result<DataFrame, String>) -> Read {
+fn table(frame: Result<DataFrame, String>) -> ReadRows {
     let frame = frame?;
     let names: Vec<String> = frame.get_column_names().into_iter().map(ToString::to_string).collect();
-    let mut rows = vec![Row::default(); frame.height()];
+    let mut rows = vec![ResultRow::default(); frame.height()];
     for (column, name) in frame.columns().iter().zip(&names) {
         for (i, row) in rows.iter_mut().enumerate() {
             let cell = match column.get(i).map_err(|e| e.to_string())? {
                 AnyValue::Null => continue,
                 AnyValue::String(text) => text.to_owned(),
                 AnyValue::StringOwned(text) => text.to_string(),
-                // The shortest text that reads back to the same.
+                // The shortest text that reads back to the same number.
                 AnyValue::Float64(x) => format!("{x:?}"),
                 other => other.to_string(),
             };
@@ -134,11 +134,10 @@ fn table(frame: Result<DataFrame, String>) -> Read {
     Ok((names, rows))
 }
 
-/// One object per line; a file that several batches appended to counts each run once, as it ended last. The last line of a
-/// batch that was killed may be torn.
-fn lines(path: &Path) -> Read {
+/// Reads one object per line. A run with several lines counts once, with its last line; an incomplete last line is skipped.
+fn lines(path: &Path) -> ReadRows {
     let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
-    let (mut columns, mut rows): (Vec<String>, Vec<Row>) = (Vec::new(), Vec::new());
+    let (mut columns, mut rows): (Vec<String>, Vec<ResultRow>) = (Vec::new(), Vec::new());
     let count = text.lines().count();
     for (number, line) in text.lines().enumerate() {
         let object: Map<String, Value> = match serde_json::from_str(line) {
@@ -146,7 +145,7 @@ fn lines(path: &Path) -> Read {
             Err(_) if number + 1 == count && !text.ends_with('\n') => continue,
             Err(error) => return Err(format!("line {}: {error}", number + 1)),
         };
-        let mut row = Row::default();
+        let mut row = ResultRow::default();
         for (name, value) in object {
             if !columns.contains(&name) {
                 columns.push(name.clone());
@@ -157,7 +156,7 @@ fn lines(path: &Path) -> Read {
                 other => row.0.insert(name, other.to_string()),
             };
         }
-        let same = |r: &Row| ["scenario", "key"].iter().all(|name| r.text(name) == row.text(name));
+        let same = |r: &ResultRow| ["scenario", "key"].iter().all(|name| r.text(name) == row.text(name));
         match rows.iter().position(same) {
             Some(earlier) => rows[earlier] = row,
             None => rows.push(row),

@@ -1,46 +1,47 @@
-//! What differs between two results: the same runs before and after a change of the program or of the machine.
+//! Compares two results: the same runs before and after a change of the program or of the machine.
 //!
 //! ```text
-//! two files -> Results -> pair (rows of the same run) -> compare (column by column, against Limits) -> Changes
+//! two files -> Results -> row_pairs (rows of the same run) -> compare (column by column, against Limits) -> Changes
 //! ```
 //!
-//! Two numbers agree when `|a - b| <= absolute + relative max(|a|, |b|)`. Equal infinities agree, and so do two that are no
-//! numbers; an empty cell agrees with an empty one only. Times are no results: they are looked at only when asked for.
+//! Two numbers agree when `|a - b| <= absolute + relative max(|a|, |b|)`. Equal infinities agree, and so do two NaN; an empty
+//! cell agrees with an empty one only. Times are not results: they are compared only on request.
+//!
+//! Imports `metrics`, `files`, `text` and the terminal table of `results`. `runner compare` calls it.
 
-mod columns;
-mod pair;
-mod results;
-mod show;
+mod changes_text;
+mod results_file;
+mod row_pairs;
+mod tolerance;
 
 use serde::Serialize;
 
-pub use columns::{Limits, Tolerance, UnknownColumn};
-pub use results::{Results, ResultsError, Row};
+pub use results_file::{ResultRow, Results, ResultsError};
+use tolerance::ColumnCheck;
+pub use tolerance::{Limits, Tolerance, UnknownColumn};
 
-use columns::Kind;
-
-/// What differs between results A and B.
+/// Differences between results A and B.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Changes {
     /// Rows of the same run in both.
     pub matched: usize,
-    /// Of these, rows that were found by their keys; the others by scenario, swept parameters, method, integrator and seed.
+    /// Of these, rows matched by their keys; the others by scenario, swept parameters, method, integrator and seed.
     pub matched_by_key: usize,
     /// Runs of A that B lacks.
     pub only_in_a: Vec<String>,
     /// Runs of B that A lacks.
     pub only_in_b: Vec<String>,
-    /// Columns that only one of them has and that were not compared.
+    /// Columns of only one of the results, not compared.
     pub columns_in_one: Vec<String>,
-    /// Runs that ended in another way.
+    /// Runs with different outcomes.
     pub outcomes: Vec<OutcomeChange>,
-    /// Values beyond what is allowed, in the order of A's rows.
+    /// Values beyond the tolerance, in the order of A's rows.
     pub beyond: Vec<Difference>,
-    /// Every column in which something differs at all.
+    /// Columns with any difference.
     pub columns: Vec<ColumnChange>,
 }
 
-/// A run that ended in another way.
+/// A run with different outcomes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OutcomeChange {
     /// The run.
@@ -51,31 +52,31 @@ pub struct OutcomeChange {
     pub b: String,
 }
 
-/// A value that differs by more than is allowed.
+/// A value beyond the tolerance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Difference {
     /// The run.
     pub run: String,
     /// The column.
     pub column: String,
-    /// In A, as written; empty when there is none.
+    /// In A, as written; may be empty.
     pub a: String,
     /// In B.
     pub b: String,
-    /// Their distance; none when one of them is no number.
+    /// Their distance; none when one of them is not a number.
     pub distance: Option<f64>,
-    /// The distance allowed; for a time the factor.
+    /// The allowed distance; for a time the allowed factor.
     pub allowed: f64,
 }
 
-/// What differs in a column.
+/// Differences in a column.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ColumnChange {
     /// Its name.
     pub column: String,
     /// Rows that differ.
     pub differ: usize,
-    /// Of these, rows beyond what is allowed.
+    /// Of these, rows beyond the tolerance.
     pub beyond: usize,
     /// Greatest distance, where both are numbers.
     pub greatest: f64,
@@ -84,7 +85,7 @@ pub struct ColumnChange {
 }
 
 impl Changes {
-    /// Is all the same, within what is allowed?
+    /// All runs match within the tolerances.
     pub fn is_within(&self) -> bool {
         let missing = !self.only_in_a.is_empty() || !self.only_in_b.is_empty();
         !missing && self.outcomes.is_empty() && self.beyond.is_empty()
@@ -97,8 +98,8 @@ impl Changes {
 /// The limits name a column that neither of them has.
 pub fn compare(a: &Results, b: &Results, limits: &Limits) -> Result<Changes, UnknownColumn> {
     limits.check(a, b)?;
-    let pairs = pair::pair(a, b);
-    let (common, alone) = columns::common(a, b);
+    let pairs = row_pairs::pair(a, b);
+    let (common, alone) = tolerance::common(a, b);
     let mut changes = Changes {
         matched: pairs.matched.len(),
         matched_by_key: pairs.by_key,
@@ -107,8 +108,8 @@ pub fn compare(a: &Results, b: &Results, limits: &Limits) -> Result<Changes, Unk
         columns_in_one: alone,
         ..Changes::default()
     };
-    let compared: Vec<(String, Kind)> =
-        common.into_iter().filter_map(|name| limits.kind(&name).map(|kind| (name, kind))).collect();
+    let compared: Vec<(String, ColumnCheck)> =
+        common.into_iter().filter_map(|name| limits.check_of(&name).map(|check| (name, check))).collect();
     let mut found: Vec<ColumnChange> = compared.iter().map(|(name, _)| ColumnChange::none(name)).collect();
     for (row_a, row_b) in &pairs.matched {
         let run = row_a.label();
@@ -116,13 +117,13 @@ pub fn compare(a: &Results, b: &Results, limits: &Limits) -> Result<Changes, Unk
         if outcome_a != outcome_b {
             changes.outcomes.push(OutcomeChange { run: run.clone(), a: outcome_a.into(), b: outcome_b.into() });
         }
-        for ((column, kind), found) in compared.iter().zip(&mut found) {
+        for ((column, check), found) in compared.iter().zip(&mut found) {
             let (a, b) = (row_a.text(column), row_b.text(column));
-            if let Some(judged) = kind.judge(a, b) {
-                found.take(&judged);
-                if judged.beyond {
+            if let Some(difference) = check.difference(a, b) {
+                found.add(&difference);
+                if difference.beyond {
                     let (run, column, a, b) = (run.clone(), column.clone(), a.into(), b.into());
-                    let (distance, allowed) = (judged.distance, judged.allowed);
+                    let (distance, allowed) = (difference.distance, difference.allowed);
                     changes.beyond.push(Difference { run, column, a, b, distance, allowed });
                 }
             }
@@ -137,10 +138,10 @@ impl ColumnChange {
         ColumnChange { column: column.into(), differ: 0, beyond: 0, greatest: 0.0, greatest_relative: 0.0 }
     }
 
-    fn take(&mut self, judged: &columns::Judged) {
+    fn add(&mut self, difference: &tolerance::CellDifference) {
         self.differ += 1;
-        self.beyond += usize::from(judged.beyond);
-        self.greatest = self.greatest.max(judged.distance.unwrap_or(0.0));
-        self.greatest_relative = self.greatest_relative.max(judged.relative.unwrap_or(0.0));
+        self.beyond += usize::from(difference.beyond);
+        self.greatest = self.greatest.max(difference.distance.unwrap_or(0.0));
+        self.greatest_relative = self.greatest_relative.max(difference.relative.unwrap_or(0.0));
     }
 }

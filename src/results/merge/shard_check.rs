@@ -1,34 +1,36 @@
-//! What is found when every run of every shard is looked at.
+//! Checks every run of every shard: present, whole, and equal in all shards that have it.
 
 use crate::results::RunRecord;
-use crate::results::merge::walk::{Found, Holder, difference};
+use crate::results::merge::plan_walk::{Holder, ShardResult};
+use crate::results::merge::record_difference::difference;
 use crate::results::merge::{MOST_NAMED, MergeError};
 use std::collections::BTreeSet;
 
-/// What was found so far. Of runs with the same trouble only the first are named, so that this stays small.
-pub(super) struct Look {
-    /// By shard, the runs of which it has no result.
-    pub absent: Vec<Lost>,
-    /// Shards and places of what is there and is no result to take.
+/// Findings so far. Only the first runs of each problem are named, to bound memory.
+pub(super) struct ShardCheck {
+    /// Runs without a result, by shard.
+    pub absent: Vec<MissingRuns>,
+    /// Shard and plan index of unusable results.
     pub broken: BTreeSet<(usize, usize)>,
-    /// Runs that left a log, and runs that left none.
+    /// Number of runs with a log.
     pub with_log: usize,
+    /// Number of runs without a log.
     pub without_log: usize,
     differ: Vec<String>,
     differing: usize,
 }
 
-/// Runs of a shard of which it has no result.
+/// Runs of a shard without a result.
 #[derive(Clone, Default)]
-pub(super) struct Lost {
+pub(super) struct MissingRuns {
     count: usize,
     first: Vec<String>,
 }
 
-impl Look {
+impl ShardCheck {
     pub fn new(shards: usize) -> Self {
-        Look {
-            absent: vec![Lost::default(); shards],
+        ShardCheck {
+            absent: vec![MissingRuns::default(); shards],
             broken: BTreeSet::new(),
             with_log: 0,
             without_log: 0,
@@ -37,18 +39,18 @@ impl Look {
         }
     }
 
-    /// Looks at a run wherever it is; returns the first that has it whole.
-    pub fn at<'a, 'b>(&mut self, holders: &'a [Holder<'b>]) -> Option<(&'a Holder<'b>, Box<RunRecord>)> {
+    /// Checks a run in all shards that list it; returns the first whole result.
+    pub fn check<'a, 'b>(&mut self, holders: &'a [Holder<'b>]) -> Option<(&'a Holder<'b>, Box<RunRecord>)> {
         let run = &holders[0].run;
         let mut first: Option<(&Holder, Box<RunRecord>)> = None;
         for holder in holders {
-            match holder.find() {
-                Found::Absent => self.absent[holder.shard].add(|| format!("{} {}", run.scenario, run.key)),
-                Found::Broken(why) => {
+            match holder.result() {
+                ShardResult::Absent => self.absent[holder.shard].add(|| format!("{} {}", run.scenario, run.key)),
+                ShardResult::Broken(why) => {
                     self.broken.insert((holder.shard, run.at));
                     self.absent[holder.shard].add(|| format!("{} {} ({why})", run.scenario, run.key));
                 }
-                Found::Whole(record) => match &first {
+                ShardResult::Whole(record) => match &first {
                     None => {
                         *if holder.log().exists() { &mut self.with_log } else { &mut self.without_log } += 1;
                         first = Some((holder, record));
@@ -67,17 +69,17 @@ impl Look {
         first
     }
 
-    /// Itself, if what several shards have is the same.
-    pub fn same(mut self) -> Result<Self, MergeError> {
+    /// An error if results of one run differ between shards.
+    pub fn require_equal(mut self) -> Result<Self, MergeError> {
         if self.differing == 0 {
             return Ok(self);
         }
-        self.differ.insert(0, format!("{} runs are in several folders and differ:", self.differing));
+        self.differ.insert(0, format!("{} runs differ between folders:", self.differing));
         Err(MergeError::Runs(self.differ))
     }
 }
 
-impl Lost {
+impl MissingRuns {
     fn add(&mut self, what: impl FnOnce() -> String) {
         self.count += 1;
         if self.first.len() < MOST_NAMED {
@@ -85,7 +87,7 @@ impl Lost {
         }
     }
 
-    /// In words, if there is any.
+    /// A line of text; none if no run is missing.
     pub fn line(&self, shard: &str) -> Option<String> {
         let (words, dots) = (self.first.join(", "), if self.count > MOST_NAMED { ", ..." } else { "" });
         (self.count > 0).then(|| {

@@ -1,4 +1,4 @@
-//! The columns of the summary: names, order and where each value comes from. These names are the user's contract.
+//! A row of the summary: one run with the values of all columns. Column names are a contract with users.
 
 use crate::metrics::{Column, ColumnSource, Cost, Known, Measure, Metrics, column};
 use crate::results::{Comparison, ParamValue, Repeats, Verdict};
@@ -13,7 +13,7 @@ pub struct SummaryRow {
     pub key: String,
     /// How it ended.
     pub outcome: Outcome,
-    /// Why, when there is something to say.
+    /// Reason of the outcome; may be empty.
     pub message: String,
     /// Contact method.
     pub method: String,
@@ -23,11 +23,11 @@ pub struct SummaryRow {
     pub seed: u64,
     /// Swept parameters under their dotted names, in file order.
     pub parameters: Vec<(String, ParamValue)>,
-    /// What was expected of it, and what came of it; no column.
+    /// Expectations and their results; not a column.
     pub verdicts: Vec<Verdict>,
-    /// What was measured.
+    /// Metrics.
     pub metrics: Metrics,
-    /// How far it is from what it was compared with.
+    /// Distances from the reference run and from known truths.
     pub comparison: Comparison,
     /// Wall-clock time, s.
     pub wall_s: f64,
@@ -35,14 +35,14 @@ pub struct SummaryRow {
     pub cpu_s: f64,
     /// Simulated over wall-clock time.
     pub real_time_factor: f64,
-    /// Times of its repetitions, if there were any.
+    /// Times of repetitions, if there were any.
     pub repeats: Option<Repeats>,
-    /// Processor time that avoidance of self-collision took, where there was any.
+    /// Processor time of self-collision avoidance; none without.
     pub avoidance: Option<AvoidanceTime>,
 }
 
 impl SummaryRow {
-    /// Did it end in a way it should not: an expectation did not hold, or it did not finish and nobody expected that?
+    /// An expectation did not hold, or the run did not finish and no expectation allows its outcome.
     pub fn is_refused(&self) -> bool {
         let expected = || !self.verdicts.is_empty() && self.verdicts.iter().all(|v| v.held);
         self.outcome == Outcome::Failed || !(matches!(self.outcome, Outcome::Passed | Outcome::Fallen) || expected())
@@ -50,13 +50,13 @@ impl SummaryRow {
 }
 
 /// A column of text.
-pub(crate) struct TextColumn {
+pub(in crate::results) struct TextColumn {
     pub name: &'static str,
     pub get: fn(&SummaryRow) -> &str,
 }
 
-/// Columns before the swept parameters that hold text; `seed` follows them.
-pub(crate) const TEXT_COLUMNS: &[TextColumn] = &[
+/// Columns of text, which stand before the swept parameters; `seed` follows them.
+pub(in crate::results) const TEXT_COLUMNS: &[TextColumn] = &[
     TextColumn { name: "scenario", get: |r| &r.scenario },
     TextColumn { name: "key", get: |r| &r.key },
     TextColumn { name: "outcome", get: |r| r.outcome.name() },
@@ -111,8 +111,8 @@ pub fn measure(row: &SummaryRow, name: &str) -> Measure {
     }
 }
 
-/// Names of the columns `error_METRIC` that stand last in the summary, one for each metric of any row whose truth is
-/// known, in the order they are first met.
+/// Names of the columns `error_METRIC`, the last of the summary: one for each metric with a known truth, in the order
+/// of first appearance.
 pub fn truth_columns(rows: &[SummaryRow]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for truth in rows.iter().flat_map(|r| &r.comparison.truth) {
@@ -124,8 +124,8 @@ pub fn truth_columns(rows: &[SummaryRow]) -> Vec<String> {
     names
 }
 
-/// The distance from a truth, by the name of its column.
-pub(crate) fn truth_error(row: &SummaryRow, column: &str) -> Option<f64> {
+/// The distance of a metric from its truth, by the name of its column.
+pub(super) fn truth_error(row: &SummaryRow, column: &str) -> Option<f64> {
     let metric = column.strip_prefix("error_")?;
     row.comparison.truth.iter().find(|t| t.metric == metric)?.error
 }

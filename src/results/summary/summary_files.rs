@@ -1,9 +1,9 @@
-//! `summary.csv` and `summary.parquet`: one row per run. Both are written in parts, so that a million rows need no more memory
-//! than some thousands.
+//! Writes `summary.csv` and `summary.parquet`, one row per run, in parts: a million rows need no more memory than thousands.
 
+use crate::files::names;
 use crate::files::{RecordError, atomic};
 use crate::metrics::{COLUMNS, Measure};
-use crate::results::columns::{TEXT_COLUMNS, truth_columns, truth_error};
+use crate::results::summary::summary_row::{TEXT_COLUMNS, truth_columns, truth_error};
 use crate::results::{ParamValue, SummaryRow};
 use polars::prelude::{Column, DataFrame, NamedFrom, PolarsResult, Series};
 use polars_io::SerWriter;
@@ -11,10 +11,10 @@ use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::ParquetWriter;
 use std::path::{Path, PathBuf};
 
-/// Rows that are held at once.
+/// Rows in memory at a time.
 const PART: usize = 8192;
 
-/// Where the summary was written.
+/// Paths of the summary.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SummaryFiles {
     /// `summary.csv`.
@@ -23,18 +23,18 @@ pub struct SummaryFiles {
     pub parquet: PathBuf,
 }
 
-/// Rows that can be gone through more than once, in the same order each time; they need not be in memory.
+/// Rows that can be visited more than once, in the same order each time; they need not be in memory.
 pub trait Rows {
-    /// Tells of each row.
+    /// Calls `visit` with each row.
     ///
     /// # Errors
-    /// A row cannot be read, or what `tell` says.
-    fn each(&self, tell: &mut dyn FnMut(&SummaryRow) -> Result<(), RecordError>) -> Result<(), RecordError>;
+    /// A row cannot be read, or `visit` fails.
+    fn for_each(&self, visit: &mut dyn FnMut(&SummaryRow) -> Result<(), RecordError>) -> Result<(), RecordError>;
 }
 
 impl Rows for &[SummaryRow] {
-    fn each(&self, tell: &mut dyn FnMut(&SummaryRow) -> Result<(), RecordError>) -> Result<(), RecordError> {
-        self.iter().try_for_each(tell)
+    fn for_each(&self, visit: &mut dyn FnMut(&SummaryRow) -> Result<(), RecordError>) -> Result<(), RecordError> {
+        self.iter().try_for_each(visit)
     }
 }
 
@@ -46,18 +46,18 @@ pub fn write_summary(folder: &Path, rows: &[SummaryRow]) -> Result<SummaryFiles,
     write_summary_of(folder, &rows)
 }
 
-/// The same for rows that are read one by one: twice, first for the columns.
+/// As [`write_summary`], for rows that are read one by one: twice, first for the columns.
 ///
 /// # Errors
 /// See [`write_summary`]; and a row cannot be read.
 pub fn write_summary_of(folder: &Path, rows: &dyn Rows) -> Result<SummaryFiles, RecordError> {
-    let files = SummaryFiles { csv: folder.join("summary.csv"), parquet: folder.join("summary.parquet") };
+    let files = SummaryFiles { csv: folder.join(names::SUMMARY_CSV), parquet: folder.join(names::SUMMARY_PARQUET) };
     let failure = |path: &Path| {
         let path = path.to_owned();
         move |source| RecordError::Summary { path, source }
     };
     let mut layout = Layout::default();
-    rows.each(&mut |row| {
+    rows.for_each(&mut |row| {
         layout.add(row);
         Ok(())
     })?;
@@ -74,7 +74,7 @@ pub fn write_summary_of(folder: &Path, rows: &dyn Rows) -> Result<SummaryFiles, 
                 parquet.write_batch(&frame).map_err(failure(&files.parquet))
             };
             let mut part = Vec::new();
-            rows.each(&mut |row| {
+            rows.for_each(&mut |row| {
                 part.push(row.clone());
                 if part.len() == PART { write(&mut part) } else { Ok(()) }
             })?;
@@ -88,8 +88,8 @@ pub fn write_summary_of(folder: &Path, rows: &dyn Rows) -> Result<SummaryFiles, 
     Ok(files)
 }
 
-/// The summary as a table. Columns: identity and `seed`; the swept parameters of all rows, in the order they are first
-/// met, empty where a row lacks one; the metrics; the distances from known truths.
+/// The summary as a table. Columns: identity and `seed`; the swept parameters of all rows in the order of first
+/// appearance, empty where a row lacks one; the metrics; the distances from known truths.
 ///
 /// # Errors
 /// A swept parameter has the name of a column.
@@ -102,15 +102,15 @@ pub fn summary_frame(rows: &[SummaryRow]) -> PolarsResult<DataFrame> {
 /// The columns that depend on the rows.
 #[derive(Default)]
 struct Layout {
-    /// Swept parameters of all rows, in the order they are first met.
-    parameters: Vec<(String, Kind)>,
-    /// Distances from truths, likewise.
+    /// Swept parameters of all rows, in the order of first appearance.
+    parameters: Vec<(String, ParameterType)>,
+    /// Columns of distances from truths, in the order of first appearance.
     truths: Vec<String>,
 }
 
-/// What holds every value of a parameter, the lesser first.
+/// Type of a parameter's column; each type holds the values of those before it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
+enum ParameterType {
     Whole,
     Real,
     Text,
@@ -120,9 +120,9 @@ impl Layout {
     fn add(&mut self, row: &SummaryRow) {
         for (name, value) in &row.parameters {
             let kind = match value {
-                ParamValue::Integer(_) => Kind::Whole,
-                ParamValue::Number(_) => Kind::Real,
-                ParamValue::Flag(_) | ParamValue::Text(_) => Kind::Text,
+                ParamValue::Integer(_) => ParameterType::Whole,
+                ParamValue::Number(_) => ParameterType::Real,
+                ParamValue::Flag(_) | ParamValue::Text(_) => ParameterType::Text,
             };
             match self.parameters.iter_mut().find(|(known, _)| known == name) {
                 Some((_, known)) => *known = kind.max(*known),
@@ -150,8 +150,8 @@ impl Layout {
     }
 }
 
-/// Names of all swept parameters, in the order they are first met.
-pub(super) fn parameter_names(rows: &[SummaryRow]) -> Vec<&str> {
+/// Names of all swept parameters, in the order of first appearance.
+pub(in crate::results) fn parameter_names(rows: &[SummaryRow]) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
     for (name, _) in rows.iter().flat_map(|r| &r.parameters) {
         if !names.contains(&name.as_str()) {
@@ -161,21 +161,23 @@ pub(super) fn parameter_names(rows: &[SummaryRow]) -> Vec<&str> {
     names
 }
 
-pub(super) fn parameter<'a>(row: &'a SummaryRow, name: &str) -> Option<&'a ParamValue> {
+pub(in crate::results) fn parameter<'a>(row: &'a SummaryRow, name: &str) -> Option<&'a ParamValue> {
     row.parameters.iter().find(|(n, _)| n == name).map(|(_, v)| v)
 }
 
-fn parameter_series(name: &str, kind: Kind, rows: &[SummaryRow]) -> Series {
+fn parameter_series(name: &str, kind: ParameterType, rows: &[SummaryRow]) -> Series {
     let values = rows.iter().map(|r| parameter(r, name));
     let whole = |v: &ParamValue| if let ParamValue::Integer(i) = v { Some(*i) } else { None };
     match kind {
-        Kind::Whole => Series::new(name.into(), values.map(|v| v.and_then(whole)).collect::<Vec<_>>()),
-        Kind::Real => Series::new(name.into(), values.map(|v| v.and_then(ParamValue::number)).collect::<Vec<_>>()),
-        Kind::Text => text_series(name, values.map(|v| v.map(ToString::to_string))),
+        ParameterType::Whole => Series::new(name.into(), values.map(|v| v.and_then(whole)).collect::<Vec<_>>()),
+        ParameterType::Real => {
+            Series::new(name.into(), values.map(|v| v.and_then(ParamValue::number)).collect::<Vec<_>>())
+        }
+        ParameterType::Text => text_series(name, values.map(|v| v.map(ToString::to_string))),
     }
 }
 
-/// Words on one line each, so that a line of the CSV is a run to simple tools; no words are an empty cell.
+/// Text on one line, so that each line of the CSV is a run for simple tools; empty text is an empty cell.
 fn text_series(name: &str, values: impl Iterator<Item = Option<String>>) -> Series {
     let on_one_line = |text: String| text.lines().map(str::trim).collect::<Vec<_>>().join(" ");
     let cells = values.map(|v| v.map(on_one_line).filter(|t| !t.is_empty()));

@@ -1,0 +1,40 @@
+//! Names of the files and folders in a folder of results.
+
+/// The summary as text.
+pub const SUMMARY_CSV: &str = "summary.csv";
+/// The summary as Parquet.
+pub const SUMMARY_PARQUET: &str = "summary.parquet";
+/// The report on a batch.
+pub const REPORT: &str = "report.html";
+/// One line for each run, appended as it ends.
+pub const RUNS_LOG: &str = "runs.jsonl";
+/// The runs of a shard.
+pub const SHARD_LIST: &str = "shard.jsonl";
+/// The record of one run.
+pub const RUN_RECORD: &str = "run.json";
+/// The log of one run.
+pub const LOG: &str = "log.mcap";
+/// The folder of a run's contact problems.
+pub const PROBLEMS: &str = "problems";
+/// The folder of a scenario's reference runs.
+pub const REFERENCES: &str = "references";
+/// The jobs of a submitted sweep.
+pub const JOBS: &str = "jobs.json";
+
+/// Files written at the end of a batch, and the shard list; the next batch removes them when it begins.
+pub const BATCH_OUTPUTS: [&str; 4] = [SUMMARY_CSV, SUMMARY_PARQUET, REPORT, SHARD_LIST];
+
+/// All files of a batch in its folder of results.
+pub const BATCH_FILES: [&str; 5] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG, REPORT, SHARD_LIST];
+
+/// Files with the rows of runs, in the order of preference for reading.
+pub const SUMMARIES: [&str; 3] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG];
+
+/// Files that show that a folder holds the results of a batch.
+pub const BATCH_MARKERS: [&str; 3] = [SHARD_LIST, RUNS_LOG, SUMMARY_CSV];
+
+/// Files that a user never means to replace by a table.
+pub const PROTECTED: [&str; 7] = [RUN_RECORD, JOBS, SHARD_LIST, RUNS_LOG, SUMMARY_CSV, SUMMARY_PARQUET, REPORT];
+
+/// Files of one run that may be links to files elsewhere.
+pub const LINKABLE: [&str; 2] = [RUN_RECORD, LOG];

@@ -1,0 +1,111 @@
+//! Writes the results of all shards into one folder.
+
+use crate::files::{RecordError, confined, names, remove_partial};
+use crate::results::discovery::FoundRun;
+use crate::results::merge::copy_run::copy_run;
+use crate::results::merge::{MergeError, Missing, Shards};
+use crate::results::{
+    BoundedSample, Rows, RunRecord, RunStatistics, RunsLog, SummaryFiles, SummaryRow, write_summary_of,
+};
+use crate::sim::Outcome;
+use std::path::{Path, PathBuf};
+
+/// The merged results.
+#[derive(Debug)]
+pub struct Merged {
+    /// Statistics of all runs.
+    pub statistics: RunStatistics,
+    /// A bounded sample of the runs, in the order of the plan.
+    pub runs: Vec<FoundRun>,
+    /// Reference runs, in the order in which the runs first need them.
+    pub references: Vec<FoundRun>,
+    /// The summary's files.
+    pub summary: SummaryFiles,
+    /// `runs.jsonl`.
+    pub runs_log: PathBuf,
+    /// Number of runs and reference runs that did not finish as expected.
+    pub unfinished: usize,
+    /// Number of runs with a failed expectation.
+    pub failed: usize,
+}
+
+impl Shards {
+    /// Writes the results of all shards into a folder, but for the report. Leaves out the runs that [`Shards::check`] found
+    /// missing.
+    ///
+    /// # Errors
+    /// A file cannot be read or written; another program writes there; a reference differs between two shards.
+    pub fn write(&self, output: &Path, missing: &Missing) -> Result<Merged, MergeError> {
+        let mut references = Vec::new();
+        let runs_log = output.join(names::RUNS_LOG);
+        let mut log = RunsLog::anew(&runs_log)?;
+        remove_partial(output);
+        for name in names::BATCH_OUTPUTS {
+            match std::fs::remove_file(output.join(name)) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(RecordError::io(&output.join(name))(error).into());
+                }
+                _ => {}
+            }
+        }
+        for needed in missing.references.whole() {
+            let folder = needed.folder();
+            confined::check(output, &output.join(&folder))?;
+            copy_run(&self.folders[needed.shard].join(&folder), &output.join(&folder))?;
+            references.push(read(output.join(folder).join(names::RUN_RECORD))?);
+        }
+        let (mut statistics, mut sample) = (RunStatistics::default(), BoundedSample::default());
+        let (mut unfinished, mut failed) = (0, 0);
+        self.for_each_run(&mut |holders| {
+            let to = holders[0].run.folder(output);
+            confined::check(output, &to)?;
+            let Some(holder) =
+                holders.iter().find(|h| h.record().is_file() && !missing.broken.contains(&(h.shard, h.run.at)))
+            else {
+                // A result of an earlier merge does not belong to these shards.
+                let _ = std::fs::remove_dir_all(&to);
+                return Ok(());
+            };
+            copy_run(&holder.run.folder(holder.folder), &to)?;
+            let run = read(to.join(names::RUN_RECORD))?;
+            let (row, record) = (run.record.summary_row(), &run.record);
+            log.push(&row)?;
+            statistics.add(&row, &record.program, &record.timing.machine, run.files.first().map(PathBuf::as_path));
+            failed += usize::from(row.outcome == Outcome::Failed);
+            unfinished += usize::from(row.is_refused() && row.outcome != Outcome::Failed);
+            sample.insert(holder.run.at, run, row.is_refused());
+            Ok(())
+        })?;
+        let summary = write_summary_of(output, &MergedRows { shards: self, output })?;
+        unfinished += references.iter().filter(|r| r.record.summary_row().is_refused()).count();
+        Ok(Merged { statistics, runs: sample.into_sorted(), references, summary, runs_log, unfinished, failed })
+    }
+}
+
+fn read(record: PathBuf) -> Result<FoundRun, RecordError> {
+    let run = RunRecord::read(&record)?;
+    Ok(FoundRun::without_inputs(record, run))
+}
+
+/// Rows of the merged records, in the order of the plan.
+struct MergedRows<'a> {
+    shards: &'a Shards,
+    output: &'a Path,
+}
+
+impl Rows for MergedRows<'_> {
+    fn for_each(&self, visit: &mut dyn FnMut(&SummaryRow) -> Result<(), RecordError>) -> Result<(), RecordError> {
+        let result = self.shards.for_each_run(&mut |holders| {
+            let path = holders[0].run.folder(self.output).join(names::RUN_RECORD);
+            // No shard has a result of this run.
+            if !path.is_file() {
+                return Ok(());
+            }
+            Ok(visit(&RunRecord::read(&path)?.summary_row())?)
+        });
+        result.map_err(|error| match error {
+            MergeError::Record(error) => error,
+            other => RecordError::Io { path: self.output.to_owned(), source: std::io::Error::other(other) },
+        })
+    }
+}
