@@ -1,16 +1,19 @@
-//! Painleve's rod: a slender rod (2 l = 1 m, 1 kg) slides on its lower end, its centre behind the tip.
+//! Tests Painleve's rod: a slender rod (2 l = 1 m, 1 kg) slides on its lower end, its centre behind
+//! the tip.
 //!
-//! With theta its angle to the floor, v > 0 the speed of the tip away from below the centre and w = theta', friction
-//! pushes the tip towards the centre. `N`, with `I = m l^2 / 3` about the centre and the centre at height l sin theta:
+//! With theta its angle to the floor, v > 0 the speed of the tip away from below the centre and w =
+//! theta', friction pushes the tip towards the centre. `N`, with `I = m l^2 / 3` about the centre
+//! and the centre at height l sin theta:
 //!
 //! ```text
 //! m (l cos w' - l sin w^2) = N - m g        I w' = -l cos N + l sin mu N
 //! N = m (g - l w^2 sin) / (1 + 3 cos^2 - 3 mu sin cos)
 //! ```
 //!
-//! It is lost where mu exceeds `mu_c = (1 + 3 cos^2) / (3 sin cos)`, least 4/3 at tan theta = 2. Beyond, with w^2 small, the
-//! tip jams: angular momentum about it is kept, `(4/3) m l^2 w+ = (4/3) m l^2 w + m l v sin`, so `w+ = w + 3 v sin / (4 l)`,
-//! and the energy lost is `m v^2 (1 + 3 cos^2) / 8`.
+//! No finite force exists where mu exceeds `mu_c = (1 + 3 cos^2) / (3 sin cos)`, least 4/3 at tan
+//! theta = 2. Beyond, with w^2 small, the tip jams (its slip ends in no time). Angular momentum
+//! about it is conserved, `(4/3) m l^2 w+ = (4/3) m l^2 w + m l v sin`, so
+//! `w+ = w + 3 v sin / (4 l)`, and the energy lost is `m v^2 (1 + 3 cos^2) / 8`.
 
 use super::body::{Body, G};
 use super::support::{TIGHT, Told, finish, rk4, simulation};
@@ -22,12 +25,12 @@ const L: f64 = 0.5;
 const MASS: f64 = 1.0;
 const HEADINGS: [f64; 5] = [0.0, 0.7, 1.9, 3.3, 5.4];
 
-/// How the rod starts.
+/// Initial state of the rod.
 #[derive(Clone, Copy, Debug)]
 struct Start {
     theta: f64,
     heading: f64,
-    /// Speed of the tip away from below the centre.
+    /// Speed of the tip away from the point below the centre.
     v: f64,
     w: f64,
     mu: f64,
@@ -49,7 +52,7 @@ impl Start {
         self.simulation_aside(duration, 0.0)
     }
 
-    /// With the tip's velocity turned by `aside` about the vertical.
+    /// The same with the tip's velocity turned by `aside` about the vertical.
     fn simulation_aside(&self, duration: f64, aside: f64) -> Simulation {
         let (forward, axis) = self.axes();
         let (s, c) = self.theta.sin_cos();
@@ -69,14 +72,14 @@ impl Start {
         ))
     }
 
-    /// The first choice of states.
+    /// Simulates the first selection of states.
     fn begin(&self) -> (Simulation, Told) {
         let (mut sim, mut told) = (self.simulation(1.0), Told::default());
         sim.begin(&mut told).unwrap_or_else(|e| panic!("{e}"));
         (sim, told)
     }
 
-    /// Sliding by the balances of the module comment, unknowns w' and N, by Cramer's rule: `[w', N]`.
+    /// Sliding by the balances of the module page, unknowns w' and N, by Cramer's rule: `[w', N]`.
     fn balance(&self, theta: f64, w: f64) -> [f64; 2] {
         let (s, c) = theta.sin_cos();
         let inertia = MASS * L * L / 3.0;
@@ -88,7 +91,8 @@ impl Start {
     }
 }
 
-/// Velocity of the tip and angular velocity, in the rod's plane: along forward, up, w; and what leaves the plane.
+/// Velocity of the tip and angular velocity in the rod's plane (forward, up, w), and the component
+/// out of the plane.
 fn plane(sim: &Simulation, start: &Start) -> [f64; 4] {
     let (forward, axis) = start.axes();
     let tip = sim.plant().problem.soles[0].vertices[0].velocity;
@@ -109,7 +113,8 @@ fn below_the_critical_friction_the_force_is_finite_and_known() {
                 let formula = MASS * (G - L * w * w * s) / (1.0 + 3.0 * c * c - 3.0 * start.mu * s * c);
                 assert!((formula / force - 1.0).abs() < 1e-9);
                 let n = sim.plant().solution.normal[0][0];
-                // The denominator is a difference: rounding of the pose (1e-15) over what is left of it (1e-4).
+                // The denominator is a difference: rounding of the pose (1e-15) over its size
+                // (1e-4).
                 assert!((n / force - 1.0).abs() < 1e-9, "{start:?}: {n} {force}");
                 assert!(sim.plant().states[0].is_dynamic());
                 assert_eq!((sim.metrics().jams, sim.metrics().inconsistent), (0, 0), "{start:?}");
@@ -152,9 +157,12 @@ fn a_jam_keeps_angular_momentum_about_the_tip() {
                     assert_eq!((sim.metrics().jams, sim.metrics().inconsistent), (1, 0), "{start:?}");
                     assert_eq!(told.events.iter().filter(|e| e.kind == "jam" && e.subject == "tip").count(), 1);
                     let (s, c) = theta.sin_cos();
-                    let [forward, up, turn, beside] = plane(&sim, &start);
+                    let [forward, up, turn, sideways] = plane(&sim, &start);
                     // Rounding of one solve with velocities of some m/s.
-                    assert!(forward.abs() + up.abs() + beside < 1e-12 * (1.0 + v), "{start:?} {forward} {up} {beside}");
+                    assert!(
+                        forward.abs() + up.abs() + sideways < 1e-12 * (1.0 + v),
+                        "{start:?} {forward} {up} {sideways}"
+                    );
                     assert!((turn - (w + 0.75 * v * s / L)).abs() < 1e-12 * (1.0 + v), "{start:?} {turn}");
                     // Kinetic energies before and after from the tip's velocity and w.
                     let kinetic = |v: f64, w: f64| {
@@ -171,9 +179,10 @@ fn a_jam_keeps_angular_momentum_about_the_tip() {
 }
 
 #[test]
-fn fast_turning_lifts_off_where_sliding_is_possible_too() {
+fn fast_turning_lifts_off_where_sliding_is_also_possible() {
     for heading in HEADINGS {
-        // l w^2 sin > g beyond the critical friction: indeterminate, and lift-off clamps less.
+        // l w^2 sin > g beyond the critical friction: the state is indeterminate, and lift-off
+        // clamps less.
         let start = Start { theta: 1.1, heading, v: 0.8, w: 5.0, mu: 2.0 * critical(1.1) };
         let (sim, _) = start.begin();
         assert!(start.balance(1.1, 5.0)[1] > 0.0, "sliding under load would be a solution");
@@ -184,7 +193,7 @@ fn fast_turning_lifts_off_where_sliding_is_possible_too() {
 
 #[test]
 fn off_its_plane_a_jam_is_resolved_and_energy_falls() {
-    // Slip at any angle to the rod's plane, tips that turn sideways too.
+    // Slip at any angle to the rod's plane, also with sideways rotation.
     let mut jams = 0;
     for n in 0..400 {
         let part = |k: f64| (f64::from(n) * k).fract();
@@ -200,7 +209,8 @@ fn off_its_plane_a_jam_is_resolved_and_energy_falls() {
         assert_eq!(m.inconsistent, 0, "{start:?} {aside}");
         jams += m.jams;
         if m.jams > 0 {
-            // The kernel is exact for a slip that ends; one that goes on leaves a thousandth of the vanishing approach.
+            // The solution is exact for a slip that ends; a continuing slip leaves a thousandth of
+            // the vanishing approach.
             assert!(after.z.abs() < 1e-9 && after.norm() < before.norm(), "{start:?} {aside} {before} {after}");
             assert!(told.events.iter().any(|e| e.kind == "jam" && !e.message.contains("lost -")), "{:?}", told.events);
         }
@@ -211,8 +221,9 @@ fn off_its_plane_a_jam_is_resolved_and_energy_falls() {
     assert!(jams > 50, "{jams} jams seen");
 }
 
-/// How sliding at or above `mu_c` somewhere on the way ends: time, angle, w, slip, by the balance of the module comment in
-/// the time s with `dt = D ds`, `D = 1 + 3 cos^2 - 3 mu sin cos`, in which the singular point is an ordinary one.
+/// End of a slide that reaches `mu_c`: kind, time, angle, w, slip, by the balance of the module
+/// page in the time s with `dt = D ds`, `D = 1 + 3 cos^2 - 3 mu sin cos`, in which the singular
+/// point is an ordinary one.
 fn ending(start: &Start) -> (&'static str, [f64; 4]) {
     let d = |y: &[f64; 4]| {
         let (s, c) = y[1].sin_cos();
@@ -232,7 +243,8 @@ fn ending(start: &Start) -> (&'static str, [f64; 4]) {
         let (mut step, next) = (1e-4, rk4(y, 1e-4, 1, f));
         let crossed = |y: &[f64; 4]| y[3] <= 0.0 || weight(y) <= 0.0;
         if d(&next) < 1e-13 && !crossed(&next) {
-            // What is left of the impulse turns w to its end, where the weight vanishes; slip follows in proportion.
+            // The remaining impulse changes w to its end, where the weight vanishes; slip follows
+            // in proportion.
             let [t, theta, w, v] = next;
             let (s, c) = theta.sin_cos();
             let end = (G / (L * s)).sqrt();
@@ -254,7 +266,7 @@ fn ending(start: &Start) -> (&'static str, [f64; 4]) {
 }
 
 #[test]
-fn sliding_towards_the_limit_ends_as_the_rods_own_equations_say() {
+fn sliding_towards_the_limit_ends_as_the_rods_equations_predict() {
     let cases = [
         (1.4, 0.3, 2.0, 2.0, "stick"),
         (1.4, 0.3, 4.0, 10.0, "liftoff"),
@@ -275,18 +287,19 @@ fn sliding_towards_the_limit_ends_as_the_rods_own_equations_say() {
                 sim.step(&mut told).unwrap_or_else(|e| panic!("{start:?}: {e}"));
             }
             let first = &told.events[0];
-            let [forward, up, omega, beside] = plane(&sim, &start);
+            let [forward, up, omega, sideways] = plane(&sim, &start);
             assert_eq!((first.kind, sim.metrics().inconsistent), (kind, 0), "{start:?}");
             assert_eq!(sim.metrics().jams, u64::from(kind == "jam"));
-            // Integration at 1e-9 of speeds of up to 10 m/s, 1e-8 m/s a second; slips end and loads vanish at some m/s^2. At
-            // the singular point the force's root in time magnifies the errors of the last steps.
+            // Integration at 1e-9 of speeds of up to 10 m/s, 1e-8 m/s a second; slips end and loads
+            // vanish at some m/s^2. At the singular point the force is a root in time, which
+            // magnifies the errors of the last steps.
             let bar = if kind == "jam" { 1e-6 } else { 1e-7 };
             assert!((first.time - t).abs() < bar, "{start:?} {} {t}", first.time);
             assert!(
                 (omega - turn).abs() < 10.0 * bar && (forward + slip).abs() < 10.0 * bar,
                 "{start:?} {omega} {turn} {forward} {slip}"
             );
-            assert!(up.abs() + beside < 1e-8, "{start:?} {up} {beside}");
+            assert!(up.abs() + sideways < 1e-8, "{start:?} {up} {sideways}");
             if kind == "jam" {
                 // The singular point in closed form: tan^2 - 3 mu tan + 4 = 0, l w^2 sin = g.
                 let tan = 0.5 * (3.0 * mu - (9.0 * mu * mu - 16.0).sqrt());
@@ -300,8 +313,9 @@ fn sliding_towards_the_limit_ends_as_the_rods_own_equations_say() {
 
 #[test]
 fn a_tall_box_trips_over_its_leading_edge() {
-    // Flat on a face, half width a along the motion, centre at height h: with the leading edge as the tip of the rod,
-    // mu_c = (I / m + a^2) / (a h) = (4 a^2 + h^2) / (3 a h), and w+ = m v h / (I + m (a^2 + h^2)).
+    // Flat on a face, half width a along the motion, centre at height h: with the leading edge as
+    // the tip of the rod, mu_c = (I / m + a^2) / (a h) = (4 a^2 + h^2) / (3 a h), and w+ = m v h /
+    // (I + m (a^2 + h^2)).
     for (a, b, h) in [(0.1, 0.1, 0.2), (0.05, 0.2, 0.2), (0.1, 0.05, 0.15)] {
         let body = Body::new([a, b, h], 2.0);
         let (critical, turn) = ((4.0 * a * a + h * h) / (3.0 * a * h), 0.75 * 1.3 * h / (a * a + h * h));
@@ -330,7 +344,7 @@ fn a_tall_box_trips_over_its_leading_edge() {
 }
 
 #[test]
-fn the_scenarios_expect_what_follows_from_the_equations() {
+fn the_scenarios_expect_the_values_of_the_equations() {
     // painleve-jam: tan theta = 2, tip at 0.5 m/s, then a pendulum about the tip for 0.1 s.
     let theta = 2f64.atan();
     let w = 0.75 * 0.5 * theta.sin() / L;
@@ -341,7 +355,12 @@ fn the_scenarios_expect_what_follows_from_the_equations() {
     };
     let expects = |name: &str, metric: &str, truth: f64, bar: f64| {
         for run in file(name) {
-            let expect = run.scenario.expect.iter().find(|e| e.metric.as_deref() == Some(metric)).expect("it is asked");
+            let expect = run
+                .scenario
+                .expect
+                .iter()
+                .find(|e| e.metric.as_deref() == Some(metric))
+                .expect("an expectation of this metric");
             assert!((expect.value.expect("a value") - truth).abs() < bar, "{name} {metric} {truth}");
         }
     };

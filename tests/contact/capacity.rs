@@ -1,11 +1,12 @@
-//! Where the margin of a face crosses zero, against a scan over slip twists that shares no code with it.
+//! Compares the friction limit of a face with an independent scan over slip twists.
 
 use nalgebra::Vector2;
 use proptest::prelude::*;
 use stiction::contact::model::friction_capacity;
 
-/// Largest factor of the load that friction can carry: least over slip twists of friction power over load power, by a
-/// grid over the sphere of twists and ever smaller circles about its best points.
+/// Largest factor of the load that friction can carry: the least ratio of friction power to load
+/// power over slip twists. A grid over the sphere of twists is refined by shrinking circles about
+/// its best points.
 fn factor(points: &[(f64, Vector2<f64>)], force: &Vector2<f64>, yaw: f64, radius: f64) -> f64 {
     let ratio = |[a, b]: [f64; 2]| {
         let ((sa, ca), (sb, cb)) = (a.sin_cos(), b.sin_cos());
@@ -49,11 +50,11 @@ proptest! {
     #[test]
     fn the_margin_of_a_face_crosses_zero_where_friction_gives_way(
         weights in proptest::collection::vec(0.05..2.0f64, 3..9),
-        places in proptest::collection::vec((-0.1..0.1f64, -0.1..0.1f64), 8),
+        positions in proptest::collection::vec((-0.1..0.1f64, -0.1..0.1f64), 8),
         heading in 0.0..6.3f64,
         share in -1.0..1.0f64,
     ) {
-        let points: Vec<_> = weights.iter().zip(&places).map(|(c, (x, y))| (*c, Vector2::new(*x, *y))).collect();
+        let points: Vec<_> = weights.iter().zip(&positions).map(|(c, (x, y))| (*c, Vector2::new(*x, *y))).collect();
         let radius = 0.1;
         let force = Vector2::new(heading.cos(), heading.sin()) * (1.0 - share.abs());
         let yaw = share * radius;

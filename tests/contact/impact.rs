@@ -10,7 +10,8 @@ use stiction::contact::model::problem::{Level, Problem};
 use stiction::contact::model::solution::Solution;
 use stiction::contact::search::select::Selection;
 
-/// Velocities before: of the centre of mass up to 2 m/s, downwards 0.2 to 2.2 m/s, turning up to 6 rad/s.
+/// Velocities before the impact: of the centre of mass up to 2 m/s, downwards 0.2 to 2.2 m/s,
+/// turning up to 6 rad/s.
 pub fn falling(body: &Rigid, velocity: &Vector3<f64>, spin: &Vector3<f64>) -> Problem {
     let mut p = body.problem(Level::Velocity, &Vector3::zeros(), &Vector3::zeros());
     let com = Vector3::new(2.0 * velocity.x, 2.0 * velocity.y, velocity.z - 1.2);
@@ -56,7 +57,7 @@ proptest! {
     }
 
     #[test]
-    fn an_impact_with_restitution_obeys_the_law_and_gains_energy_only_by_what_newton_gives_back(
+    fn an_impact_with_restitution_obeys_the_law_and_gains_at_most_its_normal_work(
         body in body_on(1, 8), velocity in triple(), spin in triple(), e in 0.0..1.0f64
     ) {
         let mut p = falling(&body, &velocity, &spin);
@@ -66,14 +67,15 @@ proptest! {
         prop_assert!(selection.consistent, "{:?} {:?}", selection.states[0], selection.verdict.levels);
         let missed = law::missed(&p, &selection.states, &out, before.iter().map(|b| b.abs()).fold(1.0, f64::max));
         prop_assert!(missed.is_empty(), "{:?} {missed:?}", selection.states[0]);
-        // dE = p . (v+ + v-) / 2 = p . v+ - p . W p / 2 <= p . v+, and of that only the normal part can be positive.
+        // dE = p . (v+ + v-) / 2 = p . v+ - p . W p / 2 <= p . v+, and of that only the normal part
+        // can be positive.
         let back: f64 = (0..body.sole.len()).map(|i| out.normal[0][i] * p.vertex_motion(&out.motion, 0, i).z).sum();
         let gain = body.energy(&out.motion) - body.energy(&before);
         prop_assert!(gain <= back.max(0.0) + 1e-9 * body.energy(&before), "{gain} {back}");
     }
 
     #[test]
-    fn without_friction_restitution_returns_its_square(
+    fn without_friction_the_energy_falls_to_the_square_of_restitution(
         body in body_on(1, 8), velocity in triple(), spin in triple(), e in 0.0..1.0f64
     ) {
         let body = Rigid { mu: [0.0; 2], ..body };
@@ -93,8 +95,9 @@ proptest! {
     }
 }
 
-/// The known limit of Newton's restitution with friction (Kane and Levinson): a point that sticks in the impact with its
-/// body leaning over it returns `-e v_n` whatever friction did meanwhile, and the energy can rise.
+/// Known limit of Newton's restitution with friction (Kane and Levinson): a point that sticks in
+/// the impact, with its body leaning over it, returns `-e v_n` whatever friction does, and the
+/// energy can rise.
 #[test]
 fn restitution_with_sticking_friction_can_raise_the_energy() {
     let body = Rigid {
@@ -104,7 +107,7 @@ fn restitution_with_sticking_friction_can_raise_the_energy() {
         com: Vector3::new(0.1, 0.0, 0.1),
         mu: [1.0; 2],
     };
-    // The point falls at 1 m/s and slips at 0.5 m/s; the impact by itself would throw it back.
+    // The point falls at 1 m/s and slips at 0.5 m/s; the impact alone would reverse its slip.
     let slip = 0.5;
     let gain = |e: f64| {
         let mut p = body.problem(Level::Velocity, &Vector3::zeros(), &Vector3::zeros());
@@ -116,7 +119,8 @@ fn restitution_with_sticking_friction_can_raise_the_energy() {
         body.energy(&out.motion) - body.energy(&before)
     };
     for e in [0.0, 0.5, 1.0] {
-        // In the plane W = ((2, -1), (-1, 2)) / kg; the impulse W^-1 (-slip, 1 + e) does the work p . (v+ + v-) / 2.
+        // In the plane W = ((2, -1), (-1, 2)) / kg; the impulse W^-1 (-slip, 1 + e) does the work p
+        // . (v+ + v-) / 2.
         let (x, z) = ((1.0 + e - 2.0 * slip) / 3.0, (2.0 * (1.0 + e) - slip) / 3.0);
         let closed = 0.5 * (x * slip + z * (e - 1.0));
         assert!((gain(e) - closed).abs() < 1e-14, "{e} {} {closed}", gain(e));

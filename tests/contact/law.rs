@@ -1,5 +1,4 @@
-//! The contact laws themselves, checked on a finished answer from its per-vertex forces: nothing of the search or of the
-//! judge is used.
+//! Checks the contact laws on an answer from its vertex forces, without the search or the judge.
 
 use nalgebra::{Vector2, Vector3};
 use stiction::contact::model::friction_capacity;
@@ -7,8 +6,9 @@ use stiction::contact::model::problem::Problem;
 use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::States;
 
-/// What is missed, in words; empty when everything holds. At the acceleration level from rest, at the velocity level
-/// after a plastic impulse. `drive` is the size of the motion without contact, by which small motions are measured.
+/// Describes each violation; empty if all laws hold. Applies at the acceleration level from rest,
+/// at the velocity level after a plastic impulse. `drive` is the size of the motion without
+/// contact, the scale of small motions.
 pub fn missed(p: &Problem, states: &States, out: &Solution, drive: f64) -> Vec<String> {
     let mut list = vec![];
     let mut bar = |what: String, value: f64, limit: f64| {
@@ -17,7 +17,8 @@ pub fn missed(p: &Problem, states: &States, out: &Solution, drive: f64) -> Vec<S
         }
     };
     let load = p.scale;
-    // The answer is one of this problem: m = b + W w. Rounding of 12 products, times the condition of the joint.
+    // The answer satisfies m = b + W w up to rounding of 12 products times the condition of the
+    // joint.
     let n = p.dim();
     for r in 0..n {
         let m: f64 = p.b[r] + (0..n).map(|c| p.w[n * r + c] * out.wrench[c]).sum::<f64>();
@@ -31,20 +32,21 @@ pub fn missed(p: &Problem, states: &States, out: &Solution, drive: f64) -> Vec<S
             force += f;
             moment += v.r.cross(&f);
             let m = p.vertex_motion(&out.motion, s, i);
-            let wanted = sole.vertex_target(i);
+            let target = sole.vertex_target(i);
             bar(format!("{s}/{i} pulls"), -f.z, 1e-9 * load);
-            // Judged against 1e-8 m/s^2, or 1e-10 at the velocity level.
-            bar(format!("{s}/{i} enters"), wanted - m.z, 1.01e-8 + 1e-9 * drive);
+            // The tolerance is 1e-8 m/s^2, or 1e-10 at the velocity level.
+            bar(format!("{s}/{i} enters"), target - m.z, 1.01e-8 + 1e-9 * drive);
             if !state.clamps(i, k) {
                 bar(format!("{s}/{i} is loaded though free"), f.norm(), 0.0);
                 continue;
             }
-            bar(format!("{s}/{i} leaves though clamped"), m.z - wanted, 1e-9 * drive);
+            bar(format!("{s}/{i} leaves though clamped"), m.z - target, 1e-9 * drive);
             if state.is_static() {
                 bar(format!("{s}/{i} moves though it sticks"), m.xy().norm(), 1e-9 * drive);
                 continue;
             }
-            // Within its cone; and what slips is opposed with all of kinetic friction: directions are found to 1e-10.
+            // Inside the friction cone; slip is opposed with full kinetic friction, directions
+            // found to 1e-10.
             bar(format!("{s}/{i} cone"), f.xy().norm() - v.mu_s * f.z.max(0.0), 1e-9 * load);
             if m.xy().norm() > 1e-7 * drive {
                 let gap = (f.xy() + m.xy().normalize() * (v.mu_k * f.z)).norm();
@@ -53,7 +55,7 @@ pub fn missed(p: &Problem, states: &States, out: &Solution, drive: f64) -> Vec<S
         }
         let w = &out.wrench[6 * s..6 * s + 6];
         let wrench = (Vector3::new(w[0], w[1], w[2]), Vector3::new(w[3], w[4], w[5]));
-        // What friction at a static vertex or edge would have to carry beyond its forces shows here too.
+        // This also shows load that friction at a static vertex or edge does not carry.
         let lost = (force - wrench.0).norm() + (moment - wrench.1).norm() / sole.radius;
         bar(format!("{s} forces and wrench differ"), lost, 1e-9 * load);
     }

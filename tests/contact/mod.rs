@@ -1,4 +1,4 @@
-//! The contact kernel on problems built by hand: no robot, no stepping.
+//! The contact room on problems built by hand, without robots or stepping.
 
 mod capacity;
 mod impact;

@@ -1,17 +1,18 @@
-//! Two bodies, each on a sole, joined by a joint: W and b written down from the bodies alone.
+//! Two bodies, each on a sole, connected by a joint: W and b from the bodies alone.
 //!
-//! Free bodies have `W = diag(W_1, W_2)`. A joint keeps `C m = 0` (relative motion of the two bodies at the anchor) by
-//! forces `-C^T l`, so that (Gauss) `m = P (b + W w)` with `P = 1 - W C^T (C W C^T)^-1 C`.
+//! Free bodies have `W = diag(W_1, W_2)`. A joint keeps `C m = 0` (relative motion of the two
+//! bodies at the anchor) by forces `-C^T l`, so that (Gauss) `m = P (b + W w)` with
+//! `P = 1 - W C^T (C W C^T)^-1 C`.
 
 use super::rigid::{Rigid, body_on, triple};
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use stiction::contact::model::problem::{Level, Problem};
 
-/// How two bodies are joined.
+/// Connection of two bodies.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Joint {
-    /// Not at all.
+    /// None.
     Apart,
     /// A rod without mass between one point of each.
     Rod,
@@ -23,7 +24,8 @@ pub enum Joint {
     Weld,
 }
 
-/// Two bodies. The second's sole reference lies at `apart` from the first's; the joint at `anchor` from it.
+/// Two bodies. The reference of the second sole is at `apart` from the first, the joint at
+/// `anchor`.
 #[derive(Clone, Debug)]
 pub struct Pair {
     pub bodies: [Rigid; 2],
@@ -34,10 +36,11 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// C of the module comment, one row of 12 per condition.
+    /// Matrix C of the module page, one row of 12 per condition.
     fn conditions(&self) -> DMatrix<f64> {
         let row = |linear: Vector3<f64>, angular: Vector3<f64>| {
-            // Motion of the anchor along `linear` plus rotation along `angular`, of the first body less the second.
+            // Motion of the anchor along `linear` plus rotation along `angular`, of the first body
+            // less the second.
             let mut row = Vec::with_capacity(12);
             for (sign, arm) in [(1.0, self.anchor), (-1.0, self.anchor - self.apart)] {
                 row.extend_from_slice((linear * sign).as_slice());
@@ -92,7 +95,7 @@ impl Pair {
     fn multipliers(&self, w: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
         let c = self.conditions();
         let inner = &c * w * c.transpose();
-        // A welded pair has redundant but consistent conditions nowhere: six independent ones.
+        // A welded pair has six independent conditions, none redundant.
         w * c.transpose() * inner.cholesky().expect("independent conditions").solve(&(&c * right))
     }
 
@@ -107,7 +110,8 @@ impl Pair {
         }
     }
 
-    /// Velocities before an impact: both centres of mass with `com`, angular velocities `spin`, made to respect the joint.
+    /// Velocities before an impact: both centres of mass with `com`, angular velocities `spin`,
+    /// projected onto the joint's constraint.
     pub fn falling(&self, com: &[Vector3<f64>; 2], spin: &[Vector3<f64>; 2]) -> Problem {
         let rest = [(Vector3::zeros(), Vector3::zeros()); 2];
         let mut p = self.problem(Level::Velocity, &rest);
@@ -128,12 +132,12 @@ impl Pair {
         p
     }
 
-    /// Kinetic energy of both.
+    /// Kinetic energy of both bodies.
     pub fn energy(&self, motion: &[f64]) -> f64 {
         self.bodies[0].energy(&motion[..6]) + self.bodies[1].energy(&motion[6..])
     }
 
-    /// The same pair with its soles listed the other way round.
+    /// The same pair with its soles in the opposite order.
     pub fn swapped(&self) -> Pair {
         let [a, b] = self.bodies.clone();
         Pair { bodies: [b, a], apart: -self.apart, anchor: self.anchor - self.apart, ..self.clone() }
@@ -143,7 +147,7 @@ impl Pair {
 /// Every joint.
 pub const JOINTS: &[Joint] = &[Joint::Apart, Joint::Rod, Joint::Ball, Joint::Hinge, Joint::Weld];
 
-/// Pairs on soles of 1 to 8 vertices, joined in one of these ways.
+/// Pairs on soles of 1 to 8 vertices, with one of these joints.
 pub fn pair(joints: &'static [Joint]) -> impl Strategy<Value = Pair> {
     let joint = proptest::sample::select(joints);
     ([body_on(1, 8), body_on(1, 8)], triple(), triple(), triple(), joint).prop_map(

@@ -1,4 +1,4 @@
-//! Two soles at once: on two bodies joined in various ways, or on one.
+//! Two soles at once: on two bodies with various joints, or on one body.
 
 use super::impact::strike;
 use super::law;
@@ -14,7 +14,8 @@ fn loaded(pair: &Pair, force: &[Vector3<f64>; 2], moment: &[Vector3<f64>; 2]) ->
     pair.problem(Level::Acceleration, &loads)
 }
 
-/// Velocities before an impact: up to 2 m/s, downwards 0.2 to 2.2 m/s, turning up to 6 rad/s, as the joint allows.
+/// Velocities before an impact: up to 2 m/s, downwards 0.2 to 2.2 m/s, turning up to 6 rad/s,
+/// projected onto the joint.
 fn falling(pair: &Pair, velocity: &[Vector3<f64>; 2], spin: &[Vector3<f64>; 2]) -> Problem {
     let com = velocity.map(|v| Vector3::new(2.0 * v.x, 2.0 * v.y, v.z - 1.2));
     pair.falling(&com, &spin.map(|s| s * 6.0))
@@ -24,7 +25,7 @@ fn size(p: &Problem, least: f64) -> f64 {
     p.b.iter().map(|b| b.abs()).fold(least, f64::max)
 }
 
-/// Greatest difference of the motions of a pair and of the same pair listed the other way round.
+/// Greatest difference of the motions of a pair and of the pair in opposite order.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     (0..12).map(|i| (a[i] - b[(i + 6) % 12]).abs()).fold(0.0, f64::max)
 }
@@ -33,7 +34,8 @@ fn back<T: Copy>([a, b]: [T; 2]) -> [T; 2] {
     [b, a]
 }
 
-/// Joints that leave every normal direction of both soles its own: no split of loads is indeterminate between them.
+/// Joints that leave all normal directions of both soles independent: no indeterminate load
+/// sharing.
 const LOOSE: &[Joint] = &[Joint::Apart, Joint::Rod];
 
 fn config(cases: u32) -> ProptestConfig {
@@ -49,7 +51,7 @@ proptest! {
     #![proptest_config(config(100))]
 
     #[test]
-    fn two_soles_under_any_load_find_a_state_that_obeys_the_law(
+    fn the_state_of_two_soles_under_any_load_obeys_the_law(
         pair in pair(JOINTS), force in [triple(), triple()], moment in [triple(), triple()]
     ) {
         let mut p = loaded(&pair, &force, &moment);
@@ -85,7 +87,7 @@ proptest! {
     }
 
     #[test]
-    fn restitution_of_two_soles_gives_back_no_more_than_its_normal_work(
+    fn restitution_of_two_soles_gains_at_most_its_normal_work(
         pair in pair(LOOSE), velocity in [triple(), triple()], spin in [triple(), triple()], e in 0.0..1.0f64
     ) {
         let mut p = falling(&pair, &velocity, &spin);

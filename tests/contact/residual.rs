@@ -1,4 +1,4 @@
-//! The residuals on solutions written by hand: nothing on a right one, and each wrong thing trips its own.
+//! Residuals of solutions built by hand: zero for exact ones, and one residual per kind of error.
 
 use nalgebra::{Vector2, Vector3};
 use stiction::contact::model::problem::Problem;
@@ -11,7 +11,8 @@ const MU_K: f64 = 0.4;
 /// Half lengths of the sole, m.
 const HALF: [f64; 2] = [0.06, 0.03];
 
-/// A rectangular sole on the floor, each vertex pressed down with its normal force; tangential forces at the vertices.
+/// A rectangular sole on the floor, each vertex pressed down with its normal force; tangential
+/// forces at the vertices.
 struct Case {
     p: Problem,
     states: States,
@@ -36,7 +37,7 @@ impl Case {
         case
     }
 
-    /// The wrench that the vertex forces make.
+    /// Sets the wrench to the sum of the vertex forces.
     fn sum_up(&mut self) {
         self.solution.wrench.fill(0.0);
         for (i, v) in self.p.soles[0].vertices.iter().enumerate() {
@@ -49,7 +50,7 @@ impl Case {
         }
     }
 
-    /// Every vertex slides with this velocity and is rubbed against it.
+    /// Every vertex slides with this velocity against full kinetic friction.
     fn sliding(velocity: [f64; 2]) -> Self {
         let v = Vector2::from(velocity);
         let normal = [10.0, 8.0, 6.0, 4.0];
@@ -79,35 +80,36 @@ impl Case {
     }
 }
 
-/// All residuals but those named must be zero to rounding; those named must have their values.
+/// Checks that named residuals have these values and all others are zero to rounding.
 #[track_caller]
 fn only(r: &Residual, expected: &[(&str, f64)]) {
     let names =
         ["penetration", "tension", "signorini", "cone_excess", "dissipation_gap", "creep_speed", "resultant_gap"];
     for (name, value) in names.into_iter().zip(r.values()) {
-        let wanted = expected.iter().find(|e| e.0 == name).map_or(0.0, |e| e.1);
+        let target = expected.iter().find(|e| e.0 == name).map_or(0.0, |e| e.1);
         // Rounding of forces of some 10 N.
-        assert!((value - wanted).abs() < 1e-13, "{name} is {value}, not {wanted}: {r:?}");
+        assert!((value - target).abs() < 1e-13, "{name} is {value}, not {target}: {r:?}");
     }
 }
 
 #[test]
-fn a_right_solution_has_none() {
+fn an_exact_solution_has_zero_residuals() {
     only(&Case::sticking().residual(), &[]);
     for k in 0..12 {
         let (s, c) = (0.1 + 0.55 * k as f64).sin_cos();
         only(&Case::sliding([2.0 * c, 2.0 * s]).residual(), &[]);
     }
-    // On an edge the along-forces may be shared unequally as long as both together carry them.
+    // Forces along an edge may be shared unequally as long as both ends together carry them.
     let edge = SoleState::fixed(Pattern::Edge(0));
     only(&Case::new(edge, [10.0, 4.0, 0.0, 0.0], [[3.0, 4.0 - 1e-9], [-2.5, 0.0], [0.0; 2], [0.0; 2]]).residual(), &[]);
-    // Edge 0 runs along x: 4 N across take 3 N of the 5 N that vertex 0 carries, vertex 1 carries 2 N along.
+    // Edge 0 runs along x: 4 N across take 3 N of the 5 N that vertex 0 carries, vertex 1 carries 2
+    // N along.
     let shifted = Case::new(edge, [10.0, 4.0, 0.0, 0.0], [[5.0 - 1e-9, 4.0], [0.0; 2], [0.0; 2], [0.0; 2]]);
     only(&shifted.residual(), &[]);
 }
 
 #[test]
-fn penetration_tension_and_a_force_at_a_distance() {
+fn penetration_tension_and_force_across_a_gap_are_measured() {
     let mut case = Case::sticking();
     case.vertex(3).height = -2e-3;
     only(&case.residual(), &[("penetration", 2e-3), ("signorini", 4.0 * 2e-3)]);
@@ -126,7 +128,7 @@ fn penetration_tension_and_a_force_at_a_distance() {
 }
 
 #[test]
-fn loads_beyond_the_cone() {
+fn loads_beyond_the_friction_cone_are_measured() {
     // A static face: all of mu_s N is 14 N.
     let mut case = Case::sticking();
     for (i, n) in [10.0, 8.0, 6.0, 4.0].into_iter().enumerate() {
@@ -151,7 +153,7 @@ fn loads_beyond_the_cone() {
     let edge = SoleState::fixed(Pattern::Edge(0));
     let case = Case::new(edge, [10.0, 4.0, 0.0, 0.0], [[0.0; 2], [0.0, 2.5], [0.0; 2], [0.0; 2]]);
     only(&case.residual(), &[("cone_excess", 0.5)]);
-    // A vertex that no state clamps but that is rubbed.
+    // An unclamped vertex with friction.
     let case = Case::new(SoleState::FREE, [0.0; 4], [[0.0, 0.3], [0.0; 2], [0.0; 2], [0.0; 2]]);
     only(&case.residual(), &[("cone_excess", 0.3)]);
     // The resting pivot of a sole that turns about it.
@@ -166,7 +168,7 @@ fn loads_beyond_the_cone() {
 }
 
 #[test]
-fn friction_that_is_too_strong_too_weak_or_askew() {
+fn friction_of_wrong_size_or_direction_is_measured() {
     let speed = 2.0;
     // Too strong by 10 %: beyond the cone as well.
     let mut case = Case::sliding([speed, 0.0]);
@@ -178,7 +180,7 @@ fn friction_that_is_too_strong_too_weak_or_askew() {
     case.solution.tangent[0][1] *= 0.5;
     case.sum_up();
     only(&case.residual(), &[("dissipation_gap", 0.5 * MU_K * 8.0 * speed)]);
-    // Of the right size, 0.3 rad askew: the other way round it would drive.
+    // Of the right size, turned by 0.3 rad.
     let mut case = Case::sliding([speed, 0.0]);
     let (s, c) = 0.3f64.sin_cos();
     case.solution.tangent[0][0] = -Vector2::new(c, s) * (MU_K * 10.0);
@@ -187,7 +189,7 @@ fn friction_that_is_too_strong_too_weak_or_askew() {
 }
 
 #[test]
-fn a_static_vertex_that_moves_and_forces_that_do_not_add_up() {
+fn creep_of_static_vertices_and_wrong_sums_of_forces_are_measured() {
     let mut case = Case::sticking();
     case.vertex(1).velocity = Vector3::new(3e-9, -4e-9, 1e-3);
     only(&case.residual(), &[("creep_speed", 5e-9)]);

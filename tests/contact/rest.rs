@@ -1,4 +1,4 @@
-//! A body at rest under any load: the state that is selected.
+//! The state selected for a body at rest under any load.
 
 use super::law;
 use super::rigid::{G, Rigid, body_on, rules, stuck, triple};
@@ -9,7 +9,8 @@ use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::{SoleState, States};
 use stiction::contact::search::select::{Selection, Selector};
 
-/// Force and moment at the centre of mass in units of the weight: forces up to `1.2 m g`, moments up to `0.05 m m g`.
+/// Force and moment at the centre of mass in units of the weight: forces up to `1.2 m g`, moments
+/// up to `0.05 m m g`.
 pub fn pressed(body: &Rigid, force: &Vector3<f64>, moment: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     let weight = body.mass * G;
     (Vector3::new(1.2 * force.x, 1.2 * force.y, -1.0 + 0.8 * force.z) * weight, moment * (0.05 * weight))
@@ -20,7 +21,7 @@ fn load(body: &Rigid, force: &Vector3<f64>, moment: &Vector3<f64>) -> Problem {
     body.problem(Level::Acceleration, &force, &moment)
 }
 
-/// The selection that starts from everything stuck.
+/// Selects, starting from the static face.
 pub fn select(p: &mut Problem) -> (Selection, Solution) {
     let (mut selector, mut out) = (Selector::new(p), Solution::new(p));
     let mut start = States::default();
@@ -29,13 +30,13 @@ pub fn select(p: &mut Problem) -> (Selection, Solution) {
     (selection, out)
 }
 
-/// Every state tested by itself: none is judged better than the selected one.
+/// Tests every state: none is better than the selected one.
 fn no_better(body: &Rigid, force: &Vector3<f64>, moment: &Vector3<f64>) -> Result<(), TestCaseError> {
     let mut p = load(body, force, moment);
     let (selection, _) = select(&mut p);
     let (mut selector, mut out) = (Selector::new(&p), Solution::new(&p));
-    // With less kinetic than static friction a load may be held, and yet would slide if it slid already: then only what
-    // sticks is compared.
+    // With less kinetic than static friction a load may be held and yet would keep sliding: then
+    // only static states are compared.
     let unique = body.mu[0] == body.mu[1];
     for state in SoleState::all(body.sole.len()).filter(|s| unique || !s.is_dynamic()) {
         let mut states = States::default();
@@ -55,7 +56,7 @@ fn no_better(body: &Rigid, force: &Vector3<f64>, moment: &Vector3<f64>) -> Resul
 }
 
 fn config() -> ProptestConfig {
-    // Fixed seed: a failure must not depend on the day.
+    // A fixed seed makes failures reproducible.
     ProptestConfig {
         cases: 400,
         failure_persistence: None,

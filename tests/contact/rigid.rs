@@ -1,5 +1,5 @@
-//! One rigid body on a convex sole as a reduced contact problem, W and b written down from mass, inertia and centre of
-//! mass; and how proptest draws one.
+//! One rigid body on a convex sole as a reduced contact problem: W and b from mass, inertia and
+//! centre of mass; and its proptest strategy.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector2, Vector3};
 use proptest::prelude::*;
@@ -31,14 +31,14 @@ impl Rigid {
         Vector3::new(mean.x, mean.y, 0.0)
     }
 
-    /// Motion of the reference point (linear, angular) that a wrench at the centre of mass causes.
+    /// Motion of the reference point (linear, angular) for a wrench at the centre of mass.
     fn answer(&self, force: &Vector3<f64>, moment: &Vector3<f64>) -> [f64; 6] {
         let angular = self.inertia.try_inverse().expect("a body") * moment;
         let linear = force / self.mass + angular.cross(&(self.reference() - self.com));
         [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
     }
 
-    /// The problem with `b` = the answer to a load at the centre of mass, at rest on the floor.
+    /// The problem at rest on the floor, with `b` the response to a load at the centre of mass.
     pub fn problem(&self, level: Level, force: &Vector3<f64>, moment: &Vector3<f64>) -> Problem {
         let mut p = Problem::new(&[self.sole.len()]);
         p.level = level;
@@ -77,7 +77,7 @@ impl Rigid {
         [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
     }
 
-    /// The same body with its vertices numbered from another one.
+    /// The same body with its vertices renumbered by `shift`.
     pub fn renumbered(&self, shift: usize) -> Rigid {
         let mut other = self.clone();
         other.sole.rotate_left(shift % self.sole.len());
@@ -85,19 +85,19 @@ impl Rigid {
     }
 }
 
-/// Tolerances small enough not to blur which state is right.
+/// Rules with tolerances too small to affect the choice of state.
 pub fn rules() -> Rules {
     let tolerances = Tolerances { distance: 1e-8, velocity: 1e-8, acceleration: 1e-8, rest: 1e-10 };
     Rules { tolerances, previous: States::default(), suspect: [0; MAX_SOLES], hops: false }
 }
 
-/// Any three numbers in -1..1.
+/// Three numbers in -1..1.
 pub fn triple() -> impl Strategy<Value = Vector3<f64>> {
     [-1.0..1.0f64, -1.0..1.0, -1.0..1.0].prop_map(Vector3::from)
 }
 
-/// Bodies on soles of this few to this many vertices: points on an ellipse at angles that are never close, the centre of
-/// mass above it.
+/// Bodies on soles of this few to this many vertices: points on an ellipse at angles that are never
+/// close, the centre of mass above it.
 pub fn body_on(fewest: usize, most: usize) -> impl Strategy<Value = Rigid> {
     let sole = (fewest..=most).prop_flat_map(|k| {
         (proptest::collection::vec(0.1..0.9f64, k), 0.3..1.0f64, 0.0..6.3f64).prop_map(move |(at, flat, turn)| {
@@ -123,7 +123,7 @@ pub fn body_on(fewest: usize, most: usize) -> impl Strategy<Value = Rigid> {
     )
 }
 
-/// All vertices of a sole stuck.
+/// The static state of all vertices of a sole.
 pub fn stuck(k: usize) -> SoleState {
     SoleState::fixed(SoleState::patterns(k).last().unwrap_or(Pattern::Free))
 }

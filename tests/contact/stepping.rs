@@ -1,4 +1,5 @@
-//! The time-stepping methods on random impacts: their own conditions, checked from forces and motions alone.
+//! Time-stepping methods on random impacts: their complementarity conditions, checked from forces
+//! and motions alone.
 
 use super::impact::falling;
 use super::pair::{JOINTS, pair};
@@ -12,7 +13,7 @@ use stiction::contact::model::problem::Problem;
 use stiction::contact::model::solution::Solution;
 use stiction::contact::search::select::Selection;
 
-/// One answer, starting from nothing.
+/// Answer of a method without a previous solution.
 fn answer(name: &str, parameters: &Parameters, p: &mut Problem) -> (Selection, Solution) {
     let (mut method, mut out) = (method::make(name, parameters, p).expect("it is there"), Solution::new(p));
     let rules = rules();
@@ -21,9 +22,9 @@ fn answer(name: &str, parameters: &Parameters, p: &mut Problem) -> (Selection, S
     (selection, out)
 }
 
-/// The greatest violation of the conditions of `lcp` with m directions (of the round cone without): motions are m = b + W w
-/// with the wrenches of the vertex forces; Signorini; friction within its cone and of greatest dissipation. Relative to the
-/// greatest velocity and impulse.
+/// Greatest violation of the conditions of `lcp` with m directions, or of the round cone without: m
+/// = b + W w with the wrenches of the vertex forces; Signorini; friction inside its cone with
+/// maximal dissipation. Relative to the greatest velocity and impulse.
 fn missed(p: &Problem, out: &Solution, facets: Option<u32>) -> f64 {
     let speed = p.b.iter().map(|b| b.abs()).fold(0.0, f64::max);
     let load = out.normal.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
@@ -46,13 +47,13 @@ fn missed(p: &Problem, out: &Solution, facets: Option<u32>) -> f64 {
             let (normal, t) = (out.normal[s][i], out.tangent[s][i]);
             let motion = p.vertex_motion(&out.motion, s, i);
             let (gap, slip) = (motion.z - sole.vertex_target(i), motion.xy());
-            // Support of the cone's section in a direction: how much it can oppose there.
+            // Support of the cone's section in a direction: the greatest friction against it.
             let support = |d: &Vector2<f64>| match facets {
                 Some(m) => directions(m).map(|e| e.dot(d)).fold(0.0, f64::max),
                 None => d.norm(),
             };
             miss = miss.max(-normal / load).max(-gap / speed).max((normal * gap).abs() / (load * speed));
-            // Within the cone: no more in the direction of any facet than its distance from the axis.
+            // Inside the cone: in the direction of each facet at most its distance from the axis.
             let outside = match facets {
                 Some(m) => {
                     let half = std::f64::consts::PI / f64::from(m);
@@ -75,7 +76,7 @@ fn directions(m: u32) -> impl Iterator<Item = Vector2<f64>> {
     })
 }
 
-fn told(facets: u32) -> Parameters {
+fn with_facets(facets: u32) -> Parameters {
     Parameters { lcp: LcpParameters { facets }, ..Parameters::default() }
 }
 
@@ -95,7 +96,7 @@ proptest! {
     fn lcp_solves_its_problem(body in body_on(1, 8), velocity in triple(), spin in triple(), half in 2u32..9) {
         let mut p = falling(&body, &velocity, &spin);
         let before = p.b.clone();
-        let (selection, out) = answer("lcp", &told(2 * half), &mut p);
+        let (selection, out) = answer("lcp", &with_facets(2 * half), &mut p);
         prop_assert!(selection.consistent);
         // Rounding of some tens of pivots.
         prop_assert!(missed(&p, &out, Some(2 * half)) < 1e-10, "{:.3e}", missed(&p, &out, Some(2 * half)));
@@ -103,18 +104,18 @@ proptest! {
     }
 
     #[test]
-    fn lcp_solves_its_problem_on_two_bodies_however_they_are_joined(
+    fn lcp_solves_its_problem_on_two_bodies_with_any_joint(
         pair in pair(JOINTS), fall in [triple(), triple()], spin in [triple(), triple()], half in 2u32..6
     ) {
         let fall = fall.map(|v| Vector3::new(2.0 * v.x, 2.0 * v.y, v.z - 1.2));
         let mut p = pair.falling(&fall, &spin.map(|s| s * 6.0));
-        let (selection, out) = answer("lcp", &told(2 * half), &mut p);
+        let (selection, out) = answer("lcp", &with_facets(2 * half), &mut p);
         prop_assert!(selection.consistent);
         prop_assert!(missed(&p, &out, Some(2 * half)) < 1e-10, "{:.3e}", missed(&p, &out, Some(2 * half)));
     }
 
     #[test]
-    fn ncp_comes_to_the_round_cone(body in body_on(1, 8), velocity in triple(), spin in triple()) {
+    fn ncp_converges_to_the_round_cone(body in body_on(1, 8), velocity in triple(), spin in triple()) {
         let mut p = falling(&body, &velocity, &spin);
         let ncp = NcpParameters { iterations: 100_000, tolerance: 1e-12 };
         let (_, out) = answer("ncp", &Parameters { ncp, ..Parameters::default() }, &mut p);
@@ -142,7 +143,7 @@ fn ncp_converges_at_a_geometric_rate() {
     let misses = [4, 8, 12, 16, 20, 24, 28, 32].map(miss);
     let rates: Vec<f64> = misses.windows(2).map(|w| w[1] / w[0]).collect();
     println!("{misses:?} {rates:?}");
-    // Over eight powers of ten, about a tenth for every four sweeps; then rounding.
+    // A factor of about ten every four sweeps over eight powers of ten; then rounding.
     assert!(rates.iter().all(|r| (0.04..0.16).contains(r)), "{rates:?}");
     assert!(misses[0] > 1e-3 && misses[7] < 1e-9 && miss(400) < 1e-14, "{misses:?}");
 }

@@ -5,7 +5,7 @@
     python check_log.py results/*/*/log.mcap
 
 Every message of every topic is decoded by the schema in the file. Checked: log times, counts, finite numbers, unit
-quaternions, a frame for every link of the attached URDF, and that topics which tell the same thing agree. Exit code 1
+quaternions, a frame for every link of the attached URDF, and that topics with the same data agree. Exit code 1
 when something is wrong, 2 when a file cannot be read.
 """
 
@@ -29,7 +29,7 @@ POSE = 1e-9
 
 
 class Checks:
-    """Collects what is wrong; tells each kind a few times only."""
+    """Collects errors; prints each kind a few times only."""
 
     def __init__(self):
         self.wrong = defaultdict(int)
@@ -135,7 +135,7 @@ def check_residual(residual, contact, check):
     error = math.fsum([r.energy_change, *(-x for x in gains), *losses])
     size = sum(map(abs, (r.energy_change, *gains, *losses)))
     check(abs(error - r.energy_error) <= 1e-14 * size, "/residual: energies do not add up")
-    # The same from what /contact says: speeds of vertices that stick. Theirs is tangential, this one whole.
+    # The same from /contact: speeds of static vertices. /residual has the tangential part, this is the whole.
     sticking = [s for s in contact.soles if s.state.endswith("static")]
     speeds = [math.hypot(*xyz(v)) for s in sticking for v, on in zip(s.velocities, s.clamped) if on]
     pivots = any(s.state.endswith("dynamic") for s in contact.soles)
@@ -145,7 +145,7 @@ def check_residual(residual, contact, check):
 def check_state(state, joints, check):
     for name in ("q", "qd", "q_desired", "qd_desired", "effort", "effort_desired"):
         values = getattr(state, name)
-        # A run without drives desires nothing.
+        # A run without drives has no desired values.
         check(len(values) in (len(joints), 0), f"/state: {len(values)} {name} for {len(joints)} joints")
         check(finite(values), f"/state: {name} not finite")
     check(len(state.q) == len(joints), "/state: not a position for every joint")

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Reads what a batch told other programs: the lines of `--message-format json` and the file of `--junit`.
+"""Checks the machine-readable output of a batch: the lines of `--message-format json` and the file of `--junit`.
 
     check_messages.py MESSAGES JUNIT SCHEMA RUNS
 
 Checked: every line is a message as the schema has it (by the package `jsonschema` if it is installed, else that its event is known
-and its required fields are there), the batch begins and ends, RUNS runs that are no references are told and have a case each, and the two
+and its required fields are there), the batch begins and ends, RUNS runs other than references are reported and have a case each, and the two
 agree on which of them did not end as they should. The Python standard library is enough.
 """
 
@@ -15,7 +15,7 @@ from pathlib import Path
 
 
 def validator(schema):
-    """A function that says what is wrong with a line; and by what it knows."""
+    """Returns a function that describes the error of a line, and the name of the validator used."""
     try:
         import jsonschema
     except ImportError:
@@ -51,12 +51,12 @@ def main(messages, junit, schema, runs):
     events = [line["event"] for line in lines]
     if "batch-started" not in events or events[-1] != "batch-finished":
         wrong.append("the batch does not begin or does not end")
-    told = [line for line in lines if line["event"] == "run-finished"]
+    finished = [line for line in lines if line["event"] == "run-finished"]
     cases = list(xml.parse(junit).getroot().iter("testcase"))
-    own = sum(not line["reference"] for line in told)
-    if own != int(runs) or len(cases) != len(told):
-        wrong.append(f"{own} runs told, {len(told)} with references, {len(cases)} cases; there are {runs}")
-    refused = sum(not line["accepted"] for line in told)
+    own = sum(not line["reference"] for line in finished)
+    if own != int(runs) or len(cases) != len(finished):
+        wrong.append(f"{own} runs reported, {len(finished)} with references, {len(cases)} cases; there are {runs}")
+    refused = sum(not line["accepted"] for line in finished)
     failed = sum(case.find("failure") is not None or case.find("error") is not None for case in cases)
     if refused != failed:
         wrong.append(f"{refused} runs not accepted, {failed} cases failed")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Opens reports in headless Chromium: each renders, says nothing on the console, and asks for nothing but itself.
+"""Opens reports in headless Chromium: each renders, prints nothing to the console, and requests nothing but itself.
 
     check_report.py REPORT.html...
 
@@ -15,7 +15,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-# A page that is drawn has some kilobytes; an empty one of this size has less than five.
+# The picture of a rendered page has some kilobytes, of an empty one less than five.
 DRAWN = 20_000
 
 
@@ -25,7 +25,7 @@ def browser():
 
 
 def run(program, page, place, *options):
-    """Runs the browser on a page with a profile of its own; what it says on standard error."""
+    """Runs the browser on a page with its own profile; returns standard output and error."""
     common = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run", "--disable-background-networking",
               "--disable-component-update", "--disable-sync", "--host-resolver-rules=MAP * ~NOTFOUND",
               f"--user-data-dir={place / 'profile'}", "--enable-logging=stderr", "--v=0", "--window-size=1280,2400"]
@@ -34,14 +34,14 @@ def run(program, page, place, *options):
 
 
 def requests(log):
-    """Addresses that a page asked for. What the browser wants for itself has no page as its origin."""
-    asked = (line for line in log.read_text(errors="replace").splitlines() if '"initiator":' in line)
-    own = (line for line in asked if '"initiator":"not an origin"' not in line)
+    """Addresses that a page requested. Requests of the browser itself have no page as origin."""
+    requested = (line for line in log.read_text(errors="replace").splitlines() if '"initiator":' in line)
+    own = (line for line in requested if '"initiator":"not an origin"' not in line)
     return {url for line in own for url in re.findall(r'"url":"([^"]+)"', line)}
 
 
 def check(program, page):
-    """What is wrong with a page, in words."""
+    """Errors of a page, as text."""
     wrong = []
     with tempfile.TemporaryDirectory() as name:
         place = Path(name)
@@ -52,7 +52,7 @@ def check(program, page):
             wrong += [f"{scheme}, console: {line}" for line in said.splitlines() if "CONSOLE" in line]
             if not picture.exists() or picture.stat().st_size < DRAWN:
                 wrong.append(f"{scheme}: nothing to see")
-            wrong += [f"{scheme}, asked for {url}" for url in requests(log) if url != page.as_uri()]
+            wrong += [f"{scheme}, requested {url}" for url in requests(log) if url != page.as_uri()]
         document, _ = run(program, page, place, "--dump-dom")
         source = page.read_text()
         for tag in ["<svg", "<table", "<tr", "<section"]:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads logs with Rerun: each must pass its check, be converted without a complaint, and be whole when converted.
+"""Reads logs with Rerun: each must pass its check and be converted completely, without warnings.
 
     pip install rerun-sdk==0.41.0
     check_rerun.py results/*/*/log.mcap
@@ -22,7 +22,7 @@ CURVES = ["/joint_states/position", "/joint_states/velocity", "/joint_states/eff
 
 
 def rerun(program, *arguments):
-    """Runs it; exit code, what it printed, and lines in which it complained."""
+    """Runs Rerun; returns exit code, output, standard error and lines with warnings."""
     done = subprocess.run([program, *arguments], capture_output=True, text=True, timeout=600)
     said = re.sub(r"\x1b\[[0-9;]*m", "", done.stderr)
     return done.returncode, re.sub(r"\x1b\[[0-9;]*m", "", done.stdout), said, [line for line in said.splitlines() if re.search(r"\b(WARN|ERROR)\b", line)]
@@ -44,14 +44,14 @@ def visible_links(log):
     end = text.rfind(b"</robot>")
     begin = text.rfind(b"<robot", 0, end)
     robot = ElementTree.fromstring(text[begin : end + len(b"</robot>")])
-    # Only these kinds are geometry without files beside the log.
+    # Only these kinds are geometry without separate files.
     kinds = ("box", "cylinder", "sphere")
     seen = lambda link: any(link.find(f"visual/geometry/{kind}") is not None for kind in kinds)
     return {link.get("name") for link in robot.iter("link") if seen(link)}
 
 
 def check(program, log, place):
-    """What is wrong with a log, in words, and how many topics and entities there are."""
+    """Errors of a log, as text, and its numbers of topics and entities."""
     wrong = []
     code, table, said, _ = rerun(program, "mcap", "check", log)
     topics = rows(table)
@@ -71,9 +71,9 @@ def check(program, log, place):
     if "/robot_description" in topics:
         drawn = {name.split("/")[-2] for name in entities if "/visual_geometries/" in name}
         wrong += [f"not drawn: link {name}" for name in sorted(visible_links(log) - drawn)]
-    code, told, said, _ = rerun(program, "rrd", "verify", converted)
-    if code != 0 or "verified without error" not in told + said:
-        wrong.append(f"verify: {(told + said).strip()}")
+    code, output, errors, _ = rerun(program, "rrd", "verify", converted)
+    if code != 0 or "verified without error" not in output + errors:
+        wrong.append(f"verify: {(output + errors).strip()}")
     return wrong, len(topics), len(entities)
 
 
@@ -85,7 +85,7 @@ def main(logs):
     if program is None:
         print("skipped: no rerun")
         return 0
-    # It would keep an account of its use otherwise.
+    # Without this it sends usage data.
     home = tempfile.mkdtemp()
     os.environ.update(HOME=home, XDG_CONFIG_HOME=home, XDG_DATA_HOME=home, XDG_CACHE_HOME=home)
     rerun(program, "analytics", "disable")

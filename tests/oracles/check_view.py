@@ -22,13 +22,13 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 from check_report import browser, requests  # noqa: E402
 
-# Drawn by software, so that a machine without a graphics processor checks the same.
+# Software rendering, so that a machine without a graphics processor checks the same.
 OPTIONS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--disable-background-networking",
            "--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
            "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--enable-logging=stderr", "--v=0",
            "--window-size=1280,860", "--virtual-time-budget=20000"]
 
-# Runs in the page when the run is there, as a person would: through the elements. Says what is wrong, in words.
+# Runs in the page after loading, through its elements as a user would. Reports errors as text.
 PROBE = r"""
 ready.then(async () => {
   const wrong = [];
@@ -188,38 +188,38 @@ ready.then(async () => {
   }
   return { wrong, ticks: last + 1, events: replay.events.length, frames: replay.frames.length, shapes: replay.shapes.length };
 }).catch((error) => ({ wrong: [`${error.stack}`] })).then((result) => {
-  const told = document.createElement("pre");
-  told.id = "told";
-  told.textContent = JSON.stringify(result);
-  document.body.append(told);
+  const report = document.createElement("pre");
+  report.id = "report";
+  report.textContent = JSON.stringify(result);
+  document.body.append(report);
 });
 """
 
 
 def run(program, address, place, *options):
-    """Runs the browser with a profile of its own; the document and what it says on standard error."""
+    """Runs the browser with its own profile; returns the document and standard error."""
     command = [program, *OPTIONS, f"--user-data-dir={place / 'profile'}", *options, address]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
 
 
 def check_file(program, runner, log, place):
-    """The page that stands alone; what is wrong with it, and what it told of its run."""
+    """Checks the standalone page; returns its errors, its report of the run, and the page."""
     page, probed, record = place / "page.html", place / "probed.html", place / "file.json"
     subprocess.run([runner, "view", log, "-o", page], check=True, capture_output=True)
     probed.write_text(page.read_text().replace("</body>", f"<script>{PROBE}</script></body>"))
     document, console = run(program, probed.as_uri(), place, "--dump-dom", f"--log-net-log={record}")
     wrong = [f"console: {line}" for line in console]
-    wrong += [f"asked for {url}" for url in requests(record) if url != probed.as_uri() and not url.startswith(("data:", "blob:"))]
-    told = re.search(r'<pre id="told">(.*?)</pre>', document, re.DOTALL)
-    if not told:
+    wrong += [f"requested {url}" for url in requests(record) if url != probed.as_uri() and not url.startswith(("data:", "blob:"))]
+    report = re.search(r'<pre id="report">(.*?)</pre>', document, re.DOTALL)
+    if not report:
         return [*wrong, "the run never came"], {}, page
-    result = json.loads(unescape(told.group(1)))
+    result = json.loads(unescape(report.group(1)))
     return wrong + result.pop("wrong"), result, page
 
 
 def check_served(program, runner, log, place):
-    """The same from the server: it must show the run, and ask for nothing else."""
+    """The same from the server: the page must show the run and request nothing else."""
     record = place / "served.json"
     server = subprocess.Popen([runner, "view", log], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
@@ -229,10 +229,10 @@ def check_served(program, runner, log, place):
         server.terminate()
         server.wait()
     wrong = [f"served, console: {line}" for line in console]
-    asked = {url for url in requests(record) if not url.startswith(("data:", "blob:"))}
-    wrong += [f"served, asked for {url}" for url in asked if not url.startswith(address)]
-    if address + "run/0/data" not in asked:
-        wrong.append("served, it never asked for its run")
+    requested = {url for url in requests(record) if not url.startswith(("data:", "blob:"))}
+    wrong += [f"served, requested {url}" for url in requested if not url.startswith(address)]
+    if address + "run/0/data" not in requested:
+        wrong.append("served, it never requested its run")
     if not re.search(r'<select id="eye-frame"[^>]*><option', document):
         wrong.append("served, the run never came")
     return wrong
@@ -256,12 +256,12 @@ def main(arguments):
     for number, log in enumerate(arguments[1:]):
         with tempfile.TemporaryDirectory() as name:
             place = Path(name)
-            wrong, told, page = check_file(program, runner, log, place)
+            wrong, report, page = check_file(program, runner, log, place)
             wrong += check_served(program, runner, log, place)
             if pictures:
                 run(program, page.as_uri() + "#t=0.5", place, f"--screenshot={pictures / f'{number}.png'}")
         failed |= bool(wrong)
-        print(f"{log}: {'; '.join(wrong) if wrong else 'good'} {told}")
+        print(f"{log}: {'; '.join(wrong) if wrong else 'good'} {report}")
     return int(failed)
 
 

@@ -19,7 +19,7 @@ struct Posture {
     distances: Vec<f64>,
 }
 
-/// Compares all distances; says how far off the worst is, apart and overlapping.
+/// Compares all distances; returns the greatest errors of separated and of overlapping bodies.
 fn compare(path: &Path) -> [f64; 2] {
     let text = std::fs::read_to_string(path).unwrap();
     let oracle: Oracle = serde_json::from_str(&text).unwrap();
@@ -40,8 +40,8 @@ fn compare(path: &Path) -> [f64; 2] {
         };
         bodies.pairs.iter().position(|p| is_it(p.bodies)).unwrap()
     };
-    let places: Vec<usize> = oracle.pairs.iter().map(place_of).collect();
-    assert_eq!((bodies.pairs.len(), places.len()), (171, 171));
+    let indices: Vec<usize> = oracle.pairs.iter().map(place_of).collect();
+    assert_eq!((bodies.pairs.len(), indices.len()), (171, 171));
     let order: Vec<usize> = oracle.joints.iter().map(|n| model.joint(n).unwrap().0).collect();
 
     let mut detector = Detector::new(&bodies);
@@ -53,13 +53,13 @@ fn compare(path: &Path) -> [f64; 2] {
         link_poses(model, &q, &mut poses);
         detector.set_poses(&bodies, &poses);
         let ours = detector.distances(&bodies);
-        for ((at, truth), pair) in places.iter().zip(&posture.distances).zip(&oracle.pairs) {
+        for ((at, truth), pair) in indices.iter().zip(&posture.distances).zip(&oracle.pairs) {
             let own = ours[*at].distance;
             let error = (own - truth).abs();
             assert!(error <= 1e-6, "posture {k}, {pair:?}: {own} instead of {truth}");
             worst[usize::from(*truth < 0.0)] = worst[usize::from(*truth < 0.0)].max(error);
         }
-        for (at, truth) in places.iter().zip(&posture.distances).filter(|(_, d)| d.abs() > 1e-6) {
+        for (at, truth) in indices.iter().zip(&posture.distances).filter(|(_, d)| d.abs() > 1e-6) {
             assert_eq!(detector.is_within(&bodies, *at, 0.0), *truth < 0.0, "posture {k}, pair {at}: {truth}");
         }
     }
@@ -67,12 +67,12 @@ fn compare(path: &Path) -> [f64; 2] {
 }
 
 #[test]
-fn distances_and_depths_are_coals() {
+fn distances_and_depths_agree_with_coal() {
     let worst = compare(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/oracles/collision_cbi.json"));
     println!("worst errors: {worst:?} m");
 }
 
-/// With more postures than a repository should hold: see `make_collision.py`.
+/// The same with more postures than the repository holds; see `make_collision.py`.
 #[test]
 #[ignore = "needs a file made by make_collision.py, named by COLLISION_ORACLE"]
 fn many_postures() {

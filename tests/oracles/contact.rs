@@ -1,6 +1,8 @@
-//! The exact method against Pinocchio's ADMM contact solver on problems met in real runs, frozen by `make_contact.py`:
-//! impacts, time steps, and soles at rest that hold or begin to slip. That script says which problems are comparable and
-//! when their solution is unique; resultant wrenches per sole are compared.
+//! Compares the exact method with Pinocchio's ADMM contact solver on problems of real runs.
+//!
+//! `make_contact.py` records the problems: impacts, time steps, and soles at rest that hold or
+//! begin to slip. It says which problems are comparable and when their solution is unique. The
+//! resultant wrench of each sole is compared.
 
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -27,8 +29,9 @@ fn oracles() -> [Oracle; 2] {
         .map(|text| serde_json::from_str(text).expect("a file of make_contact.py"))
 }
 
-/// Both solutions hold their conditions to 1e-12 of the scales; the exact method finds slip directions to 1e-10 of the
-/// motion without friction, which dominates. The largest difference seen was 3e-11.
+/// Both solutions satisfy their conditions to 1e-12 of the scales. The error of slip directions of
+/// the exact method dominates: 1e-10 of the frictionless motion. The greatest observed difference
+/// was 3e-11.
 const BOUND: f64 = 1e-8;
 
 /// Greatest distance between wrenches over the greatest force, moments over the soles' radii.
@@ -44,7 +47,7 @@ fn distance(problem: &Problem, answer: &Answer) -> f64 {
 }
 
 #[test]
-fn wrenches_are_those_of_an_independent_solver() {
+fn wrenches_agree_with_an_independent_solver() {
     let (mut count, mut states, mut levels) = (0, BTreeSet::new(), BTreeSet::new());
     for oracle in oracles() {
         for problem in &oracle.problems {
@@ -52,7 +55,7 @@ fn wrenches_are_those_of_an_independent_solver() {
             assert!(problem.residual <= 1e-12, "{name} was not solved");
             let answer = problem.selection.replay().unwrap_or_else(|e| panic!("{name}: {e}"));
             let distance = distance(problem, &answer);
-            // Written so that NaN fails.
+            // This form of the comparison also fails for NaN.
             assert!(distance <= BOUND, "{name}: {:?}, wrenches differ by {distance:e}", answer.states);
             assert!(answer.consistent, "{name}: {:?} violate {:?}", answer.states, answer.violations);
             count += 1;
@@ -65,9 +68,9 @@ fn wrenches_are_those_of_an_independent_solver() {
     assert!(met.iter().all(|s| states.contains(*s)), "{states:?}");
 }
 
-/// The comparison sees a friction coefficient that is wrong by one part in ten thousand.
+/// The comparison detects an error of one part in ten thousand in the friction coefficient.
 #[test]
-fn a_little_less_friction_is_noticed_wherever_something_slides() {
+fn a_small_error_of_friction_is_detected_in_every_sliding_problem() {
     let mut slides = 0;
     for problem in oracles().into_iter().flat_map(|o| o.problems) {
         let mut other = problem.selection.clone();

@@ -1,4 +1,4 @@
-//! What tasks are given against Pinocchio 4.1 on HOAP-2.
+//! Compares the context of tasks with Pinocchio 4.1 on HOAP-2.
 
 use super::dynamics_oracle::matrix;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -53,7 +53,7 @@ struct Frame {
     twist: [f64; 6],
 }
 
-/// Both sides round: a few hundred operations on numbers of the size of the greatest entry.
+/// Rounding of both sides: a few hundred operations on numbers of the size of the greatest entry.
 const BOUND: f64 = 1e-10;
 
 #[track_caller]
@@ -61,7 +61,7 @@ fn assert_agrees(what: &str, got: &[f64], truth: &[f64]) {
     assert_eq!(got.len(), truth.len(), "{what}");
     let scale = truth.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     for (i, (g, t)) in got.iter().zip(truth).enumerate() {
-        // Written so that NaN fails.
+        // This form of the comparison also fails for NaN.
         assert!((g - t).abs() <= BOUND * scale, "{what}[{i}]: {g} against {t}");
     }
 }
@@ -80,7 +80,7 @@ impl Order {
         [&theirs[..6], &self.joints(&theirs[6..])].concat()
     }
 
-    /// Rows in the oracle's order of columns, to columns in ours.
+    /// Compares rows in the oracle's order of columns with columns in ours.
     #[track_caller]
     fn jacobian(&self, what: &str, got: &[f64], rows: &[Vec<f64>], joints_only: bool) {
         let rows: Vec<Vec<f64>> =
@@ -116,7 +116,7 @@ fn state(model: &Model, order: &Order, truth: &Configuration) -> State {
     state
 }
 
-/// What force sensors of both feet would say.
+/// Readings of force sensors in both feet.
 fn sensed(model: &Model, truth: &Configuration) -> Sensed {
     let mut sensed = Sensed::blank(model);
     for (s, load) in sensed.soles.iter_mut().enumerate() {
@@ -132,7 +132,7 @@ fn sensed(model: &Model, truth: &Configuration) -> Sensed {
 }
 
 #[test]
-fn everything_a_task_is_given_agrees() {
+fn the_context_of_tasks_agrees_with_pinocchio() {
     let oracle: Oracle = serde_json::from_str(include_str!("context_hoap2.json")).expect("a file of make_context.py");
     let model = robot(&oracle);
     let order = Order(oracle.names.iter().map(|n| model.joint(n).map(|JointId(j)| j).expect("a joint")).collect());
@@ -160,7 +160,7 @@ fn everything_a_task_is_given_agrees() {
             assert_agrees(name, &twist, &frame.twist);
         }
         for (s, sole) in data.soles.iter().enumerate() {
-            // The feet's frames of the oracle stand at the middle of the vertices.
+            // The oracle's foot frames are at the mean of the vertices.
             order.jacobian("sole", &sole.jacobian, &truth.frames[s].jacobian, false);
             assert_agrees("sole", sole.position.as_slice(), &truth.frames[s].position);
             for (i, jacobian) in sole.vertex_jacobians.iter().enumerate() {

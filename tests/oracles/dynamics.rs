@@ -1,20 +1,21 @@
-//! Rigid-body dynamics against Pinocchio 4.1 on real robots.
+//! Compares rigid-body dynamics with Pinocchio 4.1 on real robots.
 
 use super::dynamics_oracle::{Configuration, Oracle, Subject, matrix};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use stiction::dynamics::{self, Reduced, State, Workspace, aba, body, factor, jacobian, reduced, rnea};
 use stiction::robot::LinkId;
 
-/// Both sides round: a few hundred operations, and for accelerations the condition of M (1e3 to 1e5 on these robots).
+/// Rounding of both sides: a few hundred operations, and for accelerations the condition of M (1e3
+/// to 1e5 on these robots).
 const BOUND: f64 = 1e-10;
 
-/// Agreement relative to the greatest entry of the truth.
+/// Asserts agreement relative to the greatest entry of the truth.
 #[track_caller]
 fn assert_agrees(what: &str, got: &[f64], truth: &[f64]) {
     assert_eq!(got.len(), truth.len(), "{what}");
     let scale = truth.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     for (i, (g, t)) in got.iter().zip(truth).enumerate() {
-        // Written so that NaN fails.
+        // This form of the comparison also fails for NaN.
         assert!((g - t).abs() <= BOUND * scale, "{what}[{i}]: {g} against {t}");
     }
 }
@@ -53,7 +54,7 @@ fn poses(subject: &Subject, truth: &Configuration, ws: &Workspace) {
         let rotation = ws.links[link].rotation * frame.rotation.to_rotation_matrix();
         assert_agrees("position", (position - ws.position).as_slice(), &{
             let p = Vector3::from(truth.positions[l]) - ws.position;
-            // The root itself is at zero, which gives no scale to compare with.
+            // The root is at zero, which gives no scale.
             if l == 0 { [0.0; 3] } else { [p.x, p.y, p.z] }
         });
         assert_agrees("rotation", rotation.as_slice(), matrix(&truth.rotations[l]).as_slice());
@@ -130,7 +131,7 @@ macro_rules! frozen {
         #[test]
         fn $name() {
             let oracle = Oracle::parse(include_str!(concat!("dynamics_", stringify!($name), ".json")));
-            check(&oracle, &oracle.frozen());
+            check(&oracle, &oracle.recorded());
         }
     )*};
 }

@@ -1,4 +1,5 @@
-//! Reading `dynamics_<robot>.json` (written by `make_dynamics.py`) and building the robot it freezes.
+//! Reads `dynamics_<robot>.json` (written by `make_dynamics.py`) and builds the robot recorded
+//! there.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
@@ -78,7 +79,7 @@ pub struct FrameTruth {
     pub acceleration: [f64; 6],
 }
 
-/// A model with the way from the oracle's indices to its own.
+/// A model with the map from the oracle's indices to its own.
 pub struct Subject {
     pub model: Model,
     /// Our joint for each of the oracle's.
@@ -98,8 +99,8 @@ impl Oracle {
         serde_json::from_str(text).expect("an oracle file of make_dynamics.py")
     }
 
-    /// The frozen tree, each link frame turned so that its joint axis is z.
-    pub fn frozen(&self) -> Subject {
+    /// The recorded tree, each link frame turned so that its joint axis is z.
+    pub fn recorded(&self) -> Subject {
         let bodies = self.tree.as_ref().expect("a frozen tree");
         let mut model = Model {
             name: self.robot.clone(),

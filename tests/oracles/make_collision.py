@@ -5,8 +5,8 @@
     python3 make_collision.py                               # writes collision_cbi.json, 40 postures
     python3 make_collision.py --postures 10000 --out FILE   # for the test `many_postures` (COLLISION_ORACLE=FILE)
 
-Nothing of this repository but cbi.urdf is used: the shapes are turned into points here a second time, by the rule that
-docs/self-collision.md states, and Coal (by qhull) makes the hulls. Below 0 a distance is the depth of an overlap.
+Of this repository only cbi.urdf is used. The shapes become points here independently, by the rule of
+docs/self-collision.md, and Coal (by qhull) builds the hulls. A negative distance is the depth of an overlap.
 """
 
 import argparse

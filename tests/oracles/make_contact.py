@@ -1,17 +1,16 @@
 #!/usr/bin/env python3
-"""Writes contact_<robot>.json: contact problems met in real runs and their solutions by Pinocchio's ADMM solver.
+"""Writes contact_<robot>.json: contact problems of real runs and their solutions by Pinocchio's ADMM solver.
 
 Run by hand, in an environment with `pin` (4.1 or newer) and a built `runner`:
 
     python tests/oracles/make_contact.py target/release/runner [HARD.json]
 
-The runs below are made with `--dump-problems=all`. Each problem (docs/contact.md, "Problems in files") is turned into the
-vertex problem: with J the map from sole motions to vertex motions, G = J W J^T and g = J b + c,
+The runs below use `--dump-problems=all`. Each problem (docs/contact.md, section 17) becomes the vertex problem: with J the map from sole motions to vertex motions, G = J W J^T and g = J b + c,
 
     a = G l + g      N >= 0, a_n >= 0, N a_n = 0;   |t| <= mu N, and t = -mu N a_t / |a_t| where a_t is not zero,
 
-l = (t, N) stacked over the vertices that may touch, c the centripetal term less the motion asked for. That is what
-`ADMMConstraintSolver` solves (De Saxce's form of Coulomb's law). Sole wrenches are J^T l.
+l = (t, N) stacked over the vertices that may touch, c the centripetal term less the target motion.
+`ADMMConstraintSolver` solves this (De Saxce's form of Coulomb's law). Sole wrenches are J^T l.
 
 Which problems are comparable. Coulomb's law in these variables is the law of an impact and of a time step (a: velocities
 after), and of a sole that rests (a: accelerations; friction opposes the acceleration that sets in), with one coefficient.
@@ -29,11 +28,11 @@ Where the solution is unique. Only resultant wrenches are compared, and only if
     here: how they share the load changes its friction;
  3. four random starting points lead to the same wrenches.
 
-No trust in the solver's word: with badly set inputs it reports success with zero impulses. A solution is kept only when
+The solver's own status is not trusted: with bad inputs it reports success with zero impulses. A solution is kept only if
 the conditions above, evaluated here with numpy alone, hold to 1e-12 of their scales.
 
-Problems for which this program found no valid state are not compared by the test; with a second argument they go there,
-comparable or not, with the reason why they would be left out.
+The test does not compare problems for which the runner found no valid state. A second argument names a file for them,
+comparable or not, with the reason for leaving them out.
 """
 
 import collections
@@ -54,7 +53,7 @@ SOLVED = 1e-12  # of the scales of force and motion
 CLEAR = 1e-6
 SAME = 1e-9
 STARTS = 4
-# At most so many problems of a run, and of those with the same states.
+# Most problems of a run, and of those with the same states.
 PER_RUN, PER_KIND = 12, 2
 
 TIGHT = "contact = { distance_tolerance = 1e-9, velocity_tolerance = 1e-8, acceleration_tolerance = 1e-8 }\n"
@@ -128,7 +127,7 @@ class Vertices:
         soles, tolerances = selection["soles"], selection["tolerances"]
         n = 6 * len(soles)
         self.W, self.b = np.reshape(selection["W"], (n, n)), np.array(selection["b"])
-        rows, c, self.mu, self.places = [], [], [], []
+        rows, c, self.mu, self.positions = [], [], [], []
         for s, sole in enumerate(soles):
             if sole["forced"] is not None:
                 raise Left("a forced state")
@@ -141,7 +140,7 @@ class Vertices:
                 lift, tilt_x, tilt_y = sole["target"]
                 c.append(np.array(v["bias"]) - [0, 0, lift + tilt_x * y - tilt_y * x])
                 self.mu.append(v["mu_s"])
-                self.places.append((s, v["r_m"][2]))
+                self.positions.append((s, v["r_m"][2]))
         if not rows:
             raise Left("nothing touches")
         self.J = np.vstack(rows)
@@ -180,7 +179,7 @@ class Vertices:
         for mu, t, n, at, an in self.split(l):
             tn, size = np.linalg.norm(t), np.linalg.norm(at)
             worst = max(worst, -n / f, -an / m, abs(n * an) / (f * m), (tn - mu * n) / f)
-            # Not only the power: the force itself, where there is sliding to speak of.
+            # The force itself, not only the power, where vertices clearly slide.
             worst = max(worst, abs(mu * n * size + t @ at) / (f * m))
             if size > 1e-9 * m:
                 worst = max(worst, np.linalg.norm(t + mu * n * at / size) / f * min(1.0, size / m))
@@ -189,7 +188,7 @@ class Vertices:
     def tilted(self, l):
         """Does a sole press with vertices of different heights?"""
         pressed = collections.defaultdict(list)
-        for (sole, height), n in zip(self.places, l[2::3]):
+        for (sole, height), n in zip(self.positions, l[2::3]):
             if n > CLEAR * np.abs(l).max():
                 pressed[sole].append(height)
         return any(max(heights) - min(heights) > TOUCHING for heights in pressed.values())
@@ -267,7 +266,7 @@ def solve(problem, random):
 
 
 def unsolved(robot, name, number, selection, random):
-    """What ADMM makes of a problem that this program found no valid state for."""
+    """ADMM's result for a problem without a valid state in the runner."""
     entry = {"robot": robot, "run": name, "number": number, "why": None, "wrench": None, "residual": None}
     try:
         problem = Vertices(selection)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes context_hoap2.json: what tasks are given, computed by Pinocchio on HOAP-2.
+"""Writes context_hoap2.json: the context of tasks, computed by Pinocchio on HOAP-2.
 
 Run by hand in an environment with `pin`:
 
@@ -7,8 +7,8 @@ Run by hand in an environment with `pin`:
 
 Conventions of velocities and forces as in make_dynamics.py. Jacobians by rows, world axes unless named `base`.
 
-The zero-moment point is solved for from its definition: random forces act on the vertices of both feet, and the point of the
-plane is wanted about which the sum of their moments, each taken by its own arm, has no part along the plane.
+The zero-moment point follows from its definition: random forces act on the vertices of both feet; about the zero-moment
+point of the plane the sum of their moments, each with its own arm, has no component along the plane.
 """
 
 import json

@@ -5,7 +5,7 @@ Run by hand, in an environment with `pin` and `example-robot-data` (6.0 or newer
 
     python tests/oracles/make_dynamics.py
 
-The example robots' URDF files are not kept here; their trees are frozen in the JSON as Pinocchio sees them. For robots
+The repository does not hold the example robots' URDF files; the JSON records their trees as Pinocchio reads them. For robots
 of this repository only the values are written, and the test loads the URDF itself.
 
 Conventions of the output. Velocities v = (p', omega, joint rates) with p the base origin, both base vectors in world
@@ -28,7 +28,7 @@ EXAMPLES = Path(pin.__file__).resolve().parents[4] / "share/example-robot-data/r
 CONFIGURATIONS = 3
 GRAVITY = np.array([0.4, -0.3, -9.7])
 
-# name: (URDF, floating base, frozen tree)
+# name: (URDF, floating base, recorded tree)
 ROBOTS = {
     "talos": (EXAMPLES / "talos_data/robots/talos_reduced.urdf", True, True),
     "solo12": (EXAMPLES / "solo_description/robots/solo12.urdf", True, True),
@@ -238,8 +238,8 @@ def make(name, urdf, floating, frozen):
 
 
 def main():
-    wanted = sys.argv[1:] or ROBOTS
-    for name in wanted:
+    names = sys.argv[1:] or ROBOTS
+    for name in names:
         urdf, floating, frozen = ROBOTS[name]
         oracle = make(name, urdf, floating, frozen)
         path = HERE / f"dynamics_{name}.json"

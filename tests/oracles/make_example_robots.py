@@ -7,7 +7,7 @@ Run by hand, in an environment with `pin` and `example-robot-data` (6.0 or newer
 
 `inertia` is the sum, over all moving links, of the traces of their tensors about their centres of mass, kg m^2.
 
-Each robot hangs on a floating joint, so that its root's mass counts; mimic joints are independent; null where
+Each robot has a floating joint, so that its root's mass counts; mimic joints are independent; null where
 Pinocchio reads no robot.
 """
 
@@ -27,7 +27,7 @@ def read(path):
     except ValueError:
         return None
     mass = sum(inertia.mass for inertia in model.inertias)
-    # A universe's or massless inertia may hold what is no number.
+    # Inertias of the universe or of massless links may contain NaN.
     traces = [float(inertia.inertia.trace()) for inertia in model.inertias]
     return {"joints": model.nv - 6, "mass": mass, "inertia": sum(traces)}
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Prints the preview gains that tests/task/gait.rs has frozen, by SciPy's Riccati solver (Kajita et al. 2003, equations
-11 to 15). Run by hand, in an environment with SciPy (1.17.1 made the frozen values):
+"""Prints the preview gains recorded in tests/task/gait.rs, by SciPy's Riccati solver ([Kajita 2003], equations
+11 to 15). Run by hand, in an environment with SciPy (1.17.1 for the recorded values):
 
     python tests/oracles/make_preview.py
 """

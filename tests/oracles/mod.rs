@@ -1,4 +1,5 @@
-//! Comparison with independent libraries. Each `make_*.py` writes the JSON beside it and is run by hand.
+//! Comparison with independent libraries. Each `make_*.py` writes a JSON file of this folder and is
+//! run by hand.
 
 mod collision;
 mod contact;
