@@ -1,10 +1,10 @@
-//! Random numbers that depend on a seed and a purpose, and on nothing of the machine.
+//! Random numbers from a seed and a purpose, the same on every machine.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// A ChaCha8 stream seeded with the BLAKE3 hash of a seed and of words that say what it is for: another purpose beside it
-/// changes nothing.
+/// A ChaCha8 stream seeded with the BLAKE3 hash of a seed and the words of a purpose. Streams of other purposes do not
+/// change it.
 #[derive(Clone, Debug)]
 pub struct Stream(ChaCha8Rng);
 
@@ -26,8 +26,7 @@ impl Stream {
         ((self.0.next_u64() >> 12) as f64 + 0.5) * 0.5f64.powi(52)
     }
 
-    /// A standard normal number, by Box and Muller: `sqrt(-2 ln u) cos(2 pi w)`. Source: G. E. P. Box, M. E. Muller, Annals
-    /// of Mathematical Statistics 29 (1958) 610.
+    /// A standard normal number, by Box and Muller: `sqrt(-2 ln u) cos(2 pi w)`. Source: [Box 1958].
     pub fn normal(&mut self) -> f64 {
         let (u, w) = (self.unit(), self.unit());
         (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * w).cos()

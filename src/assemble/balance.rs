@@ -1,4 +1,4 @@
-//! Tasks that balance, from their entries.
+//! Creates the tasks `balance` and `gravity-compensation` from their entries.
 
 use crate::assemble::{names, planned};
 use crate::robot::{Base, JointId, Model, SoleId};
@@ -9,7 +9,7 @@ use crate::task::balance::position_balance::{self, PositionBalance};
 use crate::task::kinematic::planned_robot;
 use nalgebra::{Vector2, Vector3};
 
-/// The task of the entry at `path`; none, with an error, for a robot that it cannot stand.
+/// The task of the entry at `path`; none, with an error, for a robot that cannot stand.
 pub(super) fn balance(
     run: &Run,
     model: &Model,
@@ -88,8 +88,8 @@ pub(super) fn balance(
     Some(task)
 }
 
-/// Default gains whose damping is at most `most`: efforts are held between ticks, and so are oscillations if they damp faster
-/// than that. Without the damping that it takes a spring is no default either: it stays critically damped or better.
+/// Default gains with a damping of at most `most`. Efforts are constant between ticks, so stronger damping would oscillate.
+/// The stiffness is reduced with the damping, so that the gains stay critically damped or better.
 fn held(kp: f64, kd: f64, most: f64) -> Gains {
     let kd = kd.min(most);
     Gains { kp: kp.min(0.25 * kd * kd), kd }
@@ -122,7 +122,7 @@ pub(super) fn gravity_compensation(
     Box::new(ForceBalance::new("gravity-compensation", model, soles, settings, changes.collect()))
 }
 
-/// The soles that the entry at `path` stands on; unknown ones are errors, and none under a free robot.
+/// The supporting soles of the entry at `path`. Unknown soles are errors, and so is a free robot without soles.
 fn footing(
     run: &Run,
     model: &Model,

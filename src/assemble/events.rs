@@ -1,4 +1,4 @@
-//! What the events of a run do, from what its scenario is after each of them.
+//! Creates the changes of a run's events from the scenario after each event.
 
 use crate::assemble::{floor, forces, model, pairing};
 use crate::robot::{Model, Robot};
@@ -6,10 +6,10 @@ use crate::scenario::{Diagnostic, Event, ForceSpec, Run, ScriptForce};
 use crate::sim::change::Change;
 use std::sync::Arc;
 
-/// The changes in the order in which they happen, and how many states are saved. `model` is the robot at the start. Stops
-/// at the first event that does not fit the robot.
+/// The changes in order of time, and the number of saved states. `model` is the robot at the start. Stops at the first
+/// event that does not fit the robot.
 pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<Diagnostic>) -> (Vec<Change>, usize) {
-    // In the order in which they are saved: what comes later changes no number.
+    // In the order in which they are saved: later names change no index.
     let mut names: Vec<&str> = Vec::new();
     for name in run.events.iter().filter_map(|e| e.save.as_deref()) {
         if !names.contains(&name) {
@@ -24,7 +24,7 @@ pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<
         let touches = |part: &str| event.set.iter().any(|key| key.starts_with(part));
         let mut change = Change {
             at: event.at,
-            words: words(event),
+            words: summary(event),
             end_tasks: event.end_tasks.clone(),
             save: slot(&event.save),
             restore: slot(&event.restore),
@@ -47,8 +47,8 @@ pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<
         touched.dedup();
         for i in &touched {
             if let Some(ForceSpec::CarriedObject(_)) = after.scenario.force.get(*i) {
-                let message = format!("`force.{i}` is a carried object, which does not change while the run goes on");
-                let help = Some("write one object more, with times of its own".to_owned());
+                let message = format!("`force.{i}` is a carried object, which cannot change during a run");
+                let help = Some("add another object with its own times".to_owned());
                 errors.push(after.error_at(&format!("force.{i}"), message, help));
             }
         }
@@ -64,14 +64,14 @@ pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<
     (changes, names.len())
 }
 
-/// Number of the force that a path leads into.
+/// Index of the force that a path leads into.
 fn number(key: &str) -> Option<usize> {
     key.strip_prefix("force.")?.split('.').next()?.parse().ok()
 }
 
-/// The run after the last of these events, its scripts' parameters as they are then.
+/// The run after the last of these events, with its scripts' parameters at that time.
 fn present(events: &[Event]) -> Run {
-    let last = events.last().expect("there is the one in question");
+    let last = events.last().expect("the current event is among them");
     let mut run = (*last.after).clone();
     for (i, force) in run.scenario.force.iter_mut().enumerate() {
         if let ForceSpec::Script(script) = force {
@@ -81,7 +81,7 @@ fn present(events: &[Event]) -> Run {
     run
 }
 
-/// Takes a script's changes up to a time into its parameters. Those that an event has given later than a change stay.
+/// Applies a script's changes up to a time to its parameters, except those that an event set later than the change.
 fn pass_changes(script: &mut ScriptForce, path: &str, events: &[Event], time: f64) {
     let sets = |event: &Event, name: &str| {
         let into = |key: &String| key.strip_prefix(path).is_some_and(|rest| leads_to(rest, name));
@@ -94,14 +94,14 @@ fn pass_changes(script: &mut ScriptForce, path: &str, events: &[Event], time: f6
     }
 }
 
-/// Does the rest of a path behind `params` lead to all of them, or to this one or into it?
+/// True when the rest of a path behind `params` leads to all of them, to this one or into it.
 fn leads_to(rest: &str, name: &str) -> bool {
     let inner = rest.strip_prefix('.').and_then(|rest| rest.strip_prefix(name));
     rest.is_empty() || inner.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
-/// The robot after an event. Drives keep their modes, and a gain that the joint's own table does not give beside the other
-/// one: a joint that had both of `joint_default` would else have none.
+/// The robot after an event. Drives keep their modes. If the joint's own table gives one gain only, the other is kept
+/// too: a joint with both gains of `joint_default` would otherwise lose it.
 fn changed(before: &Model, after: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -> Model {
     let mut after = after.clone();
     for (name, joint) in &mut after.scenario.robot.joint {
@@ -124,10 +124,11 @@ fn gains(before: &Model, after: &Model) -> Vec<(usize, f64, f64)> {
         .collect()
 }
 
-fn words(event: &Event) -> String {
+/// Text of an event for the log.
+fn summary(event: &Event) -> String {
     let state = [("saves", &event.save), ("restores", &event.restore)];
     let state = state.into_iter().filter_map(|(does, name)| name.as_ref().map(|name| format!("{does} state {name}")));
     let ends = event.end_tasks.iter().map(|number| format!("ends task {number}"));
-    let set = (!event.words.is_empty()).then(|| event.words.clone());
+    let set = (!event.assignments.is_empty()).then(|| event.assignments.clone());
     state.chain(ends).chain(set).collect::<Vec<_>>().join(", ")
 }

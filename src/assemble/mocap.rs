@@ -1,5 +1,4 @@
-//! `mocap` from its entry: channels are mapped to joints, resampled to the control ticks and brought within ranges and
-//! speeds.
+//! Creates the task `mocap`: maps channels to joints, resamples them to the control ticks, and limits ranges and speeds.
 
 use crate::assemble::names;
 use crate::assemble::playback::{shown, text};
@@ -10,15 +9,14 @@ use crate::scenario::{Diagnostic, MocapTarget, MocapTask, Run};
 use crate::task::mocap::Mocap;
 use crate::text::suggest;
 
-/// Samples within the window of smoothing that its averages want, and how many times finer than ticks they may get for it: a
-/// window shorter than a fifth of a tick does nothing that ticks could show.
+/// Samples that the averages need within the smoothing window, and the finest resampling for that, relative to ticks: a
+/// window shorter than a fifth of a tick has no effect at ticks.
 const FINE: f64 = 18.0;
 const MOST_FINER: f64 = 100.0;
 /// Most samples of one joint.
 const MOST_SAMPLES: f64 = 1e7;
 
-/// The task at `path`; none when something is wrong, which then is among the errors. What the limits took away is told in
-/// the notes.
+/// The task at `path`; none with an error, which goes to `errors`. The effect of the limits goes to `notes`.
 pub(super) fn mocap(
     run: &Run,
     model: &Model,
@@ -44,8 +42,8 @@ pub(super) fn mocap(
     let before = errors.len();
     let ticks = run.scenario.control.rate;
     // Samples between ticks where the window would else be one of a few samples only.
-    let wanted = (FINE / (spec.smoothing * ticks)).ceil();
-    let finer = if wanted > MOST_FINER { 1.0 } else { wanted.max(1.0) };
+    let needed = (FINE / (spec.smoothing * ticks)).ceil();
+    let finer = if needed > MOST_FINER { 1.0 } else { needed.max(1.0) };
     let rate = finer * ticks;
     // Three averages over 2 half + 1 samples each are as wide as the window.
     let half = (spec.smoothing * rate / 6.0).round();
@@ -105,8 +103,8 @@ pub(super) fn mocap(
     (errors.len() == before).then(|| Mocap::new(joints, ticks, spec.blend))
 }
 
-/// Joint positions at samples taken `rate` times a second, the first one `late` seconds after time 0 of the recording, which
-/// goes by at `speed`; linear between its frames, and before the first and after the last it stands.
+/// Joint positions sampled at `rate`, Hz, the first `late` seconds after time 0 of the recording, which plays at `speed`.
+/// Linear between frames; constant before the first and after the last.
 fn resampled(track: &Track, target: &MocapTarget, speed: f64, (late, rate): (f64, f64), samples: usize) -> Vec<f64> {
     let knots = &track.knots;
     let mut at = 0;

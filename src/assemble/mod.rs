@@ -1,4 +1,4 @@
-//! From a scenario's run and a loaded robot to a [`Setup`]: the place where names meet what they name.
+//! Assembles a [`Setup`] from a scenario's run and a loaded robot: resolves names and reports what does not fit.
 
 mod balance;
 mod events;
@@ -36,7 +36,7 @@ use std::sync::Arc;
 /// Builds the setup of a run.
 ///
 /// # Errors
-/// Every joint, link, sole or value of the scenario that does not fit the robot, each at its place in the file.
+/// Each joint, link, sole or value of the scenario that does not fit the robot, with its position in the file.
 pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let (mut notes, mut errors) = (Vec::new(), Vec::new());
     let model = model::adjusted(run, robot, &mut errors);
@@ -109,7 +109,7 @@ fn floor(run: &Run, errors: &mut Vec<Diagnostic>) -> Floor {
         patches: patches(spec),
     };
     if !floor.patches.is_empty() && floor.rotation[(2, 2)].abs() < STEEPEST {
-        let message = "`floor.patches` are seen from above, and this floor stands upright: see `floor.rpy`";
+        let message = "`floor.patches` are seen from above, and this floor is vertical: see `floor.rpy`";
         errors.push(run.error_at("floor.patches", message, None));
     }
     floor
@@ -128,10 +128,10 @@ fn parameters(spec: &ContactSpec) -> Parameters {
     }
 }
 
-/// Unknowns of an `lcp` problem beyond which its dictionary (8 bytes times their square) takes too much memory.
+/// Most unknowns of an `lcp` problem: its dictionary takes 8 bytes times their square.
 const MOST_UNKNOWNS: usize = 4096;
 
-/// Refuses more facets than memory holds.
+/// Refuses facets whose problem exceeds [`MOST_UNKNOWNS`].
 fn facets(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
     let contact = &run.scenario.contact;
     let vertices = model.soles.iter().map(|s| s.vertices.len()).sum();
@@ -146,7 +146,7 @@ fn facets(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Cosine of the tilt from which on nothing can be projected onto the floor from above.
+/// Cosine of the tilt beyond which no point can be projected vertically onto the floor.
 const STEEPEST: f64 = 1e-6;
 
 fn patches(floor: &FloorSpec) -> Vec<Patch> {
@@ -173,7 +173,7 @@ fn integrator(spec: &IntegratorSpec) -> IntegratorSetup {
     }
 }
 
-/// Slip speeds that the integrator cannot tell from rest: ten times its absolute tolerance; for steps h without control
+/// Slip speeds that the integrator cannot distinguish from rest: ten times its absolute tolerance; for steps h without control
 /// 1e3 h^4, the error of order 4 in velocities that change within some tenths of a second. Velocity-level steps
 /// resolve zero itself, because friction there is an impulse that may stop a vertex within the step.
 fn rest_speed(run: &Run) -> f64 {

@@ -1,4 +1,4 @@
-//! The robot of a run.
+//! The model of a run's robot, with the changes of the scenario.
 
 use crate::robot;
 use crate::robot::adjustments::{self, DriveSettings};
@@ -36,7 +36,7 @@ pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -
         let gains = own.kp.or(own.kd).is_some();
         let settings = match default.mode {
             _ if !open => own,
-            // Gains say that it is driven.
+            // Gains imply a drive.
             Some(DriveMode::Passive) if gains => own.or(DriveSettings { mode: Some(DriveMode::Position), ..default }),
             _ => own.or(default),
         };
@@ -48,7 +48,7 @@ pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -
         errors.push(run.error_at("robot.joint_default", e.to_string(), None));
     }
     if let Some(soles) = &spec.soles {
-        let convert = |s: &SoleSpec| adjustments::SoleSpec {
+        let convert = |s: &SoleSpec| adjustments::SolePolygon {
             name: s.name.clone(),
             link: s.link.clone(),
             polygon: s.polygon.iter().map(|&p| p.into()).collect(),

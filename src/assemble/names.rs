@@ -1,14 +1,14 @@
-//! Where names of a scenario meet what the robot has.
+//! Resolves names of a scenario in the robot.
 
 use crate::robot::{Base, DriveMode, JointId, JointKind, LinkId, Model, SoleId};
 use crate::scenario::{BalanceControl, Diagnostic, ForceSpec, JointLimits, Run, TaskSpec, segment};
 use crate::text::suggest;
 use nalgebra::Isometry3;
 
-/// Errors of one run that are told.
+/// Most errors reported for one run.
 pub(super) const MOST_ERRORS: usize = 50;
 
-/// The first errors, and how many there are besides.
+/// The first errors, and the number of others.
 pub(super) fn first(mut errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
     if errors.len() > MOST_ERRORS {
         let more = format!("there are {} more errors", errors.len() - MOST_ERRORS);
@@ -19,7 +19,7 @@ pub(super) fn first(mut errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
     errors
 }
 
-/// Joint numbers of named values; unknown names are errors at their keys under `path`.
+/// Joint indices of named values; unknown names are errors at their keys under `path`.
 pub(super) fn joints<'a>(
     model: &Model,
     run: &Run,
@@ -41,7 +41,7 @@ pub(super) fn joints<'a>(
     found
 }
 
-/// Refuses to ask a joint for a position outside its range, at `key`: `what` reaches from `low` to `high`.
+/// Refuses positions outside a joint's range, at `key`: `what` reaches from `low` to `high`.
 pub(super) fn in_range(
     run: &Run,
     model: &Model,
@@ -52,7 +52,7 @@ pub(super) fn in_range(
 ) {
     let joint = &model.joints[j];
     let limited = run.scenario.robot.joint_limits == JointLimits::Stop && joint.kind != JointKind::Continuous;
-    // A goal at a limit that is written in degrees may lie a rounding beyond it.
+    // A goal at a limit that is written in degrees may exceed it by rounding.
     let rounding = 1e-9;
     if limited && (low < joint.lower - rounding || high > joint.upper + rounding) {
         let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
@@ -60,12 +60,12 @@ pub(super) fn in_range(
         let (name, lower, upper) = (&joint.name, joint.lower, joint.upper);
         let message =
             format!("{what} `{name}` = {worst:.4} {unit} is outside its range, {lower:.4} to {upper:.4} {unit}");
-        let help = "`robot.joint_limits = \"ignore\"` takes the end stops away".to_owned();
+        let help = "`robot.joint_limits = \"ignore\"` removes the end stops".to_owned();
         errors.push(run.error_at(key, message, Some(help)));
     }
 }
 
-/// Notes joints that tasks ask for positions while their drives do not follow any.
+/// Notes joints that tasks command to positions but whose drives do not follow positions.
 pub(super) fn heard(run: &Run, model: &Model, path: &str, joints: &[JointId], notes: &mut Vec<String>) {
     let commands = |task: &TaskSpec| match task {
         TaskSpec::Script(_) => true,
@@ -84,7 +84,7 @@ pub(super) fn heard(run: &Run, model: &Model, path: &str, joints: &[JointId], no
     }
 }
 
-/// The link that stands at `path`, with the pose of its URDF frame in the carrying link's internal frame; an unknown one
+/// The link named at `path`, with the pose of its URDF frame in the carrying link's internal frame; an unknown one
 /// is an error there.
 pub(super) fn link(
     model: &Model,
@@ -102,7 +102,7 @@ pub(super) fn link(
     found
 }
 
-/// A frame that a force acts in.
+/// The frame in which a force acts.
 pub(super) struct Held {
     /// Name of its link or end effector.
     pub name: String,
@@ -112,7 +112,7 @@ pub(super) struct Held {
     pub pose: Isometry3<f64>,
 }
 
-/// The frame of the link or end effector that the force entry `i` names; an unknown one is an error at its place.
+/// The frame of the link or end effector that the force entry `i` names; an unknown one is an error at its position.
 pub(super) fn held(model: &Model, run: &Run, i: usize, spec: &ForceSpec, errors: &mut Vec<Diagnostic>) -> Option<Held> {
     let grip = spec.grip()?;
     if let Some(name) = grip.link {
@@ -123,7 +123,7 @@ pub(super) fn held(model: &Model, run: &Run, i: usize, spec: &ForceSpec, errors:
     let found = model.end_effectors.iter().find(|e| e.name == name);
     if found.is_none() {
         let help = match model.end_effectors.is_empty() {
-            true => "its robot file gives none: see `[[end_effector]]` there".to_owned(),
+            true => "its robot file has no `[[end_effector]]`".to_owned(),
             false => suggest(name, model.end_effectors.iter().map(|e| e.name.as_str())),
         };
         let message = format!("the robot `{}` has no end effector `{name}`", model.name);
@@ -134,7 +134,7 @@ pub(super) fn held(model: &Model, run: &Run, i: usize, spec: &ForceSpec, errors:
     Some(Held { name: name.to_owned(), link: found.link, pose: found.pose })
 }
 
-/// As [`link`], of one that a force can move: not the root of a robot that is fixed, nor what is welded to it.
+/// As [`link`], for links that a force can move: not a fixed root, nor a link welded to it.
 pub(super) fn moving_link(
     model: &Model,
     run: &Run,
@@ -147,10 +147,10 @@ pub(super) fn moving_link(
     Some(found)
 }
 
-/// None, and an error at `path`, if the link that carries what is called `name` is fixed.
+/// None, with an error at `path`, if the link that carries `name` is fixed.
 fn moves(model: &Model, run: &Run, path: &str, name: &str, link: LinkId, errors: &mut Vec<Diagnostic>) -> Option<()> {
     if model.base == Base::Fixed && link == LinkId(0) {
-        let message = format!("`{name}` of the robot `{}` is fixed: nothing here could move it", model.name);
+        let message = format!("`{name}` of the robot `{}` is fixed and cannot move", model.name);
         let names = crate::script::links(model).filter(|(_, id, _)| *id != LinkId(0)).map(|(name, ..)| name);
         let help = format!("links that move: {}", names.collect::<Vec<_>>().join(", "));
         errors.push(run.error_at(path, message, Some(help)));
@@ -159,7 +159,7 @@ fn moves(model: &Model, run: &Run, path: &str, name: &str, link: LinkId, errors:
     Some(())
 }
 
-/// Numbers of named soles; unknown and repeated names are errors at their places under `path`.
+/// Indices of named soles; unknown and repeated names are errors at their positions under `path`.
 pub(super) fn soles(
     model: &Model,
     run: &Run,

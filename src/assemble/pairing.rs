@@ -1,4 +1,4 @@
-//! What goes with what: contact methods, integrators, and what not every one of them can do.
+//! Compatibility of contact methods, integrators, restitution and forced states.
 //!
 //! | | `dopri5` | `bs23` | `rk4` | `semi-implicit` | `restitution` | `forced` |
 //! |---|---|---|---|---|---|---|
@@ -10,13 +10,13 @@
 use crate::robot::{Base, DriveMode, Model};
 use crate::scenario::{ContactMethod, Diagnostic, IntegratorMethod, Run};
 
-/// Every integrator.
+/// All integrators.
 const ALL: &[IntegratorMethod] =
     &[IntegratorMethod::Dopri5, IntegratorMethod::Bs23, IntegratorMethod::Rk4, IntegratorMethod::SemiImplicit];
 /// Those that integrate accelerations.
 const EXPLICIT: &[IntegratorMethod] = &[IntegratorMethod::Dopri5, IntegratorMethod::Bs23, IntegratorMethod::Rk4];
 
-/// The integrators that a method runs with, and if not with all of them the reason.
+/// The integrators with which a method runs, and the reason if not with all.
 fn integrators(method: ContactMethod) -> (&'static [IntegratorMethod], &'static str) {
     match method {
         ContactMethod::Exact | ContactMethod::OneStep | ContactMethod::Penalty => (ALL, ""),
@@ -26,12 +26,12 @@ fn integrators(method: ContactMethod) -> (&'static [IntegratorMethod], &'static 
     }
 }
 
-/// The integrators with which a method makes its impacts by themselves and can let bodies bounce.
+/// The integrators with which a method treats impacts as separate events and so supports restitution.
 fn bouncing(method: ContactMethod) -> &'static [IntegratorMethod] {
     if method == ContactMethod::Exact { EXPLICIT } else { &[] }
 }
 
-/// Why a method cannot be told states, if it cannot.
+/// Why a method cannot have forced states, if it cannot.
 fn unforced(method: ContactMethod) -> Option<&'static str> {
     match method {
         ContactMethod::Exact | ContactMethod::OneStep => None,
@@ -40,7 +40,7 @@ fn unforced(method: ContactMethod) -> Option<&'static str> {
     }
 }
 
-/// Finds what does not go together, each at its place in the file.
+/// Reports combinations that do not work, each at its position in the file.
 pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
     let contact = &run.scenario.contact;
     let (method, integrator) = (contact.method.name(), run.scenario.integrator.method);
@@ -56,12 +56,12 @@ pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
     check_restitution(run, errors);
     if let Some(reason) = unforced(contact.method).filter(|_| !contact.forced.is_empty()) {
         let message = format!("`contact.forced` does not work with `contact.method` = \"{method}\", which {reason}");
-        let help = "methods \"exact\" and \"one-step\" can be told theirs".to_owned();
+        let help = "methods \"exact\" and \"one-step\" can have forced states".to_owned();
         errors.push(run.error_at("contact.forced", message, Some(help)));
     }
 }
 
-/// Finds a restitution that method and integrator do not make, as the scenario has it or an event sets it.
+/// Reports a restitution that method and integrator do not support, of the scenario or of an event.
 pub(super) fn check_restitution(run: &Run, errors: &mut Vec<Diagnostic>) {
     let (contact, integrator) = (&run.scenario.contact, run.scenario.integrator.method);
     if contact.restitution > 0.0 && !bouncing(contact.method).contains(&integrator) {
@@ -75,7 +75,7 @@ pub(super) fn check_restitution(run: &Run, errors: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Refuses soles that only prescribed motions carry: no contact force could change how they move.
+/// Refuses soles that only kinematic joints carry: no contact force could change their motion.
 pub(super) fn check_soles(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
     if model.base == Base::Floating {
         return;
@@ -93,7 +93,7 @@ pub(super) fn check_soles(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>
                  force could hold it",
                 sole.name
             );
-            let help = "set `robot.soles` = [] if it touches nothing".to_owned();
+            let help = "set `robot.soles` = [] for a robot without contact".to_owned();
             errors.push(run.error_at("robot.model", message, Some(help)));
         }
     }

@@ -1,4 +1,4 @@
-//! Tasks that plan with positions, from their entries.
+//! Creates the tasks that plan joint positions, `squat` and `walk`, from their entries.
 
 use crate::robot::Model;
 use crate::scenario::{Diagnostic, Run, SquatTask, WalkTask};
@@ -9,7 +9,7 @@ use crate::task::squat::{Shape, Squat};
 use crate::task::walk::Walk;
 use crate::text::suggest;
 
-/// A squat of the entry at `path`; none, with an error, for a robot without what it takes.
+/// A squat of the entry at `path`; none, with an error, for an unsuitable robot.
 pub(super) fn squat(
     run: &Run,
     model: &Model,
@@ -22,7 +22,7 @@ pub(super) fn squat(
     Some(Box::new(Squat::new(model, shape, spec.feed_forward)))
 }
 
-/// A walk, in the same way.
+/// A walk, likewise.
 pub(super) fn walk(
     run: &Run,
     model: &Model,
@@ -57,13 +57,17 @@ pub(super) fn plannable(
     errors: &mut Vec<Diagnostic>,
 ) -> Option<()> {
     if let Err(e) = result {
-        errors.push(run.error_at(&format!("{path}.type"), format!("this task needs {feet} it can place: {e}"), None));
+        errors.push(run.error_at(
+            &format!("{path}.type"),
+            format!("this task needs {feet} that it can move freely: {e}"),
+            None,
+        ));
         return None;
     }
     Some(())
 }
 
-/// Number of the sole that swings first; an unknown name is an error.
+/// Index of the sole that swings first; an unknown name is an error.
 fn first_foot(run: &Run, model: &Model, path: &str, name: &str, errors: &mut Vec<Diagnostic>) -> Option<usize> {
     let found = model.soles.iter().position(|s| s.name == name);
     if found.is_none() {

@@ -1,4 +1,4 @@
-//! `playback` from its entry: the motion is read, met with the robot's joints and their ranges, and joined by curves.
+//! Creates the task `playback`: reads the motion, checks it against the robot's joints and ranges, and fits curves.
 
 use crate::assemble::names;
 use crate::log::Trajectory;
@@ -10,10 +10,10 @@ use crate::task::playback::Playback;
 use crate::text::suggest;
 use std::ops::Range;
 
-/// Between knots a curve may leave a joint's range by this part of it: what an end stop's own give hides.
+/// Fraction of a joint's range by which a curve may exceed it between knots, less than an end stop yields.
 const OVERSHOOT: f64 = 1e-3;
 
-/// A motion file: what it says, and its text to show errors in; a log has none.
+/// A motion file: the motion, and its text for excerpts in errors; a log has none.
 struct Source<'a> {
     run: &'a Run,
     path: &'a str,
@@ -22,7 +22,7 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// An error at a piece of the text, or at the key that names the file.
+    /// An error at a range of the text, or at the key that names the file.
     fn error(&self, piece: Range<usize>, message: String, help: Option<String>) -> Box<Diagnostic> {
         let name = self.input.path.display().to_string();
         Box::new(match self.text {
@@ -32,7 +32,7 @@ impl Source<'_> {
     }
 }
 
-/// The task at `path`; none when something is wrong, which then is among the errors.
+/// The task at `path`; none with an error, which goes to `errors`.
 pub(super) fn playback(
     run: &Run,
     model: &Model,
@@ -52,13 +52,13 @@ pub(super) fn playback(
     };
     let before = errors.len();
     for (i, name) in spec.joints.iter().enumerate() {
-        let place = format!("{path}.joints.{i}");
+        let key = format!("{path}.joints.{i}");
         if spec.joints[..i].contains(name) {
-            errors.push(run.error_at(&place, format!("`{name}` stands here twice"), None));
+            errors.push(run.error_at(&key, format!("`{name}` is listed twice"), None));
         } else if motion.track(name).is_none() {
             let help = suggest(name, motion.tracks.iter().map(|t| t.name.as_str()).collect::<Vec<_>>());
             let message = format!("the motion {} does not move `{name}`", input.path.display());
-            errors.push(run.error_at(&place, message, Some(help)));
+            errors.push(run.error_at(&key, message, Some(help)));
         }
     }
     let played = motion.tracks.iter().filter(|t| spec.joints.is_empty() || spec.joints.contains(&t.name));
@@ -79,17 +79,17 @@ pub(super) fn playback(
     (errors.len() == before).then(|| Playback::new(joints, spec.speed, spec.repeat, spec.blend, changes))
 }
 
-/// Has the file this ending?
+/// True when the file has this extension.
 fn ends_in(input: &Input, ending: &str) -> bool {
     input.path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending))
 }
 
-/// The text of a file that should have one.
+/// The text of a file, unless it is a log.
 pub(super) fn text(input: &Input) -> Option<&str> {
     if ends_in(input, "mcap") { None } else { std::str::from_utf8(&input.bytes).ok() }
 }
 
-/// What is wrong with a text file, shown in it.
+/// An error in a text file, with its excerpt.
 pub(super) fn shown(input: &Input, text: &str, fault: MotionError) -> Diagnostic {
     Diagnostic::in_text(&input.path.display().to_string(), text, fault.span, fault.message, fault.help)
 }
@@ -151,15 +151,15 @@ fn curve(
     let (start, end) = (&track.knots[0], &track.knots[track.knots.len() - 1]);
     if spec.repeat {
         let fault = if start.time != first || end.time != last {
-            Some(format!("`{name}` has no value at {first} s or none at {last} s, where the motion goes round"))
+            Some(format!("`{name}` has no value at {first} s or none at {last} s, where the motion repeats"))
         } else if start.value != end.value {
             let (from, to) = (start.value, end.value);
-            Some(format!("`{name}` = {to} at {last} s is not {from} as at {first} s, where the motion goes round"))
+            Some(format!("`{name}` = {to} at {last} s is not {from} as at {first} s, where the motion repeats"))
         } else {
             None
         };
         if let Some(message) = fault {
-            let help = "with `loop` a motion ends in the posture it begins with".to_owned();
+            let help = "with `loop` a motion must end in its first posture".to_owned();
             return Err(source.error(end.span.clone(), message, Some(help)));
         }
     }
@@ -171,8 +171,9 @@ fn curve(
     let (times, values): (Vec<f64>, Vec<f64>) = track.knots.iter().map(|k| (k.time, k.value)).unzip();
     let spline = Spline::new(times, &values, ends)
         .map_err(|why| source.error(track.span.clone(), format!("`{name}`: {why}"), None))?;
-    let slack = OVERSHOOT * (upper - lower);
-    if let Some((t, q)) = spline.extremes().into_iter().find(|(_, q)| *q < lower - slack || *q > upper + slack) {
+    let tolerance = OVERSHOOT * (upper - lower);
+    if let Some((t, q)) = spline.extremes().into_iter().find(|(_, q)| *q < lower - tolerance || *q > upper + tolerance)
+    {
         let message = format!("the curve of `{name}` reaches {q:.4} at {t:.3} s, {}", outside(joint));
         let help = "one more posture near that time, or postures farther from the limit, keep it inside";
         return Err(source.error(track.span.clone(), message, Some(help.into())));

@@ -1,4 +1,4 @@
-//! Scripts from their entries: loaded here, so that what is wrong with them is found before anything runs.
+//! Creates scripted tasks and forces. Scripts are loaded here, so that their errors are found before the run starts.
 
 use crate::force::Force;
 use crate::force::profile::Profile;
@@ -11,7 +11,7 @@ use crate::script::{Params, Purpose, RobotNames, Script};
 use crate::task::Task;
 use std::collections::BTreeMap;
 
-/// The task of entry `i`; a script that cannot be loaded is an error where it is named.
+/// The task of entry `i`; a script that cannot be loaded is an error at the key that names it.
 pub(super) fn task(
     run: &Run,
     model: &Model,
@@ -49,7 +49,7 @@ fn load(
     changes: &[ChangeSpec],
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Script> {
-    // One that cannot be read has been told when the scenario was expanded.
+    // A file that cannot be read was reported when the scenario was expanded.
     let input = run.input(&format!("{path}.file"))?;
     let text = match std::str::from_utf8(&input.bytes) {
         Ok(text) => text,

@@ -1,4 +1,4 @@
-//! Self-collision of a run.
+//! Creates the collision detection and avoidance of a run.
 
 use crate::collision::avoidance::{Limits, Settings};
 use crate::collision::{Detector, LinkPose, link_poses, shared_model};
@@ -7,10 +7,10 @@ use crate::scenario::{Diagnostic, JointLimits, Run};
 use crate::sim::self_contact::SelfContactSetup;
 use crate::sim::setup::Start;
 
-/// Control rate from which on the motion of kinematic joints between two ticks is that of their commands to some micrometres, Hz.
+/// Least control rate, Hz, at which kinematic joints follow their commands between ticks to some micrometres.
 const SLOWEST: f64 = 100.0;
 
-/// What `[self_collision]` asks for. A start too near to a collision is an error where collisions are to be avoided.
+/// The collision settings of `[self_collision]`. With avoidance, a start too close to a collision is an error.
 pub(super) fn self_contact(
     run: &Run,
     robot: &Robot,
@@ -22,7 +22,7 @@ pub(super) fn self_contact(
     let spec = run.scenario.self_collision.as_ref()?;
     let collision = shared_model(model, &robot.self_collision);
     if collision.pairs.is_empty() {
-        notes.push(format!("`self_collision`: no two bodies of `{}` are watched", model.name));
+        notes.push(format!("`self_collision`: no two bodies of `{}` are checked", model.name));
     }
     let mut setup = SelfContactSetup { collision: collision.clone(), margin: spec.margin, avoid: None };
     if spec.method == 0 {
@@ -31,7 +31,7 @@ pub(super) fn self_contact(
     if run.scenario.control.rate < SLOWEST && model.joints.iter().any(|j| j.drive.mode == DriveMode::Kinematic) {
         let rate = run.scenario.control.rate;
         notes.push(format!(
-            "`control.rate` = {rate} Hz: kinematic joints leave what `self_collision` asks between ticks so far apart; at \
+            "`control.rate` = {rate} Hz: kinematic joints leave the commands of `self_collision` between ticks so far apart; at \
              {SLOWEST} Hz or more they do not"
         ));
     }
@@ -66,7 +66,7 @@ pub(super) fn self_contact(
             format!("{:.4} m into each other", -distance)
         };
         let message = format!(
-            "`{a}` and `{b}` start {gap}: nearer than `self_collision.margin` = {} m, so nothing can be promised",
+            "`{a}` and `{b}` start {gap}: closer than `self_collision.margin` = {} m, so avoidance cannot guarantee the margin",
             spec.margin
         );
         let help = "start elsewhere, make the margin smaller, or list the pair under `ignore` in the robot file's \

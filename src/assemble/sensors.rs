@@ -1,4 +1,4 @@
-//! Sensors and estimators.
+//! Creates the sensors and the estimator of a run.
 
 use crate::robot::{Base, Model};
 use crate::scenario::{AccelerationSource, Diagnostic, Estimator, OrientationError, Run, SensorError, SensorsSpec};
@@ -7,14 +7,14 @@ use crate::sim::imu::Imu;
 use crate::sim::sensors::{ChannelError, SensorErrors, TurnError};
 use crate::text::suggest;
 
-/// The IMU that is read: the one the scenario names, or the robot's first.
+/// The IMU that is read: the one that the scenario names, or the robot's first.
 pub(super) fn imu(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Imu {
     let imus = &model.sensors.imu;
     let Some(name) = &run.scenario.sensors.imu else { return Imu(imus.first().map(|imu| imu.mount)) };
     let found = imus.iter().find(|imu| imu.name == *name);
     if found.is_none() {
         let help = match imus.is_empty() {
-            true => "its robot file gives none: see `[sensors]` there".to_owned(),
+            true => "its robot file has no IMU in `[sensors]`".to_owned(),
             false => suggest(name, imus.iter().map(|imu| imu.name.as_str())),
         };
         errors.push(run.error_at("sensors.imu", format!("the robot `{}` has no IMU `{name}`", model.name), Some(help)));
@@ -22,7 +22,7 @@ pub(super) fn imu(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Imu
     Imu(found.map(|imu| imu.mount))
 }
 
-/// Errors of the sensors; none when the scenario says nothing of them.
+/// Errors of the sensors; none when the scenario sets none.
 pub(super) fn errors(spec: &SensorsSpec) -> Option<SensorErrors> {
     if spec.is_none() {
         return None;

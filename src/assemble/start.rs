@@ -1,4 +1,4 @@
-//! Where the robot starts.
+//! The initial state of the robot.
 
 use crate::assemble::STEEPEST;
 use crate::assemble::names::{in_range, joints};
@@ -8,8 +8,8 @@ use crate::scenario::{Diagnostic, Run};
 use crate::sim::setup::{Floor, Start};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Initial state. Without a base position the robot stands: lowest sole vertex on the floor, straight above the
-/// world's origin.
+/// Initial state. Without a base position the robot stands above the world's origin, its lowest sole vertex on the
+/// floor.
 pub(super) fn start(run: &Run, model: &Model, floor: &Floor, errors: &mut Vec<Diagnostic>) -> Start {
     let spec = &run.scenario.robot;
     let mut state = State::home(model);
@@ -32,7 +32,7 @@ pub(super) fn start(run: &Run, model: &Model, floor: &Floor, errors: &mut Vec<Di
         Some(p) => p.into(),
         None if model.base == Base::Fixed => Vector3::zeros(),
         None if floor.rotation[(2, 2)].abs() < STEEPEST => {
-            let message = "the robot cannot be put straight above this floor, which stands upright: see `floor.rpy`";
+            let message = "the robot cannot start above this floor, which is vertical: see `floor.rpy`";
             let help = "give `base.position` in `[robot]`".to_owned();
             errors.push(run.error_at("floor.rpy", message, Some(help)));
             Vector3::zeros()

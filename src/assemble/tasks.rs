@@ -1,4 +1,4 @@
-//! The task server with its tasks from their entries.
+//! Creates the tasks of the task server from their entries.
 
 use crate::assemble::{balance, mocap, names, planned, playback, script};
 use crate::robot::{JointId, Model};
@@ -8,7 +8,7 @@ use crate::task::posture::Posture;
 use crate::task::sine::{Sine, Swing, SwingChange};
 use crate::task::{Command, Task, TaskServer};
 
-/// Tasks in file order; those that do not fit the robot are errors at their places.
+/// Tasks in file order; those that do not fit the robot are errors at their positions.
 pub(super) fn tasks(
     run: &Run,
     model: &Model,
@@ -89,8 +89,8 @@ fn sine(
     Sine::new(joints.collect(), spec.duration.unwrap_or(f64::INFINITY), spec.ramp, changes.collect(), limited)
 }
 
-/// Refuses what takes a joint out of its range, now or after a change, and notes what ticks are too few for. Between two sets
-/// of parameters amplitude and middle go over together, so nothing goes farther than either.
+/// Refuses oscillations beyond a joint's range, before and after changes, and notes frequencies that are too high for the
+/// control rate. Between two sets of parameters amplitude and middle change together, so no transition exceeds both.
 fn swings(
     run: &Run,
     model: &Model,
@@ -113,9 +113,10 @@ fn swings(
     for (key, amplitude, offset, frequency) in stages {
         // Where the middle is known only when the task begins, the range must at least be wide enough.
         let middle = offset.unwrap_or(0.5 * (joint.lower + joint.upper));
-        names::in_range(run, model, &key, id, ("the swing of", middle - amplitude, middle + amplitude), errors);
+        names::in_range(run, model, &key, id, ("the oscillation of", middle - amplitude, middle + amplitude), errors);
         if let Some(f) = frequency.filter(|f| f.abs() >= half) {
-            notes.push(format!("{key}: {f} Hz is not below half of `control.rate`, {half} Hz: ticks cannot show it"));
+            notes
+                .push(format!("{key}: {f} Hz is not below half of `control.rate`, {half} Hz: ticks cannot resolve it"));
         }
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// Convex outline of points seen along `up`, counter-clockwise, as the points themselves; repeated points and points on
 /// an edge are left out. One or two vertices come back when the points are one or on a line.
 pub fn convex_outline(points: &[Vector3<f64>], up: &Vector3<f64>) -> Vec<Vector3<f64>> {
-    // The view's axes are the body axes nearest to level ones, so that the first vertex does not hang on rounding.
+    // The view's axes are the body axes nearest to level ones, so that the first vertex does not depend on rounding.
     let helper = if up.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
     let across = (helper - up * up.dot(&helper)).normalize();
     let along = up.cross(&across);
@@ -18,7 +18,7 @@ pub fn convex_outline(points: &[Vector3<f64>], up: &Vector3<f64>) -> Vec<Vector3
     if flat.len() < 3 {
         return flat.into_iter().map(|p| p.2).collect();
     }
-    // Andrew's monotone chain: lower, then upper outline.
+    // Andrew's monotone chain [Andrew 1979]: lower, then upper outline.
     let turn =
         |a: &(f64, f64, _), b: &(f64, f64, _), c: &(f64, f64, _)| (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0);
     let chain = |order: &mut dyn Iterator<Item = &(f64, f64, Vector3<f64>)>| {
@@ -59,7 +59,7 @@ pub fn longest(outline: &[Vector3<f64>]) -> (f64, [Vector3<f64>; 2]) {
     pairs.max_by(|a, b| length(a).total_cmp(&length(b))).map_or((0.0, [none; 2]), |pair| (length(&pair), pair))
 }
 
-/// The least width of a convex outline seen along `up`: over its edges, how far the furthest vertex is off.
+/// The least width of a convex outline seen along `up`: over its edges, the distance of the furthest vertex.
 pub fn width(outline: &[Vector3<f64>], up: &Vector3<f64>) -> f64 {
     let n = outline.len();
     let off_edge = |i: usize| {

@@ -1,9 +1,9 @@
-//! Is a list of corners a simple polygon: a border that does not touch itself?
+//! Checks that corners form a simple polygon: its border does not touch itself.
 
-/// Each edge is held against all others.
+/// Most corners: each edge is compared with all others.
 const MOST_CORNERS: usize = 1000;
 
-/// What is wrong with a polygon, worded to follow its name: with the index of a corner where one is to blame.
+/// The defect of a polygon, as text that follows its name, with the index of the corner that has it, if one does.
 pub fn defect(corners: &[[f64; 2]]) -> Option<(Option<usize>, String)> {
     let n = corners.len();
     if n < 3 {
@@ -20,7 +20,7 @@ pub fn defect(corners: &[[f64; 2]]) -> Option<(Option<usize>, String)> {
     let edge = |i: usize| (corners[i], corners[(i + 1) % n]);
     for i in 0..n {
         for j in i + 1..n {
-            // Neighbouring edges share a corner; they must not lie on each other.
+            // Neighbouring edges share a corner; they must not overlap.
             let touch = match (j == i + 1, i == 0 && j == n - 1) {
                 (true, _) => folds(corners[i], corners[j], corners[(j + 1) % n]),
                 (_, true) => folds(corners[j], corners[0], corners[1]),
@@ -41,12 +41,12 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Does the way a, b, c go straight back at b?
+/// True when the path a, b, c reverses at b.
 fn folds(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
     turn(a, b, c) == 0.0 && (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0.0
 }
 
-/// Have two segments a point in common?
+/// True when two segments have a common point.
 fn meet((a, b): ([f64; 2], [f64; 2]), (c, d): ([f64; 2], [f64; 2])) -> bool {
     let sides = [turn(a, b, c), turn(a, b, d), turn(c, d, a), turn(c, d, b)];
     let between = |x: f64, y: f64| (x < 0.0 && y > 0.0) || (x > 0.0 && y < 0.0);
@@ -68,7 +68,7 @@ mod tests {
         let good: [&[[f64; 2]]; 3] = [
             &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
             &[[0.0, 0.0], [0.0, 1.0], [0.5, 1.0], [0.5, 0.5], [1.0, 0.5], [1.0, 0.0]],
-            // A corner on a straight side does no harm.
+            // A corner on a straight side is allowed.
             &[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]],
         ];
         for corners in good {
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_none() {
+    fn polygons_that_touch_themselves_are_refused() {
         let bad: [(&[[f64; 2]], Option<usize>, &str); 6] = [
             (&[[0.0, 0.0], [1.0, 0.0]], None, "at least 3 corners, not 2"),
             (&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0]], Some(3), "same point as corner 0"),

@@ -128,8 +128,8 @@ fn shrink(edges: &mut [Edge]) -> (Vector2<f64>, f64) {
 
 /// Moves from one centre of a largest disc to the middle of all of them.
 fn middle(edges: &[Edge], centre: Vector2<f64>, radius: f64) -> Vector2<f64> {
-    let slack = |e: &Edge| (e.normal.dot(&(centre - e.anchor)) - radius).max(0.0);
-    let active = |e: &&Edge| slack(e) <= TAPER * radius;
+    let distance = |e: &Edge| (e.normal.dot(&(centre - e.anchor)) - radius).max(0.0);
+    let active = |e: &&Edge| distance(e) <= TAPER * radius;
     let mut opposite: Option<(f64, Vector2<f64>)> = None;
     for (i, a) in edges.iter().enumerate().filter(|(_, e)| active(e)) {
         for b in edges[..i].iter().filter(active) {
@@ -145,7 +145,7 @@ fn middle(edges: &[Edge], centre: Vector2<f64>, radius: f64) -> Vector2<f64> {
     let reach = |direction: Vector2<f64>| {
         let to = |level: f64| {
             let leaves = edges.iter().map(|e| (e, -e.normal.dot(&direction))).filter(|(_, fall)| *fall > 0.0);
-            leaves.map(|(e, fall)| (slack(e) + level * radius) / fall).fold(f64::INFINITY, f64::min)
+            leaves.map(|(e, fall)| (distance(e) + level * radius) / fall).fold(f64::INFINITY, f64::min)
         };
         2.0 * to(0.5 * TAPER) - to(TAPER)
     };

@@ -1,4 +1,4 @@
-//! Changes a scenario may make to a loaded robot. Each function checks everything before it touches the model.
+//! Changes of a loaded robot as scenarios require. Each function checks all values before it changes the model.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
 
@@ -9,10 +9,10 @@ use super::urdf::{Flaw, RigidInertia, examine, moments_text};
 use crate::geometry::convex_polygon;
 use crate::text::suggest::nearest;
 
-/// What to change at one joint; `None` leaves it as it is. Units as in [`super::Joint`].
+/// Changes of one joint; `None` keeps a value. Units as in [`super::Joint`].
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct DriveSettings {
-    /// What the drive follows. When `None` and a gain is given, an unconfigured joint becomes position-controlled.
+    /// Drive mode. When `None` and a gain is given, an unconfigured joint becomes position-controlled.
     pub mode: Option<DriveMode>,
     /// Position gain.
     pub kp: Option<f64>,
@@ -28,9 +28,9 @@ pub struct DriveSettings {
     pub viscous: Option<f64>,
     /// Static friction.
     pub static_friction: Option<f64>,
-    /// Speed over which it falls to Coulomb friction.
+    /// Speed over which static friction falls to Coulomb friction.
     pub stribeck_velocity: Option<f64>,
-    /// Speed below which friction has not its full size.
+    /// Speed below which friction is below its full size.
     pub slip_velocity: Option<f64>,
     /// Stiffness and damping of the end stops.
     pub stop: Option<(f64, f64)>,
@@ -41,7 +41,7 @@ pub struct DriveSettings {
 }
 
 impl DriveSettings {
-    /// These settings, with what they leave open taken from `other`.
+    /// These settings, completed from `other`.
     pub fn or(self, other: Self) -> Self {
         Self {
             mode: self.mode.or(other.mode),
@@ -65,9 +65,9 @@ impl DriveSettings {
     }
 }
 
-/// A sole as users give it.
+/// A sole as users specify it.
 #[derive(Clone, PartialEq, Debug)]
-pub struct SoleSpec {
+pub struct SolePolygon {
     /// Name, unique in the robot.
     pub name: String,
     /// Carrying link; a link welded to another is fine.
@@ -162,9 +162,9 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
 }
 
 /// Replaces all soles; an empty slice leaves the robot without contact. A polygon that runs clockwise seen from above at
-/// the home posture is turned round, its first vertex staying first. Errors: unknown link, name used twice, polygon not
+/// the home posture is reversed, with the same first vertex. Errors: unknown link, name used twice, polygon not
 /// flat, convex and in order.
-pub fn set_soles(model: &mut Model, soles: &[SoleSpec]) -> Result<(), RobotError> {
+pub fn set_soles(model: &mut Model, soles: &[SolePolygon]) -> Result<(), RobotError> {
     let poses = link_poses(model, &model.home);
     let mut made: Vec<Sole> = Vec::with_capacity(soles.len());
     for spec in soles {
@@ -177,8 +177,12 @@ pub fn set_soles(model: &mut Model, soles: &[SoleSpec]) -> Result<(), RobotError
     Ok(())
 }
 
-/// The sole, and whether its vertices were turned round. `poses` are those of the internal frames at home.
-pub(super) fn make_sole(model: &Model, poses: &[Isometry3<f64>], spec: &SoleSpec) -> Result<(Sole, bool), RobotError> {
+/// The sole, and whether its vertices were reversed. `poses` are those of the internal frames at home.
+pub(super) fn make_sole(
+    model: &Model,
+    poses: &[Isometry3<f64>],
+    spec: &SolePolygon,
+) -> Result<(Sole, bool), RobotError> {
     let (link, frame) = find_link(model, &spec.link)?;
     convex_polygon::check(&spec.polygon).map_err(|why| {
         bad(format!("polygon of sole `{}`", spec.name), why, "a flat convex polygon, points in order")

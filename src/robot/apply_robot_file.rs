@@ -1,9 +1,9 @@
-//! What the robot file says, put into the model the URDF gave.
+//! Applies a robot file to the model of its URDF.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use toml::Spanned;
 
-use super::adjustments::{DriveSettings, SoleSpec, link_names, make_sole, set_drive};
+use super::adjustments::{DriveSettings, SolePolygon, link_names, make_sole, set_drive};
 use super::error::{FileError, RobotError};
 use super::link_poses::link_poses;
 use super::model::{DriveMode, EndEffector, JointKind, LinkId, Model, Mount, SensorFrame};
@@ -13,7 +13,7 @@ use super::robot_file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
 use crate::text::pattern::matches;
 use crate::text::source::Source;
 
-/// Applies everything but `urdf` and `base`. Faults carry the place in the robot file.
+/// Applies all keys but `urdf` and `base`. Errors have positions in the robot file.
 pub(super) fn apply(
     file: &RobotFile,
     source: &Source,
@@ -98,22 +98,22 @@ fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), Robo
         let element = format!("home of joint `{}`", joint.name);
         if joint.kind == JointKind::Prismatic && angle.get_ref().has_unit {
             let fault =
-                FileError::new(source, angle.span(), format!("joint `{}` slides: an angle makes no sense", joint.name));
+                FileError::new(source, angle.span(), format!("joint `{}` is prismatic and has no angle", joint.name));
             return Err(fault.element(element).expected("a number in m").invalid());
         }
         let value = angle.get_ref().value;
         if value < joint.lower || value > joint.upper {
             let fault =
                 FileError::new(source, angle.span(), format!("{element} is outside the joint's limits")).found(value);
-            let wanted = format!("{:.6} to {:.6}", joint.lower, joint.upper);
-            return Err(fault.element(element).expected(wanted).invalid());
+            let expected = format!("{:.6} to {:.6}", joint.lower, joint.upper);
+            return Err(fault.element(element).expected(expected).invalid());
         }
         model.home[index] = value;
     }
     Ok(())
 }
 
-/// For every joint, is it matched by a pattern of `kinematic`.
+/// For each joint, whether a pattern of `kinematic` matches it.
 fn kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<Vec<bool>, RobotError> {
     let mut matched = vec![false; model.joints.len()];
     for pattern in file.kinematic.iter().flatten() {
@@ -124,15 +124,15 @@ fn kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<Vec<boo
             (any, *matched) = (true, true);
             let own = file.joint.get(joint.name.as_str()).and_then(|entry| entry.get_ref().mode.as_ref());
             if let Some(mode) = own.filter(|mode| *mode.get_ref() != ModeWord::Kinematic) {
-                let words = format!("joint `{}` is matched by `{}` of `kinematic`", joint.name, pattern.get_ref());
-                let fault = FileError::new(source, mode.span(), words).element(format!("joint `{}`", joint.name));
+                let message = format!("joint `{}` is matched by `{}` of `kinematic`", joint.name, pattern.get_ref());
+                let fault = FileError::new(source, mode.span(), message).element(format!("joint `{}`", joint.name));
                 return Err(fault.expected("no other mode").invalid());
             }
         }
         if !any {
-            let words = format!("no moving joint of the URDF matches `{}`", pattern.get_ref());
+            let message = format!("no moving joint of the URDF matches `{}`", pattern.get_ref());
             let known = model.joints.iter().map(|j| j.name.as_str());
-            return Err(FileError::new(source, pattern.span(), words)
+            return Err(FileError::new(source, pattern.span(), message)
                 .element("kinematic")
                 .suggest(pattern.get_ref(), known)
                 .invalid());
@@ -152,7 +152,7 @@ fn drives(file: &RobotFile, source: &Source, model: &mut Model, kinematic: &[boo
     let names: Vec<String> = model.joints.iter().map(|j| j.name.clone()).collect();
     for (name, kinematic) in names.into_iter().zip(kinematic) {
         let own = file.joint.get(name.as_str());
-        let place = own.or(file.joint_default.as_ref()).map_or(0..0, Spanned::span);
+        let span = own.or(file.joint_default.as_ref()).map_or(0..0, Spanned::span);
         let mut own = match own {
             Some(entry) => settings(entry.get_ref(), &format!("joint `{name}`"), source)?,
             None => DriveSettings::default(),
@@ -161,28 +161,28 @@ fn drives(file: &RobotFile, source: &Source, model: &mut Model, kinematic: &[boo
             own.mode = Some(DriveMode::Kinematic);
         }
         let element = format!("joint `{name}`");
-        set_drive(model, &name, &own.or(default)).map_err(|error| at(place, &element, error, source))?;
+        set_drive(model, &name, &own.or(default)).map_err(|error| at(span, &element, error, source))?;
     }
     Ok(())
 }
 
-/// A wrong value with the place where it stands.
-fn at(place: std::ops::Range<usize>, element: &str, error: RobotError, source: &Source) -> RobotError {
+/// Adds the position in the robot file to an error of a value.
+fn at(span: std::ops::Range<usize>, element: &str, error: RobotError, source: &Source) -> RobotError {
     match error {
         RobotError::BadValue { subject, found, expected } => {
-            FileError::new(source, place, subject).element(element).found(found).expected(expected).invalid()
+            FileError::new(source, span, subject).element(element).found(found).expected(expected).invalid()
         }
         other => other,
     }
 }
 
-/// The table's numbers, each checked where it stands.
+/// The numbers of a table, checked.
 fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveSettings, RobotError> {
-    let checked = |key: &str, value: &Option<Spanned<f64>>, holds: &dyn Fn(f64) -> bool, wanted: &str| match value {
+    let checked = |key: &str, value: &Option<Spanned<f64>>, holds: &dyn Fn(f64) -> bool, expected: &str| match value {
         Some(v) if !(v.get_ref().is_finite() && holds(*v.get_ref())) => {
             let fault =
                 FileError::new(source, v.span(), format!("{key} of {element} cannot be used")).found(v.get_ref());
-            Err(fault.element(element).expected(wanted).invalid())
+            Err(fault.element(element).expected(expected).invalid())
         }
         Some(v) => Ok(Some(*v.get_ref())),
         None => Ok(None),
@@ -235,7 +235,7 @@ fn given_soles(
             return Err(fault.element(element).expected("a name of its own").invalid());
         }
         known_link(&sole.link, &element, source, model)?;
-        let spec = SoleSpec {
+        let spec = SolePolygon {
             name: sole.name.clone(),
             link: sole.link.get_ref().clone(),
             polygon: sole.polygon.get_ref().iter().map(|p| Vector3::from(*p)).collect(),
@@ -243,16 +243,17 @@ fn given_soles(
         let (made, turned) =
             make_sole(model, &poses, &spec).map_err(|error| at(sole.polygon.span(), &element, error, source))?;
         if turned {
-            let words = format!("{element} runs clockwise seen from above: its vertices are taken the other way round");
-            notices.info(source, sole.polygon.span().start, words);
+            let message =
+                format!("{element} runs clockwise seen from above: its vertices are taken the other way round");
+            notices.info(source, sole.polygon.span().start, message);
         }
         model.soles.push(made);
     }
     Ok(())
 }
 
-/// Tells of force sensors that are not read: those on a link without a sole, and all but the first on one with. To be asked
-/// when the soles are known.
+/// Reports force sensors that are not read: those on links without a sole, and all but the first on one link. Requires the
+/// soles.
 pub(super) fn unread_force_sensors(file: &RobotFile, source: &Source, model: &Model, notices: &mut Notices) {
     let entries = file.sensors.iter().flat_map(|s| &s.get_ref().force);
     for (i, (entry, sensor)) in entries.zip(&model.sensors.force).enumerate() {

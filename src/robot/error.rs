@@ -20,19 +20,19 @@ pub enum RobotError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The system's words.
+        /// The system's message.
         reason: String,
     },
     /// A file is not well-formed TOML or XML.
     #[error("{0}")]
     Syntax(Box<FileError>),
-    /// A file is well-formed but says something that makes no robot.
+    /// A file is well-formed but its content describes no valid robot.
     #[error("{0}")]
     Invalid(Box<FileError>),
-    /// A file asks for something this program does not do.
+    /// A file requires a feature that this program does not have.
     #[error("{0}")]
     NotAvailable(Box<FileError>),
-    /// A name given to one of the functions of [`super::adjust`] is not in the model.
+    /// A name given to one of the functions of [`super::adjustments`] is not in the model.
     #[error("the robot has no {kind} `{name}`{}", suggestion.as_ref().map(|s| format!("; did you mean `{s}`?")).unwrap_or_default())]
     UnknownName {
         /// `link` or `joint`.
@@ -42,10 +42,10 @@ pub enum RobotError {
         /// The nearest name there is.
         suggestion: Option<String>,
     },
-    /// A value given to one of the functions of [`super::adjust`] makes no sense.
+    /// A value given to one of the functions of [`super::adjustments`] is not valid.
     #[error("{subject}: {found}, expected {expected}")]
     BadValue {
-        /// What the value is about.
+        /// Name of the value.
         subject: String,
         /// The value given.
         found: String,
@@ -90,13 +90,13 @@ pub struct FileError {
     pub span: Range<usize>,
     /// What is wrong, one sentence without a full stop.
     pub message: String,
-    /// The element it is about, such as `joint l_knee`; empty when the file as a whole.
+    /// The element it is about, such as `joint l_knee`; empty for the whole file.
     pub element: String,
     /// The value found.
     pub found: String,
     /// What would have been accepted.
     pub expected: String,
-    /// How to get on.
+    /// How to correct it.
     pub help: Option<String>,
 }
 

@@ -5,10 +5,10 @@
 //! ```
 //!
 //! c Coulomb, s static, d viscous friction, v_str the Stribeck speed over which static friction falls to Coulomb's, v_s the
-//! slip speed. Source: H. Olsson et al., Friction models and friction compensation, Eur. J. Control 4 (1998), equations 1
-//! to 4, with the hyperbolic tangent in the place of the jump at rest: below the slip speed a joint under the load tau
-//! creeps at about `v_s atanh(tau / s)` instead of sticking. That is a model of its own, not the floor's exact friction;
-//! choose v_s small against the speeds of interest, and against v_str where static friction is to show its full height (a
+//! slip speed. Source: [Olsson 1998], equations 1 to 4, with the hyperbolic tangent instead of the jump at
+//! rest. Below the slip speed a joint under the load tau
+//! creeps at about `v_s atanh(tau / s)` instead of sticking. This is a regularized model, not the floor's exact friction.
+//! Choose v_s small against the speeds of interest, and against v_str where static friction is to show its full height (a
 //! smaller one costs integration steps).
 
 /// Slip speed when none is given, rad/s or m/s.
@@ -53,7 +53,7 @@ impl Friction {
         }
     }
 
-    /// Is there dry friction at all?
+    /// True with dry friction.
     pub fn is_dry(&self) -> bool {
         self.coulomb > 0.0 || self.static_ > 0.0
     }
@@ -64,8 +64,8 @@ impl Friction {
         if self.is_dry() { viscous + -self.dry(qd) * (qd / self.slip_velocity).tanh() } else { viscous }
     }
 
-    /// `-effort / qd`: the damping that takes the friction's place in a velocity-level step. Taken at the velocity of the
-    /// step's end it never turns the motion round, however great friction is against inertia.
+    /// `-effort / qd`: the damping that replaces friction in a velocity-level step. Evaluated at the velocity at the
+    /// step's end it never reverses the motion, however large friction is compared with inertia.
     pub fn secant(&self, qd: f64) -> f64 {
         if !self.is_dry() {
             return self.viscous;

@@ -9,7 +9,7 @@ use super::link_poses::{centre_of_mass, link_poses};
 use super::model::{Base, DriveMode, Joint, JointKind, Link, Model};
 use crate::text::Severity;
 
-/// A description of the robot for people: everything in the URDF's frames, SI units.
+/// Describes the robot for users, in the URDF's frames and SI units.
 pub fn inspect(robot: &Robot) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.

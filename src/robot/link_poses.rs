@@ -1,4 +1,4 @@
-//! Where the links are in a posture, the root's URDF frame being the world: enough to find and check soles at home.
+//! Poses of the links in a posture, relative to the root's URDF frame; used to detect and check soles at home.
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
@@ -23,7 +23,7 @@ pub(super) fn link_poses(model: &Model, q: &[f64]) -> Vec<Isometry3<f64>> {
     poses
 }
 
-/// Centre of mass of all links that count, in the root's URDF frame, m.
+/// Centre of mass of all moving links, in the root's URDF frame, m.
 pub(super) fn centre_of_mass(model: &Model, poses: &[Isometry3<f64>]) -> Vector3<f64> {
     let first = usize::from(model.base == super::model::Base::Fixed);
     let weighted: Vector3<f64> = model

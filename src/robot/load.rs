@@ -19,15 +19,15 @@ use crate::text::source::Source;
 /// A loaded robot.
 #[derive(Clone, Debug)]
 pub struct Robot {
-    /// What is simulated.
+    /// The simulated model.
     pub model: Model,
     /// Every file used with its bytes: the robot file if there is one, the URDF, meshes. For hashing and for logs.
     pub files: Vec<(PathBuf, Vec<u8>)>,
     /// The URDF's text.
     pub urdf_text: String,
-    /// What was ignored, assumed or found.
+    /// Notes and warnings: what was ignored, assumed or found.
     pub notices: Vec<Diagnostic>,
-    /// Which links must not touch each other.
+    /// Links that must not touch each other.
     pub self_collision: SelfCollision,
 }
 
@@ -36,13 +36,12 @@ pub fn load(path: &Path) -> Result<Robot, RobotError> {
     load_with(path, None)
 }
 
-/// As [`load`]; `policy`, if given, overrides what the robot file says of inertias that no body can have.
+/// As [`load`]; `policy`, if given, overrides the robot file's treatment of inertias that no body can have.
 pub fn load_with(path: &Path, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
     read(read_source(path)?, policy)
 }
 
-/// As [`load_with`], for a text that is already at hand; `path` is what errors call it, what its ending says, and what the
-/// names of other files in it start from.
+/// As [`load_with`], for a text. Errors name `path`; its extension gives the format, and other files are relative to it.
 pub fn parse(path: &Path, text: impl Into<String>, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
     read(Source::new(path, text), policy)
 }
@@ -105,33 +104,33 @@ fn assemble(
     if let Some((source, file)) = &file {
         unread_force_sensors(file, source, &model, &mut notices);
     }
-    // Soles are found on the meshes as they stand.
+    // Soles are detected on the original meshes.
     simplify_meshes(&mut model, &urdf, &mut notices);
     files.push((urdf.path().to_owned(), urdf.text().as_bytes().to_vec()));
     files.extend(meshes);
-    strayed(&files, &urdf, &mut notices);
+    warn_of_links(&files, &urdf, &mut notices);
     Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.into_all(), self_collision })
 }
 
-/// Tells of symbolic links that lead out of the robot's folder; what they lead to is read.
-fn strayed(files: &[(PathBuf, Vec<u8>)], urdf: &Source, notices: &mut Notices) {
+/// Warns of symbolic links that lead out of the robot's folder; their targets are read.
+fn warn_of_links(files: &[(PathBuf, Vec<u8>)], urdf: &Source, notices: &mut Notices) {
     let Some(home) = files.first().and_then(|(path, _)| path.parent()) else { return };
-    let strays = files.iter().filter_map(|(path, _)| Some((path, input::led_out(home, path)?)));
-    let strays: Vec<_> = strays.collect();
-    if let Some((path, real)) = strays.first() {
-        let (path, real, more) = (path.display(), real.display(), strays.len() - 1);
+    let outside = files.iter().filter_map(|(path, _)| Some((path, input::led_out(home, path)?)));
+    let outside: Vec<_> = outside.collect();
+    if let Some((path, real)) = outside.first() {
+        let (path, real, more) = (path.display(), real.display(), outside.len() - 1);
         let others = if more == 0 { String::new() } else { format!(", and so for {more} more of its files") };
-        let words = format!("a symbolic link leads out of the robot's folder: {path} is {real}{others}");
-        notices.warning(urdf, urdf.text().find("<robot").unwrap_or(0), words);
+        let message = format!("a symbolic link leads out of the robot's folder: {path} is {real}{others}");
+        notices.warning(urdf, urdf.text().find("<robot").unwrap_or(0), message);
     }
 }
 
-/// A mimic joint is at home where it would be if it followed, as far as its limits let it.
+/// Sets the home of mimic joints to that of their leader times multiplier plus offset, within limits.
 fn homes_that_follow<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mimic>) {
     let joints: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
     let pair = |mimic: &'a Mimic| Some((mimic, *joints.get(mimic.joint.as_str())?, *joints.get(mimic.of.as_str())?));
     let pairs: Vec<_> = mimics.filter_map(pair).collect();
-    // A joint may follow one that follows: as many rounds as there are links in the longest such chain, at most.
+    // A joint may follow a joint that follows: at most as many rounds as the longest chain has links.
     for _ in &pairs {
         let before = model.home.clone();
         for &(mimic, joint, of) in &pairs {
@@ -146,14 +145,14 @@ fn homes_that_follow<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mim
     }
 }
 
-/// Zero is the home of a joint nobody names, unless its limits exclude it. `named` are those of the robot file's home.
+/// The home of a joint that the robot file does not name is 0, or the limit nearest to 0. `named`: joints of its `home`.
 fn home_within_limits(model: &mut Model, urdf: &Source, named: impl Fn(&str) -> bool, notices: &mut Notices) {
     for (joint, home) in model.joints.iter().zip(&mut model.home) {
         *home = 0.0f64.clamp(joint.lower, joint.upper);
         if *home != 0.0 && !named(&joint.name) {
             let at = urdf.text().find(&format!("\"{}\"", joint.name)).unwrap_or(0);
-            let words = format!("0 is outside the limits of joint `{}`: its home is {home}", joint.name);
-            notices.info(urdf, at, words);
+            let message = format!("0 is outside the limits of joint `{}`: its home is {home}", joint.name);
+            notices.info(urdf, at, message);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Meshes of many triangles become convex hulls: a body for pictures, small enough for every log.
+//! Replaces meshes of many triangles by convex hulls, small enough for each log.
 
 use nalgebra::{Point3, Vector3};
 
@@ -10,10 +10,10 @@ use crate::text::source::Source;
 /// Meshes of at most this many triangles are kept as they are.
 const MOST_TRIANGLES: usize = 1000;
 /// Directions along which the outermost vertices of a larger mesh are kept: about 14 degrees apart, so the hull of a ball
-/// of radius r lies at most 0.8 % of r within it, and that of a body with few corners is exact.
+/// of radius r is at most 0.8 % of r within it, and that of a body with few corners is exact.
 pub(super) const DIRECTIONS: usize = 200;
 
-/// Replaces large meshes by hulls of their outermost vertices and says how many.
+/// Replaces large meshes by hulls of their outermost vertices, with a notice.
 pub(super) fn simplify_meshes(model: &mut Model, source: &Source, notices: &mut Notices) {
     let directions = spread(DIRECTIONS);
     let shapes = model.links.iter_mut().flat_map(|l| l.visuals.iter_mut().chain(&mut l.collisions));
@@ -30,10 +30,10 @@ pub(super) fn simplify_meshes(model: &mut Model, source: &Source, notices: &mut 
         shape.geometry = hull;
     }
     if replaced > 0 {
-        let words = format!(
+        let message = format!(
             "{replaced} meshes of more than {MOST_TRIANGLES} triangles ({before} in all) are kept as convex hulls"
         );
-        notices.info(source, source.text().find("<robot").unwrap_or(0), words);
+        notices.info(source, source.text().find("<robot").unwrap_or(0), message);
     }
 }
 

@@ -1,9 +1,9 @@
 //! The robot as the simulator sees it: an immutable tree of rigid links.
 //!
 //! Conventions, used by every room below this one:
-//! - **Link frame**: each moving link carries an internal frame whose origin lies on its joint and whose **z axis is
+//! - **Link frame**: each moving link carries an internal frame whose origin is on its joint and whose **z axis is
 //!   the joint axis**, so a revolute joint transform is a plane rotation. `Link::urdf_frame` leads back to the frame
-//!   the URDF file speaks of; everything a user types or reads is in that one.
+//!   of the URDF file; all user input and output is in that frame.
 //! - **Topological order**: a link's parent has a smaller index. `joints[i]` moves `links[i + 1]`; `links[0]` is the root.
 //! - **Velocities** `v`: floating base first, `(p', omega)` = velocity of the root link's URDF frame origin and angular
 //!   velocity, both in world axes; then one number per joint. A fixed base has joints only.
@@ -43,7 +43,7 @@ pub enum Base {
     Fixed,
 }
 
-/// What a joint lets through; the axis is z of the child's internal frame.
+/// Motion of a joint; the axis is z of the child's internal frame.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum JointKind {
     /// Rotation within limits.
@@ -73,7 +73,7 @@ pub enum DriveMode {
 /// The drive of one joint. Units: N m/rad and N m s/rad, for prismatic joints N/m and N s/m.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Drive {
-    /// What the drive follows.
+    /// Drive mode.
     pub mode: DriveMode,
     /// Position gain.
     pub kp: f64,
@@ -86,7 +86,7 @@ pub struct Drive {
 pub struct Joint {
     /// Name in the URDF.
     pub name: String,
-    /// Motion it lets through.
+    /// Its motion.
     pub kind: JointKind,
     /// Lower limit, rad or m; minus infinity when there is none.
     pub lower: f64,
@@ -104,13 +104,13 @@ pub struct Joint {
     pub static_friction: f64,
     /// Speed over which friction falls from static to Coulomb's, rad/s or m/s, above 0.
     pub stribeck_velocity: f64,
-    /// Speed below which friction has not its full size, rad/s or m/s, above 0.
+    /// Speed below which friction is below its full size, rad/s or m/s, above 0.
     pub slip_velocity: f64,
     /// Stiffness (N m/rad or N/m) and damping (N m s/rad or N s/m) of the end stops; `None` when they follow from the inertia.
     pub stop: Option<(f64, f64)>,
     /// Reflected rotor inertia, kg m^2 or kg.
     pub armature: f64,
-    /// Time constant with which the actuator's effort follows what is asked, s; 0 when it follows at once.
+    /// Time constant with which the actuator's effort follows the command, s; 0 when it follows at once.
     pub lag: f64,
     /// The actuator.
     pub drive: Drive,
@@ -136,7 +136,7 @@ impl Joint {
 pub struct Shape {
     /// Pose in the link's internal frame.
     pub pose: Isometry3<f64>,
-    /// What it is.
+    /// Its geometry.
     pub geometry: Geometry,
     /// Red, green, blue, opacity, each 0 to 1.
     pub rgba: [f32; 4],
@@ -171,7 +171,7 @@ pub struct Merged {
 pub struct Link {
     /// Name in the URDF.
     pub name: String,
-    /// The link its joint hangs on; `None` for the root.
+    /// The parent link; `None` for the root.
     pub parent: Option<LinkId>,
     /// Orientation of the internal frame in the parent's internal frame at joint position 0.
     pub rotation: Matrix3<f64>,
@@ -228,7 +228,7 @@ pub struct EndEffector {
     pub pose: Isometry3<f64>,
 }
 
-/// A place on a link.
+/// A frame on a link.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Mount {
     /// Carrying link.
@@ -242,7 +242,7 @@ pub struct Mount {
 pub struct SensorFrame {
     /// Name, unique among the robot's sensors of its kind.
     pub name: String,
-    /// Where it is.
+    /// Its frame.
     pub mount: Mount,
 }
 

@@ -15,7 +15,7 @@ use crate::text::source::Source;
 /// Red, green, blue, opacity of a load given by its size.
 const COLOUR: [f32; 4] = [0.36, 0.37, 0.40, 1.0];
 
-/// Adds every load to its link, in file order. Faults carry the place in the robot file.
+/// Adds every load to its link, in file order. Errors have positions in the robot file.
 pub(super) fn weld(loads: &[Spanned<PayloadEntry>], source: &Source, model: &mut Model) -> Result<(), RobotError> {
     for (i, entry) in loads.iter().enumerate() {
         let load = entry.get_ref();
@@ -40,13 +40,13 @@ pub(super) fn weld(loads: &[Spanned<PayloadEntry>], source: &Source, model: &mut
         };
         added.map_err(|error| match error {
             RobotError::BadValue { subject, found, expected } => {
-                let place = match subject.split(' ').next() {
+                let span = match subject.split(' ').next() {
                     Some("mass") => Some(load.mass.span()),
                     Some("position") => load.position.as_ref().map(Spanned::span),
                     Some("size") => load.size.as_ref().map(Spanned::span),
                     _ => load.inertia.as_ref().map(Spanned::span),
                 };
-                let fault = FileError::new(source, place.unwrap_or(entry.span()), subject);
+                let fault = FileError::new(source, span.unwrap_or(entry.span()), subject);
                 fault.element(&element).found(found).expected(expected).invalid()
             }
             other => other,

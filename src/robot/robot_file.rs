@@ -1,4 +1,4 @@
-//! The robot file (`robots/<name>/<name>.toml`) as types.
+//! The types of the robot file (`robots/<name>/<name>.toml`), and its reader.
 
 use std::collections::BTreeMap;
 
@@ -20,31 +20,31 @@ pub struct RobotFile {
     /// The URDF, relative to this file.
     #[schemars(with = "String")]
     pub urdf: Spanned<String>,
-    /// How the root link is held; by default fixed when the URDF's root link is called `world`, else floating.
+    /// Whether the root link is fixed or floats; by default fixed when the URDF's root link is called `world`, else floating.
     #[schemars(with = "Option<BaseWord>")]
     pub base: Option<Spanned<BaseWord>>,
-    /// What happens to inertias that no body can have; a scenario may override it.
+    /// Treatment of inertias that no body can have; a scenario may override it.
     pub inertia: Option<InertiaWord>,
-    /// Joint positions of the home posture; joints not named are at 0, or at the limit nearest to 0.
+    /// Joint positions of the home posture; other joints are at 0, or at the limit nearest to 0.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, Angle>")]
     pub home: BTreeMap<Spanned<String>, Spanned<Angle>>,
-    /// Convex polygons that may touch the floor; found from the collision shapes when there are none here.
+    /// Convex polygons that may touch the floor; detected from the collision shapes when none are given.
     #[schemars(with = "Option<Vec<SoleEntry>>")]
     pub sole: Option<Vec<Spanned<SoleEntry>>>,
     /// Drives by joint name.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, JointEntry>")]
     pub joint: BTreeMap<Spanned<String>, Spanned<JointEntry>>,
-    /// For every joint, what its own table leaves out.
+    /// Values that a joint's own table leaves out.
     #[schemars(with = "Option<JointEntry>")]
     pub joint_default: Option<Spanned<JointEntry>>,
     /// Loads welded to links.
     #[serde(default)]
     #[schemars(with = "Vec<PayloadEntry>")]
     pub payload: Vec<Spanned<PayloadEntry>>,
-    /// Joints that follow their command exactly, without dynamics (mode `kinematic`): names in which `*` stands for any
-    /// characters and `?` for one.
+    /// Joints that follow their command exactly, without dynamics (mode `kinematic`): names in which `*` matches any
+    /// characters and `?` one.
     #[schemars(with = "Option<Vec<String>>")]
     pub kinematic: Option<Vec<Spanned<String>>>,
     /// Frames of interest.
@@ -59,7 +59,7 @@ pub struct RobotFile {
     pub self_collision: Option<Spanned<SelfCollision>>,
 }
 
-/// How the root link is held.
+/// Whether the root link is fixed or floats.
 #[derive(Deserialize, JsonSchema, Clone, Copy, Debug)]
 #[serde(rename_all = "kebab-case")]
 pub enum BaseWord {
@@ -69,13 +69,13 @@ pub enum BaseWord {
     Floating,
 }
 
-/// What happens to inertias that no body can have.
+/// Treatment of inertias that no body can have.
 #[derive(Deserialize, JsonSchema, Clone, Copy, Debug)]
 #[serde(rename_all = "kebab-case")]
 pub enum InertiaWord {
-    /// The robot is refused, by the link's name.
+    /// The robot is refused with the name of the link.
     Refuse,
-    /// The nearest physical tensor takes its place, and a notice says so.
+    /// The nearest physical tensor replaces it, with a notice.
     Repair,
 }
 
@@ -121,12 +121,12 @@ pub struct PayloadEntry {
     /// point mass.
     #[schemars(with = "Option<[f64; 6]>")]
     pub inertia: Option<Spanned<[f64; 6]>>,
-    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; it is drawn, too.
+    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; the box is also drawn.
     #[schemars(with = "Option<[f64; 3]>")]
     pub size: Option<Spanned<[f64; 3]>>,
 }
 
-/// What follows a joint's command.
+/// Drive mode of a joint.
 #[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq, Debug)]
 #[serde(rename_all = "kebab-case")]
 pub enum ModeWord {
@@ -136,17 +136,17 @@ pub enum ModeWord {
     Force,
     /// A velocity, by `kd`.
     Velocity,
-    /// Exactly on its command, without dynamics.
+    /// Follows its command exactly, without dynamics.
     Kinematic,
     /// No actuator.
     Passive,
 }
 
-/// Drive and friction of one joint; what is left out comes from `joint_default`, then from the URDF.
+/// Drive and friction of one joint; values left out come from `joint_default`, then from the URDF.
 #[derive(Deserialize, JsonSchema, Clone, Default, Debug)]
 #[serde(deny_unknown_fields)]
 pub struct JointEntry {
-    /// What follows the command; `position` when gains are given.
+    /// Drive mode; `position` when gains are given.
     #[schemars(with = "Option<ModeWord>")]
     pub mode: Option<Spanned<ModeWord>>,
     /// Position gain, N m/rad or N/m.
@@ -166,7 +166,7 @@ pub struct JointEntry {
     /// Reflected rotor inertia, kg m^2 or kg.
     #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub armature: Option<Spanned<f64>>,
-    /// Time constant of the actuator, s: its effort follows what is asked as a first-order lag.
+    /// Time constant of the actuator, s: its effort follows the commanded one as a first-order lag.
     #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub lag: Option<Spanned<f64>>,
     /// End stops; left out: as stiff as lets the joint's own inertia swing at 300 rad/s, critically damped.
@@ -190,7 +190,7 @@ pub struct Friction {
     /// Speed over which friction falls from `static` to `coulomb`, rad/s or m/s; 0.2.
     #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub stribeck_velocity: Option<Spanned<f64>>,
-    /// Speed below which friction has not its full size, rad/s or m/s; 0.05.
+    /// Speed below which friction is below its full size, rad/s or m/s; 0.05.
     #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub slip_velocity: Option<Spanned<f64>>,
 }
@@ -237,18 +237,18 @@ pub struct Sensors {
     pub force: Vec<Spanned<Frame>>,
 }
 
-/// Which bodies are watched for touching each other.
+/// Links that are checked for collisions with each other.
 #[derive(Deserialize, JsonSchema, Debug)]
 #[serde(deny_unknown_fields)]
 pub struct SelfCollision {
-    /// Links that are watched; all when absent, but those always inside another one.
+    /// Checked links; left out: all, except those always inside another one.
     #[schemars(with = "Option<Vec<String>>")]
     pub bodies: Option<Vec<Spanned<String>>>,
-    /// Pairs that are not.
+    /// Pairs that are not checked.
     #[serde(default)]
     #[schemars(with = "Vec<[String; 2]>")]
     pub ignore: Vec<[Spanned<String>; 2]>,
-    /// Pairs that are, even where they are adjacent, overlap at home or were never found to meet.
+    /// Pairs that are always checked, even if they are adjacent, overlap at home or never meet.
     #[serde(default)]
     #[schemars(with = "Vec<[String; 2]>")]
     pub watch: Vec<[Spanned<String>; 2]>,
@@ -262,7 +262,7 @@ pub fn schema() -> serde_json::Value {
     schemars::schema_for!(RobotFile).into()
 }
 
-/// Reads the types out of the text; faults carry the parser's place and a suggestion for unknown keys.
+/// Parses a robot file. Errors have the parser's position, and a suggestion for unknown keys.
 pub(super) fn parse(source: &Source) -> Result<RobotFile, RobotError> {
     toml::from_str(source.text()).map_err(|error| {
         let TomlError { span, message, help } = TomlError::new(&error, source.text(), true);

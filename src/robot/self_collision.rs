@@ -1,4 +1,4 @@
-//! What the robot file says of self-collision.
+//! `[self_collision]` of a robot file.
 
 use std::ops::RangeInclusive;
 
@@ -10,17 +10,17 @@ use super::model::{LinkId, Model};
 use super::robot_file::RobotFile;
 use crate::text::source::Source;
 
-/// Fewer corners make prisms of cylinders; more only cost time.
+/// Range of the resolution: fewer corners distort cylinders, more only cost time.
 const RESOLUTION: RangeInclusive<u32> = 8..=128;
 
-/// Which links are watched for touching each other, and how their shapes become polyhedra.
+/// Links that are checked for collisions with each other, and the resolution of their polyhedra.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SelfCollision {
-    /// Links that are watched; `None`: all that have collision shapes.
+    /// Checked links; `None`: all that have collision shapes.
     pub bodies: Option<Vec<LinkId>>,
-    /// Pairs that are not watched.
+    /// Pairs that are not checked.
     pub ignore: Vec<[LinkId; 2]>,
-    /// Pairs that are watched in any case.
+    /// Pairs that are always checked.
     pub watch: Vec<[LinkId; 2]>,
     /// Corners of the polygon around a circle.
     pub resolution: usize,
@@ -32,7 +32,7 @@ impl Default for SelfCollision {
     }
 }
 
-/// Reads `[self_collision]`. A link that is welded to another one stands for that one.
+/// Reads `[self_collision]`. A link that is welded to another is a part of that one.
 pub(super) fn read(file: &RobotFile, source: &Source, model: &Model) -> Result<SelfCollision, RobotError> {
     let mut settings = SelfCollision::default();
     let Some(entry) = &file.self_collision else { return Ok(settings) };
@@ -41,8 +41,8 @@ pub(super) fn read(file: &RobotFile, source: &Source, model: &Model) -> Result<S
     let listed = |name: &Spanned<String>| {
         let id = link(name)?;
         if model.links[id.0].collisions.is_empty() {
-            let words = format!("link `{}` has no collision shapes", name.get_ref());
-            let fault = FileError::new(source, name.span(), words).element("self_collision.bodies");
+            let message = format!("link `{}` has no collision shapes", name.get_ref());
+            let fault = FileError::new(source, name.span(), message).element("self_collision.bodies");
             return Err(fault.expected("a link with a <collision>").invalid());
         }
         Ok(id)
@@ -50,8 +50,8 @@ pub(super) fn read(file: &RobotFile, source: &Source, model: &Model) -> Result<S
     let pair = |names: &[Spanned<String>; 2]| {
         let pair = [link(&names[0])?, link(&names[1])?];
         if pair[0] == pair[1] {
-            let words = format!("`{}` and `{}` are one body", names[0].get_ref(), names[1].get_ref());
-            let fault = FileError::new(source, names[1].span(), words).element("self_collision");
+            let message = format!("`{}` and `{}` are one body", names[0].get_ref(), names[1].get_ref());
+            let fault = FileError::new(source, names[1].span(), message).element("self_collision");
             return Err(fault.expected("two links that move against each other").invalid());
         }
         Ok(pair)
@@ -64,8 +64,8 @@ pub(super) fn read(file: &RobotFile, source: &Source, model: &Model) -> Result<S
     if let Some(resolution) = &entry.resolution {
         if !RESOLUTION.contains(resolution.get_ref()) {
             let fault = FileError::new(source, resolution.span(), "self_collision.resolution cannot be used");
-            let wanted = format!("{} to {}", RESOLUTION.start(), RESOLUTION.end());
-            return Err(fault.element("self_collision").found(resolution.get_ref()).expected(wanted).invalid());
+            let expected = format!("{} to {}", RESOLUTION.start(), RESOLUTION.end());
+            return Err(fault.element("self_collision").found(resolution.get_ref()).expected(expected).invalid());
         }
         settings.resolution = *resolution.get_ref() as usize;
     }

@@ -1,5 +1,5 @@
-//! Soles of a robot that names none: the lowest faces of its leaf links at the home posture, by their collision shapes, or
-//! by what is seen of a link that has none.
+//! Detects the soles of a robot that names none: the lowest faces of its leaf links at the home posture, by their collision
+//! shapes, or by the visual shapes of a link without collision shapes.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -11,32 +11,32 @@ use crate::geometry::outline;
 use crate::geometry::spatial_hull::{convex_hull_3d, outermost, spread};
 use crate::text::source::Source;
 
-/// A leaf whose lowest point is within this fraction of the robot's height above the lowest one stands on it; round
-/// shapes of one link within it stand together.
+/// A leaf whose lowest point is within this fraction of the robot's height above the lowest one has a sole. Round shapes of
+/// one link within it form one sole.
 const STANDING: f64 = 0.02;
-/// A foot that is smaller than this fraction of the robot's height all round is a point; one that is narrower, a line.
+/// A foot smaller than this fraction of the robot's height in all directions is a point.
 const POINT: f64 = 0.03;
-/// As [`POINT`], for the width of a line.
+/// A foot narrower than this fraction of the robot's height is a line.
 const LINE: f64 = 0.01;
-/// A face tilted further than this from level at home (cosine) is not stood upon.
+/// A face tilted further than this from level at home (cosine) is no sole.
 const LEVEL: f64 = 0.87;
 /// Facets whose normals agree to this (cosine; about 1 degree) are one face.
 const SAME_FACE: f64 = 0.99985;
-/// The hull of more points than this, which takes a time that grows as their square, is that of the outermost of them.
+/// Of more points than this only the outermost enter the hull, whose cost grows as the square of their number.
 const MOST_POINTS: usize = 10_000;
-/// Directions, over the whole sphere, along which the outermost are looked for: 1.9 degrees apart, so that facets between
-/// them are not one face.
+/// Directions over the sphere along which outermost points are searched: 1.9 degrees apart, more than the angle within one
+/// face.
 const DIRECTIONS: usize = 12_000;
-/// Corners of the prism that stands for a round sole.
+/// Corners of the prism that replaces a round sole.
 const ROUND: usize = 8;
-/// More vertices than this make contact patterns too many.
+/// Most vertices of a sole: more have too many contact patterns.
 const MOST_VERTICES: usize = 8;
 
-/// Adds the soles found to the model and tells each one as a notice.
+/// Adds the detected soles to the model, each with a notice.
 pub(super) fn find_soles(model: &mut Model, source: &Source, notices: &mut Notices) {
     let at = source.text().find("<robot").unwrap_or(0);
     if model.base == Base::Fixed {
-        notices.info(source, at, "no soles: none are given, and a fixed base does not stand on any");
+        notices.info(source, at, "no soles: none are given, and a fixed base needs none");
         return;
     }
     let poses = link_poses(model, &model.home);
@@ -57,7 +57,7 @@ pub(super) fn find_soles(model: &mut Model, source: &Source, notices: &mut Notic
         let back = link.urdf_frame.inverse();
         let listed: Vec<String> = vertices.iter().map(|v| triple(&(back * Point3::from(*v)).coords)).collect();
         let by = if link.collisions.is_empty() { ", by its visual shapes" } else { "" };
-        // Less than a hundredth of a millimetre is how meshes are written.
+        // Moves below a hundredth of a millimetre are rounding of mesh files.
         let moved = match flattened {
             d if d > 1e-5 => format!(" (vertices moved by up to {:.2} mm onto one plane)", 1e3 * d),
             _ => String::new(),
@@ -67,8 +67,8 @@ pub(super) fn find_soles(model: &mut Model, source: &Source, notices: &mut Notic
         found.push(Sole { name, link: LinkId(i), vertices });
     }
     if found.is_empty() {
-        let words = "no soles: none are given, and no leaf link has a shape at the robot's lowest height";
-        notices.warning(source, at, words);
+        let message = "no soles: none are given, and no leaf link has a shape at the robot's lowest height";
+        notices.warning(source, at, message);
     }
     model.soles = found;
 }
@@ -77,7 +77,7 @@ fn least(numbers: impl IntoIterator<Item = f64>) -> f64 {
     numbers.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// What a link stands on.
+/// The shapes that can form a link's sole.
 fn shapes_of(link: &Link) -> &[Shape] {
     if link.collisions.is_empty() { &link.visuals } else { &link.collisions }
 }
@@ -104,8 +104,8 @@ fn foot(shapes: &[Shape], pose: &Isometry3<f64>, height: f64) -> Foot {
     };
     let is_rolling = is_round(first, pose);
     let reach = lowest(first) + STANDING * height;
-    let stands = |s: &&Shape| is_round(s, pose) == is_rolling && (!is_rolling || lowest(s) <= reach);
-    let points: Vec<Vector3<f64>> = shapes.iter().filter(stands).flat_map(|s| extreme_points(s, pose)).collect();
+    let is_part = |s: &&Shape| is_round(s, pose) == is_rolling && (!is_rolling || lowest(s) <= reach);
+    let points: Vec<Vector3<f64>> = shapes.iter().filter(is_part).flat_map(|s| extreme_points(s, pose)).collect();
     let face = if is_rolling { Some((points.clone(), up)) } else { down_face(&points, &-up).map(|(f, n)| (f, -n)) };
     let low = least(points.iter().map(level));
     let bottom = || -> Vec<Vector3<f64>> {
@@ -115,7 +115,7 @@ fn foot(shapes: &[Shape], pose: &Isometry3<f64>, height: f64) -> Foot {
     let (vertices, normal) = face.unwrap_or_else(|| (bottom(), up));
     let mut outline = outline::convex_outline(&vertices, &up);
     let (length, ends) = outline::longest(&outline);
-    // Primitives are what they are; a mesh's smallest facets stand for something round.
+    // Primitives are exact; the smallest facets of a mesh approximate a round surface.
     let is_mesh = matches!(first.geometry, Geometry::Mesh(..));
     if is_mesh && length < POINT * height {
         let centre = outline.iter().sum::<Vector3<f64>>() / outline.len() as f64;
@@ -145,7 +145,7 @@ fn flatten(points: &mut [Vector3<f64>], normal: &Vector3<f64>) -> f64 {
     furthest
 }
 
-/// Rolls rather than stands: a sphere, a capsule, a cylinder lying down.
+/// True for shapes that roll: a sphere, a capsule, a horizontal cylinder.
 fn is_round(shape: &Shape, pose: &Isometry3<f64>) -> bool {
     match shape.geometry {
         Geometry::Sphere(_) | Geometry::Capsule(..) => true,
@@ -181,8 +181,8 @@ fn extreme_points(shape: &Shape, pose: &Isometry3<f64>) -> Vec<Vector3<f64>> {
     local.into_iter().map(|p| (shape.pose * Point3::from(p)).coords).collect()
 }
 
-/// Vertices and outward normal of the largest face of the convex hull that looks along `down` well enough; none when no
-/// face does.
+/// Vertices and outward normal of the largest face of the convex hull whose normal is close enough to `down`; none without
+/// such a face.
 fn down_face(points: &[Vector3<f64>], down: &Vector3<f64>) -> Option<(Vec<Vector3<f64>>, Vector3<f64>)> {
     if let Some(normal) = common_normal(points, down) {
         return (normal.dot(down) >= LEVEL).then(|| (points.to_vec(), normal));
@@ -200,7 +200,7 @@ fn down_face(points: &[Vector3<f64>], down: &Vector3<f64>) -> Option<(Vec<Vector
         .filter_map(|t| Some((*t, area(t), unit(area(t))?)))
         .filter(|(_, _, normal)| normal.dot(down) >= LEVEL)
         .collect();
-    // A convex body has one face per normal, so facets of like slope lie together.
+    // A convex body has one face per normal, so facets of equal normal are one face.
     let size_about = |n: &Vector3<f64>| -> f64 {
         facing.iter().filter(|(_, _, normal)| normal.dot(n) > SAME_FACE).map(|(_, area, _)| area.norm()).sum()
     };
@@ -217,9 +217,9 @@ fn down_face(points: &[Vector3<f64>], down: &Vector3<f64>) -> Option<(Vec<Vector
     Some((same().flat_map(|(t, _, _)| t.map(|i| hull[i as usize].coords)).collect(), normal))
 }
 
-/// Directions in which a face that is stood upon may look, and some all round, so that there is a body above it.
+/// Directions of possible sole normals, and some over the whole sphere, so that the hull has volume.
 fn below(down: &Vector3<f64>) -> Vec<Vector3<f64>> {
-    // Facets look between the directions of their corners.
+    // The normal of a facet is between the directions of its corners.
     let near = |d: &Vector3<f64>| d.dot(down) >= LEVEL - 0.02;
     let dense = spread(DIRECTIONS).into_iter().filter(near);
     dense.chain(spread(mesh_simplification::DIRECTIONS)).collect()

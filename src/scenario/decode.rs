@@ -1,7 +1,7 @@
-//! From a [`Node`] to a typed value: a serde deserializer whose errors know their place and their path.
+//! Deserializes a [`Node`] to a typed value, with the span and the path of each error.
 //!
-//! serde's own errors carry text only. This one keeps the span of the key or value, the dotted path that leads there
-//! and a help line apart, and words messages so that they read after the path: "`floor.friction` must be ...".
+//! serde's errors carry text only. [`DecodeError`] also has the span of the key or value, its dotted path and a help line.
+//! Its messages follow the path: "`floor.friction` must be ...".
 
 use std::fmt;
 
@@ -18,19 +18,19 @@ use crate::text::source::Span;
 use crate::text::suggest;
 use crate::text::toml_tree::{Entry, Node, Value};
 
-/// Why a value could not be read.
+/// Why a value cannot be read.
 #[derive(Debug)]
 pub struct DecodeError {
     span: Option<Span>,
     path: Vec<String>,
     what: String,
     help: Option<String>,
-    /// The message names its own subject and needs no path in front.
+    /// The message names its own subject and needs no path before it.
     whole: bool,
 }
 
 impl DecodeError {
-    /// Shown at `span` unless a nearer place is known.
+    /// The error with `span`, unless it has one already.
     pub fn at(mut self, span: &Span) -> Self {
         self.span.get_or_insert_with(|| span.clone());
         self
@@ -45,7 +45,7 @@ impl DecodeError {
         DecodeError { span: None, path: Vec::new(), what: what.into(), help, whole: false }
     }
 
-    /// Report it, as a part of what stands at `prefix`.
+    /// Reports the error; its path is relative to `prefix`.
     pub fn report(mut self, prefix: &str, findings: &mut Findings) {
         for segment in prefix.rsplit('.') {
             self = self.below(segment);
@@ -81,29 +81,29 @@ impl de::Error for DecodeError {
         }
     }
 
-    fn invalid_type(found: Unexpected<'_>, wanted: &dyn Expected) -> Self {
-        let wanted = plain(wanted);
+    fn invalid_type(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        let expected = toml_name(expected);
         let help = match found {
-            // `1.0` is whole, and its reader may not see what is wrong with it.
-            Unexpected::Float(x) if wanted.starts_with(WHOLE) && x.fract() == 0.0 && x.abs() < 1e15 => {
+            // `1.0` is a whole number but has the wrong type.
+            Unexpected::Float(x) if expected.starts_with(WHOLE) && x.fract() == 0.0 && x.abs() < 1e15 => {
                 Some(format!("write it without a decimal point: {x}"))
             }
             _ => None,
         };
-        Self::predicate(format!("must be {wanted}, not {}", found_in_words(&found)), help)
+        Self::predicate(format!("must be {expected}, not {}", describe(&found)), help)
     }
 
-    fn invalid_value(found: Unexpected<'_>, wanted: &dyn Expected) -> Self {
-        match (greatest(wanted), found) {
+    fn invalid_value(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        match (greatest(expected), found) {
             (Some(most), Unexpected::Signed(seen)) if seen > most => {
                 Self::predicate(format!("must be at most {most}, not {seen}"), None)
             }
-            (_, found) => Self::invalid_type(found, wanted),
+            (_, found) => Self::invalid_type(found, expected),
         }
     }
 
-    fn invalid_length(length: usize, wanted: &dyn Expected) -> Self {
-        Self::predicate(format!("must be {}, not of length {length}", plain(wanted)), None)
+    fn invalid_length(length: usize, expected: &dyn Expected) -> Self {
+        Self::predicate(format!("must be {}, not of length {length}", toml_name(expected)), None)
     }
 
     fn unknown_variant(found: &str, known: &'static [&'static str]) -> Self {
@@ -125,12 +125,12 @@ impl de::Error for DecodeError {
     }
 }
 
-/// How [`plain`] begins to name whole numbers.
+/// How [`toml_name`] begins to name whole numbers.
 const WHOLE: &str = "a whole number";
 
 /// The greatest number of a type, by serde's name for it, where TOML has greater ones.
-fn greatest(wanted: &dyn Expected) -> Option<i64> {
-    match wanted.to_string().as_str() {
+fn greatest(expected: &dyn Expected) -> Option<i64> {
+    match expected.to_string().as_str() {
         "u8" => Some(u8::MAX.into()),
         "u32" => Some(u32::MAX.into()),
         "i32" => Some(i32::MAX.into()),
@@ -139,8 +139,8 @@ fn greatest(wanted: &dyn Expected) -> Option<i64> {
 }
 
 /// serde names Rust types; a user knows TOML's.
-fn plain(wanted: &dyn Expected) -> String {
-    let text = wanted.to_string();
+fn toml_name(expected: &dyn Expected) -> String {
+    let text = expected.to_string();
     match text.as_str() {
         "f64" => "a number".into(),
         "u64" | "u32" | "u8" | "usize" => format!("{WHOLE} that is not negative"),
@@ -152,7 +152,7 @@ fn plain(wanted: &dyn Expected) -> String {
     }
 }
 
-fn found_in_words(found: &Unexpected<'_>) -> String {
+fn describe(found: &Unexpected<'_>) -> String {
     match found {
         // As it is written: a whole one keeps its point.
         Unexpected::Float(x) => format!("the number {x:?}"),
@@ -177,7 +177,7 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
         match &self.0.value {
             Value::String(text) => visitor.visit_borrowed_str(text),
             Value::Datetime(time) => {
-                // serde has no dates; what is wanted must be asked before the visitor is used up.
+                // serde has no dates. The error is created first, since reading consumes the visitor.
                 let seen = format!("the date or time {time}");
                 let refused = de::Error::invalid_type(Unexpected::Other(&seen), &visitor);
                 visitor.visit_borrowed_str(time).map_err(|_: DecodeError| refused)
@@ -192,9 +192,9 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
                     if access.next == items.len() {
                         return Ok(value);
                     }
-                    let (has, wanted) = (items.len(), access.next);
+                    let (has, expected) = (items.len(), access.next);
                     Err(DecodeError::predicate(
-                        format!("must be an array of length {wanted}, not of length {has}"),
+                        format!("must be an array of length {expected}, not of length {has}"),
                         None,
                     ))
                 })
@@ -218,7 +218,7 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, DecodeError> {
-        // serde would read a struct from an array by position; a reader of the file could not tell what is what.
+        // serde would read a struct from an array by position, which is unclear to a reader of the file.
         match self.0.value {
             Value::Array(_) => Err(DecodeError::predicate("must be a table, not an array", None).at(&self.0.span)),
             _ => self.deserialize_any(visitor),

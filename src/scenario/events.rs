@@ -1,7 +1,7 @@
-//! What a run's scenario is after each of its events.
+//! The scenario of a run after each of its events.
 //!
-//! The values of `[[event]]` are put into the scenario one event after the other and the whole is read again, so that
-//! whatever is wrong with them is found before anything runs, and shown where the event says it.
+//! The values of `[[event]]` are set in the scenario one event after the other, and the scenario is read again each time.
+//! So all errors are found before the run starts and are shown at the event.
 
 use super::run::Run;
 use super::scenario::{self, Scenario};
@@ -10,7 +10,7 @@ use crate::scenario::key_path::KeyPath;
 use crate::text::source::{Sources, Span};
 use crate::text::toml_tree::{Entry, Node};
 
-/// What may change while a run goes on, for people.
+/// Help: the keys that an event may set.
 const CHANGEABLE: &str = "an event may set \"floor.friction\", \"floor.patches\", \"gravity\", \"contact.restitution\", \
                           \"robot.payload\", \"robot.joint.NAME.kp\" (or kd, effort, velocity, friction, armature), \
                           \"robot.joint_default.kp\" (or kd), \"force.N.KEY\"";
@@ -18,26 +18,25 @@ const CHANGEABLE: &str = "an event may set \"floor.friction\", \"floor.patches\"
 /// One event of a run.
 #[derive(Clone, Debug)]
 pub struct Event {
-    /// Its place among the entries of the file.
+    /// Index among the entries of the file.
     pub index: usize,
-    /// When, s.
+    /// Time, s.
     pub at: f64,
-    /// Dotted paths of what it sets.
+    /// Dotted paths of the values it sets.
     pub set: Vec<String>,
-    /// The same with the new values, for people.
-    pub words: String,
+    /// The same with the new values, for messages.
+    pub assignments: String,
     /// The run with the values of this event and those before it.
     pub after: Box<Run>,
-    /// Numbers of the tasks that it ends.
+    /// Indices of the tasks it ends.
     pub end_tasks: Vec<usize>,
     /// Name under which the state is saved.
     pub save: Option<String>,
-    /// Name of the state to be restored.
+    /// Name of the state it restores.
     pub restore: Option<String>,
 }
 
-/// The events of a run in the order in which they happen; none when something in them is wrong, which then is among the
-/// findings.
+/// The events of a run in order of time; none with an error, which goes to `findings`.
 pub(super) fn of(run: &Run, sources: &Sources, findings: &mut Findings) -> Option<Vec<Event>> {
     let mut order: Vec<usize> = (0..run.scenario.event.len()).collect();
     order.sort_by(|&a, &b| run.scenario.event[a].at.total_cmp(&run.scenario.event[b].at));
@@ -52,7 +51,7 @@ pub(super) fn of(run: &Run, sources: &Sources, findings: &mut Findings) -> Optio
         for entry in &entries {
             match put(entry, &paths, &mut root, sources) {
                 Ok(path) => {
-                    after.origin.put(&path, &entry.node);
+                    after.origin.add(&path, &entry.node);
                     paths.push(path);
                 }
                 Err((span, message, help)) => findings.error(span, message, help),
@@ -67,12 +66,12 @@ pub(super) fn of(run: &Run, sources: &Sources, findings: &mut Findings) -> Optio
             return None;
         };
         after.scenario = Scenario { seed: run.scenario.seed, ..scenario };
-        let words = |e: &Entry| format!("{} = {}", e.key, e.node.to_toml());
+        let assignment = |e: &Entry| format!("{} = {}", e.key, e.node.to_toml());
         events.push(Event {
             index,
             at: spec.at,
             set: paths.iter().map(dotted).collect(),
-            words: entries.iter().map(words).collect::<Vec<_>>().join(", "),
+            assignments: entries.iter().map(assignment).collect::<Vec<_>>().join(", "),
             after: Box::new(after.clone()),
             end_tasks: spec.end_tasks.clone(),
             save: spec.save.clone(),
@@ -86,11 +85,11 @@ fn dotted(path: &KeyPath) -> String {
     path.segments.iter().map(|s| s.0.as_str()).collect::<Vec<_>>().join(".")
 }
 
-/// Place, message and help.
-type Complaint = (Span, String, Option<String>);
+/// Span, message and help of an error.
+type EventError = (Span, String, Option<String>);
 
-/// Puts one value of an event into the scenario.
-fn put(entry: &Entry, earlier: &[KeyPath], root: &mut Node, sources: &Sources) -> Result<KeyPath, Complaint> {
+/// Sets one value of an event in the scenario.
+fn put(entry: &Entry, earlier: &[KeyPath], root: &mut Node, sources: &Sources) -> Result<KeyPath, EventError> {
     let path = KeyPath::parse(&entry.key, &entry.key_span, sources).map_err(|e| (e.span, e.message, None))?;
     let segments: Vec<&str> = path.segments.iter().map(|s| s.0.as_str()).collect();
     let refuse = |message: String, help: &str| Err((entry.key_span.clone(), message, Some(help.to_owned())));
@@ -99,10 +98,10 @@ fn put(entry: &Entry, earlier: &[KeyPath], root: &mut Node, sources: &Sources) -
             let help = format!("a path is written as one key in quotes: \"{}.{}\" = ...", entry.key, inner.key);
             return refuse(format!("`{}` cannot be set as a whole by an event", entry.key), &help);
         }
-        return refuse(format!("`{}` cannot change while a run goes on", entry.key), CHANGEABLE);
+        return refuse(format!("`{}` cannot change during a run", entry.key), CHANGEABLE);
     }
     if earlier.iter().any(|other| other.overlaps(&path)) {
-        return refuse(format!("`{}` sets what another key of the event sets", entry.key), "give it once");
+        return refuse(format!("`{}` overlaps another key of the event", entry.key), "give it once");
     }
     let whole = whole(&path);
     let help = whole.as_ref().map(|whole| format!("set the whole: \"{0}\" = ...", dotted(whole)));
@@ -114,7 +113,7 @@ fn put(entry: &Entry, earlier: &[KeyPath], root: &mut Node, sources: &Sources) -
     Ok(path)
 }
 
-/// The value that a path leads into, of which the file may have another form or none.
+/// The whole value of which the path sets a part, where the file may have another form of it or none.
 fn whole(path: &KeyPath) -> Option<KeyPath> {
     let names: Vec<&str> = path.segments.iter().map(|s| s.0.as_str()).collect();
     let length = match names[..] {
@@ -126,7 +125,7 @@ fn whole(path: &KeyPath) -> Option<KeyPath> {
     Some(path.first(length))
 }
 
-/// Is what this path leads to free to change while a run goes on.
+/// True when an event may set this path.
 fn may_change(path: &[&str]) -> bool {
     match path {
         ["gravity", ..] | ["floor", "friction" | "patches", ..] | ["contact", "restitution"] => true,

@@ -1,4 +1,4 @@
-//! The runs of a file, made one at a time: a sweep of millions is never in memory.
+//! Expands a scenario file to its runs, one at a time: a sweep of millions is never in memory.
 
 use std::{
     ops::Range,
@@ -22,24 +22,24 @@ use crate::text::toml_tree::Node;
 /// Errors after which an expansion gives up.
 const MAX_ERRORS: usize = 50;
 
-/// Repetitions that are made from one reading of their values.
+/// Repetitions that share one pass over their values.
 const AT_ONCE: u32 = 64;
 
-/// A file with its overrides and its sweep, from which each run can be made by its number.
+/// A file with its overrides and its sweep; creates each run by its number.
 pub struct Expansion {
     file: ScenarioFile,
     sources: Sources,
     base: Arc<Node>,
     grid: Grid,
-    /// Files that were read stay as they were read.
+    /// Files read so far; their bytes do not change between runs.
     files: Mutex<Files>,
 }
 
 impl ScenarioFile {
-    /// Reads overrides and sweep; the runs are judged by [`Expansion::check`].
+    /// Reads overrides and sweep; the runs are checked by [`Expansion::check`].
     ///
     /// # Errors
-    /// What is wrong with the overrides or with the sweep as such; more than `max_runs` runs.
+    /// Errors in the overrides or in the sweep itself; more than `max_runs` runs.
     pub fn expansion(&self, overrides: &[(String, toml::Value)], max_runs: usize) -> Result<Expansion, Diagnostics> {
         let mut sources = self.sources.clone();
         let mut findings = Findings::default();
@@ -50,7 +50,7 @@ impl ScenarioFile {
         }
         let grid = Grid::read(&base, &fixed, &sources, max_runs, &mut findings);
         if findings.has_errors() {
-            // Mistakes outside the sweep are told together with those in it.
+            // Errors outside the sweep are reported together with those in it.
             findings.append(scenario::read(&base).1);
             return Err(findings.into_diagnostics(&sources));
         }
@@ -70,14 +70,14 @@ impl Expansion {
         self.grid.runs()
     }
 
-    /// Makes every run once, in order, and gives it away; a warning that several runs share stands with the first of them.
-    /// Returns what there is to warn of in the file as a whole.
+    /// Creates each run in order and passes it to `consume`. A warning that several runs share is reported with the first of
+    /// them. Returns the warnings about the file as a whole.
     ///
     /// # Errors
-    /// Everything found wrong with any of the runs.
-    pub fn check(&self, give: &mut dyn FnMut(Run)) -> Result<Diagnostics, Diagnostics> {
+    /// The errors of all runs.
+    pub fn check(&self, consume: &mut dyn FnMut(Run)) -> Result<Diagnostics, Diagnostics> {
         let mut findings = Findings::default();
-        let mut idle = Idle::default();
+        let mut unused = UnusedParameters::default();
         let repeat = self.grid.repeat;
         let parts = |cell| (0..repeat).step_by(AT_ONCE as usize).map(move |at| (cell, at..repeat.min(at + AT_ONCE)));
         for (cell, repetitions) in (0..self.grid.cells()).flat_map(parts) {
@@ -86,14 +86,14 @@ impl Expansion {
                 break;
             }
             for run in made.unwrap_or_default() {
-                idle.look(&run);
-                give(run);
+                unused.check(&run);
+                consume(run);
             }
         }
-        if findings.has_errors() { Err(findings.into_diagnostics(&self.sources)) } else { Ok(idle.warnings()) }
+        if findings.has_errors() { Err(findings.into_diagnostics(&self.sources)) } else { Ok(unused.warnings()) }
     }
 
-    /// One run by its number, from 0; none when there is no such run, or something in it is wrong.
+    /// One run by its number, from 0; none when there is no such run or it has an error.
     pub fn run(&self, number: usize) -> Option<Run> {
         let repeat = self.grid.repeat.max(1);
         let repetition = (number % repeat as usize) as u32;
@@ -101,7 +101,7 @@ impl Expansion {
         runs?.pop().filter(|_| number < self.runs())
     }
 
-    /// Some repetitions of a combination of values; none when something in them is wrong, which then is among the findings.
+    /// Some repetitions of a combination of values; none with an error, which goes to `findings`.
     fn cell(&self, number: usize, repetitions: Range<u32>, findings: &mut Findings) -> Option<Vec<Run>> {
         let (sources, cell) = (&self.sources, self.grid.cell(number));
         let swept = cell.values();
@@ -114,7 +114,7 @@ impl Expansion {
         }
         let (scenario, read) = scenario::read(&root);
         found.append(read);
-        found.explain(|span| other_place(span, &swept, &self.base, sources));
+        found.explain(|span| replaced_position(span, &swept, &self.base, sources));
         let mut warnings = findings.append(found).into_diagnostics(sources);
         let mut reference = Reference::read(&root, sources, findings);
         let of_reference = reference.as_mut().map(|r| std::mem::take(&mut r.warnings)).unwrap_or_default();
@@ -125,7 +125,7 @@ impl Expansion {
             let mut of = |scenario: &Scenario| files.of(scenario, &self.file.path, &root, findings);
             (of(&scenario), reference.as_ref().map(|r| of(&r.scenario)).unwrap_or_default())
         };
-        let made = Made { expansion: self, root: &root, swept: &swept };
+        let parts = CellParts { expansion: self, root: &root, swept: &swept };
         let mut runs = Vec::new();
         for repetition in repetitions {
             let index = number * self.grid.repeat as usize + repetition as usize;
@@ -135,12 +135,12 @@ impl Expansion {
                 Some(reference) => {
                     let by = if reference.fixes_seed() { 0 } else { repetition };
                     let scenario = seeded(&reference.scenario, by);
-                    let (run, _) = made.run(index, scenario, &of_reference, &reference.values, findings)?;
+                    let (run, _) = parts.run(index, scenario, &of_reference, &reference.values, findings)?;
                     Some(Box::new(run))
                 }
                 None => None,
             };
-            let (run, table) = made.run(index, seeded(&scenario, repetition), &inputs, &[], findings)?;
+            let (run, table) = parts.run(index, seeded(&scenario, repetition), &inputs, &[], findings)?;
             let (parameters, warnings) = (Cell::parameters(&cell, &root, &table), std::mem::take(&mut warnings));
             runs.push(Run { parameters, warnings, reference, ..run });
         }
@@ -148,14 +148,14 @@ impl Expansion {
     }
 }
 
-/// What all runs of a cell are made of.
-struct Made<'a> {
+/// What all runs of a cell share.
+struct CellParts<'a> {
     expansion: &'a Expansion,
     root: &'a Node,
     swept: &'a [(KeyPath, Node)],
 }
 
-impl Made<'_> {
+impl CellParts<'_> {
     fn run(
         &self,
         index: usize,
@@ -182,10 +182,10 @@ impl Made<'_> {
                         sources: sources.clone(),
                         base: base.clone(),
                         swept: self.swept.iter().chain(values).cloned().collect(),
-                        told: Arc::default(),
+                        reported: Arc::default(),
                     },
                 };
-                // What is wrong with them stands among the findings, and no run is made.
+                // Their errors go to the findings, and the run is dropped.
                 run.events = events::of(&run, sources, findings).unwrap_or_default();
                 Some((run, table))
             }
@@ -197,16 +197,16 @@ impl Made<'_> {
     }
 }
 
-/// Parameters that are given to a contact method that no run of the file uses.
+/// Finds parameters of contact methods that no run of the file uses.
 #[derive(Default)]
-struct Idle {
+struct UnusedParameters {
     used: Vec<ContactMethod>,
-    /// The warning, as it is with the first run that gives them.
-    told: Vec<(ContactMethod, Diagnostic)>,
+    /// The warning about the first run that has them.
+    found: Vec<(ContactMethod, Diagnostic)>,
 }
 
-impl Idle {
-    fn look(&mut self, run: &Run) {
+impl UnusedParameters {
+    fn check(&mut self, run: &Run) {
         let contact = &run.scenario.contact;
         if !self.used.contains(&contact.method) {
             self.used.push(contact.method);
@@ -217,26 +217,26 @@ impl Idle {
             (ContactMethod::Ncp, contact.ncp != NcpSpec::default()),
         ];
         for (method, _) in given.into_iter().filter(|(_, given)| *given) {
-            if self.told.iter().any(|(known, _)| *known == method) {
+            if self.found.iter().any(|(known, _)| *known == method) {
                 continue;
             }
             let name = method.name();
             let message = format!("`contact.{name}` has no effect: `contact.method` is \"{}\"", contact.method.name());
             let warning = run.diagnose(&format!("contact.{name}"), Severity::Warning, true, message, None);
-            self.told.push((method, warning));
+            self.found.push((method, warning));
         }
     }
 
     fn warnings(mut self) -> Diagnostics {
-        self.told.retain(|(method, _)| !self.used.contains(method));
-        let place = |m: &ContactMethod| [ContactMethod::Penalty, ContactMethod::Lcp].iter().position(|x| x == m);
-        self.told.sort_by_key(|(method, _)| place(method).unwrap_or(usize::MAX));
-        Diagnostics(self.told.into_iter().map(|(_, warning)| warning).collect())
+        self.found.retain(|(method, _)| !self.used.contains(method));
+        let order = |m: &ContactMethod| [ContactMethod::Penalty, ContactMethod::Lcp].iter().position(|x| x == m);
+        self.found.sort_by_key(|(method, _)| order(method).unwrap_or(usize::MAX));
+        Diagnostics(self.found.into_iter().map(|(_, warning)| warning).collect())
     }
 }
 
-/// What stands in the file where a swept value that is wrong was put: the other half of the mistake.
-fn other_place(span: &Span, swept: &[(KeyPath, Node)], base: &Node, sources: &Sources) -> Option<String> {
+/// For an error in a swept value: the position in the file that the value replaces.
+fn replaced_position(span: &Span, swept: &[(KeyPath, Node)], base: &Node, sources: &Sources) -> Option<String> {
     let within = |outer: &Span| outer.start <= span.start && span.end <= outer.end;
     let (path, _) =
         swept.iter().find(|(path, value)| within(&value.span) || path.segments.iter().any(|s| within(&s.1)))?;
@@ -246,10 +246,10 @@ fn other_place(span: &Span, swept: &[(KeyPath, Node)], base: &Node, sources: &So
         return Some(format!("the file itself has no `{}`", name(1)));
     };
     let (key, value) = path.first(count).locate(base);
-    let place = Diagnostic::error(sources, &key, "", None).location();
-    // An overridden key is shown where it was overridden, and that is all there is to say.
-    let one_place = within(&value);
-    (!one_place).then(|| format!("`{}` is at {place}", name(count)))
+    let location = Diagnostic::error(sources, &key, "", None).location();
+    // The error of an overridden key already shows its only position.
+    let is_same = within(&value);
+    (!is_same).then(|| format!("`{}` is at {location}", name(count)))
 }
 
 /// Why a scenario cannot be written as TOML.

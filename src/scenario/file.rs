@@ -1,4 +1,4 @@
-//! A scenario file: reading it, and what belongs to the file rather than to a run.
+//! Scenario files: reading, and what belongs to the file rather than to a run.
 
 use std::{
     path::{Path, PathBuf},
@@ -12,7 +12,7 @@ use crate::text::diagnostic::{Diagnostic, Diagnostics};
 use crate::text::source::Sources;
 use crate::text::toml_tree::Node;
 
-/// A scenario file whose TOML is sound. Its values are judged by [`ScenarioFile::expand`], since overrides and sweeps
+/// A scenario file with valid TOML. Its values are checked by [`ScenarioFile::expand`], since overrides and sweeps
 /// may change any of them.
 #[derive(Clone, Debug)]
 pub struct ScenarioFile {
@@ -24,11 +24,11 @@ pub struct ScenarioFile {
     pub(super) root: Arc<Node>,
 }
 
-/// Read a scenario file.
+/// Reads a scenario file.
 ///
 /// # Errors
 /// The file cannot be read, is not UTF-8 or not TOML, holds a number that is not finite, or is of another format
-/// version; as many of these as can be told at once.
+/// version. All errors that can be found are reported.
 pub fn load(path: &Path) -> Result<ScenarioFile, Diagnostics> {
     let name = path.display().to_string();
     check_name(path)?;
@@ -43,7 +43,7 @@ pub fn load(path: &Path) -> Result<ScenarioFile, Diagnostics> {
     parse(path, text)
 }
 
-/// The same for a text that is already at hand; `path` is what diagnostics call it and what relative paths start from.
+/// Parses a scenario from a text. Diagnostics name `path`, and relative paths start from its folder.
 ///
 /// # Errors
 /// See [`load`].
@@ -64,7 +64,7 @@ pub fn parse(path: &Path, text: impl Into<String>) -> Result<ScenarioFile, Diagn
     Ok(ScenarioFile { path: path.to_owned(), text, sources, root: Arc::new(root) })
 }
 
-/// The name of a scenario is that of its folder of results.
+/// Refuses names that cannot name a folder of results.
 fn check_name(path: &Path) -> Result<(), Diagnostics> {
     match path.file_stem() {
         Some(stem) if stem == "." || stem == ".." => {
@@ -90,7 +90,7 @@ impl ScenarioFile {
         }
     }
 
-    /// Where a path written in this file leads: relative ones start at the file's folder.
+    /// Resolves a path written in this file, relative to the file's folder.
     pub fn resolve(&self, written: impl AsRef<Path>) -> PathBuf {
         resolve(&self.path, written.as_ref())
     }

@@ -1,5 +1,6 @@
-//! Files that a scenario names beside its robot, such as motions and scripts: read when it is expanded, so that a run's key, its
-//! records and what is simulated rest on the same bytes.
+//! Files that a scenario names, such as motions and scripts.
+//!
+//! They are read when the scenario is expanded, so that a run's key, its records and its simulation use the same bytes.
 
 use std::{
     collections::HashMap,
@@ -14,14 +15,14 @@ use crate::scenario::findings::Findings;
 use crate::scenario::key_path::KeyPath;
 use crate::text::toml_tree::Node;
 
-/// One such file.
+/// A file that a scenario names.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Input {
     /// Dotted path of the value that names it, such as `task.0.file`.
     pub key: String,
-    /// Where it was found.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What it held.
+    /// Its bytes.
     pub bytes: Arc<[u8]>,
 }
 
@@ -32,14 +33,14 @@ impl Input {
     }
 }
 
-/// The files read so far; a file that many runs name is read once.
+/// The files read so far, each read once.
 #[derive(Default)]
 pub(super) struct Files {
     read: HashMap<PathBuf, Result<Arc<[u8]>, String>>,
 }
 
 impl Files {
-    /// The files of one run of the scenario file `file`; what cannot be read is told where `root` names it.
+    /// The files of one run of the scenario file `file`. A file that cannot be read is an error where `root` names it.
     pub fn of(&mut self, scenario: &Scenario, file: &Path, root: &Node, findings: &mut Findings) -> Vec<Input> {
         let mut inputs = Vec::new();
         for (key, written) in named(scenario) {

@@ -1,6 +1,6 @@
 //! Dotted paths into a scenario, `floor.friction` or `force.0.force`, as sweeps and overrides use them.
 //!
-//! A path is written like a dotted key of TOML, so a name with a dot in it stands in quotes.
+//! A path is written like a dotted key of TOML, so a name that contains a dot is quoted.
 
 use toml::de::{DeTable, DeValue};
 
@@ -8,20 +8,20 @@ use crate::text::source::{Sources, Span};
 use crate::text::toml_syntax;
 use crate::text::toml_tree::{Entry, Node, Value};
 
-/// A path whose segments know where they were written.
+/// A path whose segments have spans.
 #[derive(Clone, Debug)]
 pub struct KeyPath {
     pub segments: Vec<(String, Span)>,
 }
 
-/// Why a path leads nowhere.
+/// Why a path cannot be parsed or followed.
 pub struct PathError {
     pub span: Span,
     pub message: String,
 }
 
 impl KeyPath {
-    /// Read a path that is written at `span` (with quotes around it or not) in the sources.
+    /// Parses a path that is written at `span` in the sources, quoted or not.
     pub fn parse(text: &str, span: &Span, sources: &Sources) -> Result<KeyPath, PathError> {
         let bad = || PathError { span: span.clone(), message: format!("`{text}` is not a dotted path") };
         if text.contains(['\n', '\r']) {
@@ -29,25 +29,25 @@ impl KeyPath {
         }
         let document = format!("{text} = 0");
         let table = DeTable::parse(&document).map_err(|_| bad())?;
-        // Escapes inside quotes move characters; then every segment is shown as the whole.
+        // With escapes inside quotes offsets differ, and each segment gets the whole span.
         let origin = sources.slice(span).find(text).map(|i| span.start + i);
-        let place = |at: Span| origin.map_or_else(|| span.clone(), |o| o + at.start..o + at.end);
+        let shifted = |at: Span| origin.map_or_else(|| span.clone(), |o| o + at.start..o + at.end);
         let mut segments = Vec::new();
         let mut table = table.get_ref();
         loop {
             let mut entries = table.iter();
             let (Some((key, value)), None) = (entries.next(), entries.next()) else { return Err(bad()) };
-            segments.push((key.get_ref().to_string(), place(key.span())));
+            segments.push((key.get_ref().to_string(), shifted(key.span())));
             match value.get_ref() {
                 DeValue::Table(inner) => table = inner,
-                // The text is a key and nothing else if the value is the one put behind it.
+                // The text is only a key if the value is the appended one.
                 _ if value.span().start + 1 == document.len() => return Ok(KeyPath { segments }),
                 _ => return Err(bad()),
             }
         }
     }
 
-    /// Does one of the two paths lead through the other's end.
+    /// True when one path is a prefix of the other.
     pub fn overlaps(&self, other: &KeyPath) -> bool {
         self.segments.iter().zip(&other.segments).all(|(a, b)| a.0 == b.0)
     }
@@ -57,13 +57,12 @@ impl KeyPath {
         KeyPath { segments: self.segments[..count].to_vec() }
     }
 
-    /// Do the two lead to the same value.
+    /// True when both lead to the same value.
     pub fn is(&self, other: &KeyPath) -> bool {
         self.segments.len() == other.segments.len() && self.overlaps(other)
     }
 
-    /// Put a value where the path leads, in place of what is there. Tables that are missing on the way are made; entries
-    /// of arrays must exist.
+    /// Sets the value at the path. Missing tables are created; entries of arrays must exist.
     pub fn set(&self, root: &mut Node, value: Node) -> Result<(), PathError> {
         let mut node = root;
         let last = self.segments.len() - 1;
@@ -86,7 +85,7 @@ impl KeyPath {
                     let at = match entries.iter().position(|e| e.key == *key) {
                         Some(at) => at,
                         None => {
-                            // An array that the file does not have: an element alone would leave the others open.
+                            // The file has no such array, and one element would leave the others undefined.
                             if let Some(next) = self.segments.get(i + 1).filter(|s| s.0.parse::<usize>().is_ok()) {
                                 let array = done.iter().copied().chain([key.as_str()]).collect::<Vec<_>>().join(".");
                                 let index = &next.0;
@@ -118,7 +117,7 @@ impl KeyPath {
         })
     }
 
-    /// The same in a table without places.
+    /// The value the path leads to, in a plain TOML table.
     pub fn look_up<'a>(&self, table: &'a toml::Table) -> Option<&'a toml::Value> {
         let ((first, _), rest) = self.segments.split_first()?;
         rest.iter().try_fold(table.get(first)?, |value, (key, _)| match value {
@@ -127,7 +126,7 @@ impl KeyPath {
         })
     }
 
-    /// The places of the key and of the value the path leads to, or of the nearest part of the way that exists.
+    /// The spans of the key and of the value at the path, or of its longest part that exists.
     pub fn locate(&self, root: &Node) -> (Span, Span) {
         let mut found = (root.span.clone(), root.span.clone());
         let mut node = root;
@@ -144,12 +143,12 @@ impl KeyPath {
         found
     }
 
-    /// A name as a segment of such a path: in quotes where it is no bare key.
+    /// A name as a segment of a path, quoted unless it is a bare key.
     pub fn segment(name: &str) -> String {
         toml_syntax::segment(name)
     }
 
-    /// A path in the program's own words, without a place of its own.
+    /// A path that the program itself writes, without a span.
     pub fn internal(text: &str) -> KeyPath {
         let nowhere = Sources::default();
         KeyPath::parse(text, &(0..0), &nowhere)

@@ -1,4 +1,4 @@
-//! Values given beside a scenario file, as `--set KEY=VALUE` does.
+//! Overrides of a scenario file, as `--set KEY=VALUE` gives them.
 
 use super::key_path::{KeyPath, PathError};
 use crate::scenario::findings::Findings;
@@ -48,8 +48,8 @@ pub fn parse_override(text: &str) -> Result<(String, toml::Value), OverrideError
     }
 }
 
-/// Put overrides into a scenario's tree, the later of one key over the earlier; the paths they lead to are returned. A key
-/// that holds what is overridden before it would drop that unseen.
+/// Sets overrides in a scenario's tree, the later of one key over the earlier; returns their paths. A key that contains an
+/// earlier one is refused, since it would discard that value.
 pub(super) fn apply(
     root: &mut Node,
     overrides: &[(String, toml::Value)],

@@ -7,28 +7,27 @@ use crate::scenario::key_path::KeyPath;
 use crate::text::source::Sources;
 use crate::text::toml_tree::{Node, Value};
 
-/// Parts of a scenario that say what is done with a run and not what it is.
+/// Parts of a scenario that concern the use of a run, not its simulation.
 const NOT_OF_A_REFERENCE: [&str; 6] = ["schema", "description", "sweep", "log", "expect", "compare"];
 
-/// A reference before its seed is known.
+/// A reference run before its seed is known.
 pub(super) struct Reference {
     /// Every value, defaults included.
     pub scenario: Scenario,
-    /// What was put over the cell, and where it was written.
+    /// The values of `compare.reference`, with their spans.
     pub values: Vec<(KeyPath, Node)>,
-    /// What is found in it alone and makes it no less a reference.
+    /// Warnings about the reference alone.
     pub warnings: Findings,
 }
 
 impl Reference {
-    /// Reads the reference of a cell's tree; none when it asks for none, or when something is wrong, which then is among the
-    /// findings.
+    /// Reads the reference of a cell's tree; none without `compare.reference` or with an error, which goes to `findings`.
     pub fn read(cell: &Node, sources: &Sources, findings: &mut Findings) -> Option<Reference> {
-        // What is no table is told of where `[compare]` is read.
+        // A value that is no table is reported where `[compare]` is read.
         let table = cell.get("compare")?.get("reference").filter(|node| matches!(node.value, Value::Table(_)))?;
         let mut tree = cell.clone();
         let mut values: Vec<(KeyPath, Node)> = Vec::new();
-        let mut sound = true;
+        let mut is_valid = true;
         for entry in table.entries() {
             let set = KeyPath::parse(&entry.key, &entry.key_span, sources)
                 .map_err(|e| (e.span, e.message, None))
@@ -42,7 +41,7 @@ impl Reference {
                 Ok(path) => values.push((path, entry.node.clone())),
                 Err((span, message, help)) => {
                     findings.error(span, message, help);
-                    sound = false;
+                    is_valid = false;
                 }
             }
         }
@@ -53,20 +52,20 @@ impl Reference {
         let mut warnings = findings.append(found);
         warnings.explain(|_| Some("this is so in the reference run".into()));
         let log = sampled(cell);
-        scenario.filter(|_| sound).map(|scenario| Reference {
+        scenario.filter(|_| is_valid).map(|scenario| Reference {
             scenario: Scenario { log, ..scenario },
             values,
             warnings,
         })
     }
 
-    /// Does the reference have a seed of its own?
+    /// True when the reference sets its own seed.
     pub fn fixes_seed(&self) -> bool {
         self.values.iter().any(|(path, _)| path.segments[0].0 == "seed")
     }
 }
 
-/// What cannot stand in `compare.reference`: message and help.
+/// Refuses keys that `compare.reference` cannot have, with message and help.
 fn refuse(
     key: &str,
     path: &KeyPath,
@@ -90,8 +89,7 @@ fn refuse(
     }
 }
 
-/// The instants at which a cell is compared are those of its log; without a log they are those of the default one. What is
-/// logged is no part of a reference.
+/// The log settings of a reference: it is compared at the instants of the cell's log, or of the default log.
 fn sampled(cell: &Node) -> LogSpec {
     let rate = match cell.get("log").and_then(|log| log.get("rate")).map(|rate| &rate.value) {
         Some(Value::Float(rate)) if *rate > 0.0 => *rate,

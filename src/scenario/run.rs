@@ -1,4 +1,4 @@
-//! From one file to its runs: overrides, then every combination of the swept values, each judged as a whole.
+//! A run of a scenario with all its values, and the expansion of a file to its runs.
 
 use std::{
     path::{Path, PathBuf},
@@ -17,13 +17,13 @@ use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::text::source::Sources;
 use crate::text::toml_tree::Node;
 
-/// The most runs a file may expand to when nothing else is said.
+/// Most runs of a file by default.
 pub const DEFAULT_MAX_RUNS: usize = 10_000;
 
-/// Diagnostics of one run that are shown at their places.
-const MOST_PLACES: usize = 100;
+/// Diagnostics of one run that have a position.
+const MOST_POSITIONS: usize = 100;
 
-/// One run of a scenario, everything decided.
+/// One run of a scenario, with every value decided.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// The scenario's name.
@@ -34,32 +34,32 @@ pub struct Run {
     pub index: usize,
     /// Every value, defaults included.
     pub scenario: Scenario,
-    /// The swept values, under their dotted names as written, in the order of the file; a key that only other runs sweep
-    /// (`list`) has the value it has here, and is left out where that is a table of defaults. Repetitions differ in
-    /// `scenario.seed` and are not listed.
+    /// The swept values by their dotted keys, in the order of the file. A key that only other runs sweep (`list`) has this
+    /// run's value, and is left out where that is a table of defaults. Repetitions differ in `scenario.seed` and are not
+    /// listed.
     pub parameters: Vec<(String, toml::Value)>,
     /// `scenario` as TOML; it reads back to the same.
     pub resolved_toml: String,
-    /// What is probably not meant. A warning that several runs of a file share stands with the first of them.
+    /// Warnings. One that several runs of a file share is with the first of them.
     pub warnings: Diagnostics,
-    /// The run it is compared with.
+    /// The reference run for `[compare]`.
     pub reference: Option<Box<Run>>,
-    /// The files it names beside its robot.
+    /// The files it names, except its robot.
     pub inputs: Vec<Input>,
-    /// What changes while it goes on, in the order in which it happens.
+    /// Its events in order of time.
     pub events: Vec<Event>,
-    /// Where the values come from.
+    /// The origin of its values.
     pub origin: Origin,
 }
 
-/// Where the values of a run were written: the file with its overrides, and what the sweep put into it.
+/// Where the values of a run were written: in the file with its overrides, or in the sweep.
 #[derive(Clone, Debug)]
 pub struct Origin {
     pub(super) sources: Sources,
     pub(super) base: Arc<Node>,
     pub(super) swept: Vec<(KeyPath, Node)>,
-    /// Diagnostics made so far.
-    pub(super) told: Arc<AtomicUsize>,
+    /// Diagnostics reported so far.
+    pub(super) reported: Arc<AtomicUsize>,
 }
 
 impl Origin {
@@ -67,14 +67,14 @@ impl Origin {
     pub(super) fn tree(&self) -> Node {
         let mut root = Node::clone(&self.base);
         for (path, value) in &self.swept {
-            // These have been set before, when the run was made.
+            // These were set without error when the run was created.
             let _ = path.set(&mut root, value.clone());
         }
         root
     }
 
-    /// Remembers another value that was set.
-    pub(super) fn put(&mut self, path: &KeyPath, value: &Node) {
+    /// Adds a value that was set.
+    pub(super) fn add(&mut self, path: &KeyPath, value: &Node) {
         self.swept.push((path.clone(), value.clone()));
     }
 }
@@ -85,7 +85,7 @@ impl Run {
         self.inputs.iter().find(|input| input.key == key)
     }
 
-    /// The values as they were written, those of overrides and sweep among them, defaults not.
+    /// The values as written, with overrides and sweep, without defaults.
     pub fn written(&self) -> toml::Table {
         match self.origin.tree().to_toml() {
             toml::Value::Table(table) => table,
@@ -93,18 +93,18 @@ impl Run {
         }
     }
 
-    /// Where a path written in the scenario leads: relative ones start at the scenario file's folder.
+    /// Resolves a path written in the scenario, relative to the scenario file's folder.
     pub fn resolve(&self, written: impl AsRef<Path>) -> PathBuf {
         resolve(&self.file, written.as_ref())
     }
 
-    /// An error about the value at a dotted path (such as `force.0.link`), shown where that value of this run was written,
-    /// be it in the file, its sweep or an override. For what can only be told with the robot at hand.
+    /// An error about the value at a dotted path (such as `force.0.link`), shown where this run's value was written: in the
+    /// file, its sweep or an override. For errors that depend on the robot.
     pub fn error_at(&self, path: &str, message: impl Into<String>, help: Option<String>) -> Diagnostic {
         self.diagnose(path, Severity::Error, false, message.into(), help)
     }
 
-    /// The same, shown at the key: for names that are keys, such as `task.0.joints.knee`.
+    /// As [`Run::error_at`], shown at the key: for keys that are names, such as `task.0.joints.knee`.
     pub fn error_at_key(&self, path: &str, message: impl Into<String>, help: Option<String>) -> Diagnostic {
         self.diagnose(path, Severity::Error, true, message.into(), help)
     }
@@ -117,8 +117,8 @@ impl Run {
         message: String,
         help: Option<String>,
     ) -> Diagnostic {
-        // Each looks through the whole file; nobody reads so many.
-        if self.origin.told.fetch_add(1, Ordering::Relaxed) >= MOST_PLACES {
+        // Each takes a pass over the whole file.
+        if self.origin.reported.fetch_add(1, Ordering::Relaxed) >= MOST_POSITIONS {
             let file = self.file.display().to_string();
             let mut diagnostic = Diagnostic::whole_file(file, format!("{path}: {message}"));
             (diagnostic.severity, diagnostic.help) = (severity, help);
@@ -138,23 +138,23 @@ impl ScenarioFile {
         self.expand_at_most(overrides, DEFAULT_MAX_RUNS)
     }
 
-    /// The runs of the file in a fixed order: the dimensions of the sweep (each key of `grid`, each table of `zip`, `list`,
+    /// The runs of the file in a fixed order. The dimensions of the sweep (each key of `grid`, each table of `zip`, `list`,
     /// `random`) are nested in the order of the file, the last one changing fastest, and repetitions change faster still.
     ///
-    /// `overrides` are values under dotted paths that replace those of the file, as `--set` gives them. A swept key that
-    /// is overridden keeps that one value.
+    /// `overrides` are values by dotted path that replace those of the file, as `--set` gives them. An overridden key is not
+    /// swept.
     ///
     /// # Errors
-    /// Everything found wrong with any of the runs; more than `max_runs` of them.
+    /// The errors of all runs; more than `max_runs` runs.
     pub fn expand_at_most(
         &self,
         overrides: &[(String, toml::Value)],
         max_runs: usize,
     ) -> Result<Vec<Run>, Diagnostics> {
         let mut runs = Vec::new();
-        let idle = self.expansion(overrides, max_runs)?.check(&mut |run| runs.push(run))?;
+        let unused = self.expansion(overrides, max_runs)?.check(&mut |run| runs.push(run))?;
         if let Some(first) = runs.first_mut() {
-            first.warnings.0.extend(idle.0);
+            first.warnings.0.extend(unused.0);
         }
         Ok(runs)
     }

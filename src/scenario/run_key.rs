@@ -3,7 +3,7 @@
 /// Hash labelled inputs to 16 hexadecimal characters, such as `("scenario", resolved text)`, `("file robot.urdf",
 /// bytes)`, `("program", version)`.
 ///
-/// The order of the inputs does not matter; labels tell them apart. 64 bits: among a million runs two share a key with a
+/// The order of the inputs does not matter; labels distinguish them. 64 bits: among a million runs two share a key with a
 /// probability of 3e-8.
 pub fn key(inputs: &[(&str, &[u8])]) -> String {
     let mut sorted = inputs.to_vec();

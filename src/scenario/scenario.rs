@@ -1,6 +1,6 @@
-//! A whole scenario as types, and how it is read from its tree section by section.
+//! The type of a whole scenario, read from its tree section by section.
 //!
-//! Sections are read one by one so that a mistake in one does not hide those in others.
+//! Sections are read one by one, so that an error in one does not hide those in others.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -37,12 +37,12 @@ pub struct Scenario {
     /// Version of the file format.
     #[schemars(extend("const" = FORMAT))]
     pub schema: u32,
-    /// What it is about, for people.
+    /// Description for readers.
     pub description: String,
     /// Simulated time, s.
     #[schemars(with = "json::Positive")]
     pub duration: f64,
-    /// Every random draw derives from this and the run's key.
+    /// Seed of all random draws.
     pub seed: u64,
     /// Acceleration of free fall in world axes, m/s^2.
     pub gravity: [f64; 3],
@@ -50,40 +50,40 @@ pub struct Scenario {
     pub robot: RobotSpec,
     /// The floor.
     pub floor: FloorSpec,
-    /// How contact is decided.
+    /// Contact.
     pub contact: ContactSpec,
-    /// How the equations of motion are integrated.
+    /// Integration of the equations of motion.
     pub integrator: IntegratorSpec,
     /// The task server.
     pub control: ControlSpec,
     /// Errors of the sensors.
     #[serde(skip_serializing_if = "SensorsSpec::is_none")]
     pub sensors: SensorsSpec,
-    /// Tasks; where they overlap in time, later ones win per joint.
+    /// Tasks. Where tasks overlap in time, the later one in the file commands a joint.
     pub task: Vec<TaskSpec>,
     /// External forces.
     pub force: Vec<ForceSpec>,
-    /// Parameters that change while running.
+    /// Changes of parameters during the run.
     pub event: Vec<EventSpec>,
-    /// What happens when the robot is about to touch itself.
+    /// Detection and avoidance of collisions of the robot with itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub self_collision: Option<SelfCollisionSpec>,
     /// The log.
     pub log: LogSpec,
     /// Rules that end a run early.
     pub stop: StopSpec,
-    /// Verdicts.
+    /// Expectations by which a run is judged.
     pub expect: Vec<Expect>,
-    /// One file, many runs. A run that came out of an expansion has none.
+    /// Sweep: many runs from one file. Empty in an expanded run.
     #[serde(skip_serializing_if = "SweepSpec::is_single")]
     pub sweep: SweepSpec,
-    /// Accuracy and cost.
+    /// Measurement of accuracy and cost.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compare: Option<CompareSpec>,
 }
 
 impl Scenario {
-    /// When the run ends, s.
+    /// End of the run, s.
     pub fn end(&self) -> f64 {
         self.stop.at.map_or(self.duration, |at| at.min(self.duration))
     }
@@ -117,7 +117,7 @@ impl Default for Scenario {
     }
 }
 
-/// Is the tree of a format this program reads? If not nothing else in it can be judged.
+/// True when the tree has a format version that this program reads; otherwise nothing else in it is checked.
 pub(super) fn check_format(root: &Node, findings: &mut Findings) -> bool {
     let Some(node) = root.get("schema") else { return true };
     match node.value {
@@ -131,7 +131,7 @@ pub(super) fn check_format(root: &Node, findings: &mut Findings) -> bool {
     false
 }
 
-/// Read a scenario; `None` when something in it is wrong, which then is among the findings.
+/// Reads a scenario; `None` with an error, which is among the findings.
 pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
     let mut findings = Findings::default();
     if !check_format(root, &mut findings) {
@@ -162,15 +162,15 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
         compare: part.with("compare", None, |d| CompareSpec::deserialize(d).map(Some)),
     };
     part.refuse_others();
-    // Values that do not stand for themselves are not compared with others.
+    // Rules between values are checked only when each value is valid.
     if !findings.has_errors() {
         checks::check(&scenario, root, &mut findings);
     }
-    let sound = !findings.has_errors();
-    (sound.then_some(scenario), findings)
+    let is_valid = !findings.has_errors();
+    (is_valid.then_some(scenario), findings)
 }
 
-/// JSON Schema (draft 2020-12) of a scenario file, made from the types that read it. Units stand in the descriptions.
+/// JSON Schema (draft 2020-12) of a scenario file, generated from the types that read it. Descriptions give the units.
 pub fn schema() -> serde_json::Value {
     let mut schema = schemars::schema_for!(Scenario).to_value();
     // The only key without a default. The type has one so that reading can continue after an error.
@@ -180,7 +180,7 @@ pub fn schema() -> serde_json::Value {
     schema
 }
 
-/// Reads the top-level keys of a scenario and remembers which there are.
+/// Reads the top-level keys of a scenario and records their names.
 struct Sections<'a, 'f> {
     root: &'a Node,
     known: Vec<&'static str>,

@@ -1,31 +1,32 @@
-//! What a message shows of a text: the lines it is about, cut out, since what draws them goes through all that it is given;
-//! and words of it, cut if they are long.
+//! Excerpts of a text for messages: the lines that a message concerns, and long words shortened.
+//!
+//! Only these lines are given to the renderer, whose cost grows with the text it receives.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// More than this is not shown.
+/// Longest excerpt, bytes.
 const MOST: usize = 64 << 10;
 
-/// Whole lines of a text with a piece that is marked in them.
+/// Whole lines of a text with a marked range.
 #[derive(Debug, PartialEq)]
 pub struct Excerpt<'a> {
     /// The lines.
     pub text: &'a str,
     /// Number of the first, from 1.
     pub line: usize,
-    /// The piece, bytes of these lines.
+    /// The marked range, bytes of these lines.
     pub piece: Range<usize>,
 }
 
-/// The lines on which a piece of a text (bytes, at borders of characters) lies; none if they are too long to be shown.
+/// The lines of a range of a text (bytes, at borders of characters); none if they are too long.
 pub fn excerpt(text: &str, piece: Range<usize>) -> Option<Excerpt<'_>> {
     let start = text[..piece.start].rfind('\n').map_or(0, |at| at + 1);
     let end = text[piece.end..].find('\n').map_or(text.len(), |at| piece.end + at);
     // Lines may end in two characters.
     let end = if end > piece.end && text[..end].ends_with('\r') { end - 1 } else { end };
     if start == end {
-        // An empty line, such as that behind the last one: how it is drawn depends on what is around it.
+        // An empty line, such as that after the last one, is rendered correctly only with the lines around it.
         return (text.len() <= MOST).then_some(Excerpt { text, line: 1, piece });
     }
     let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -33,13 +34,12 @@ pub fn excerpt(text: &str, piece: Range<usize>) -> Option<Excerpt<'_>> {
     (end - start <= MOST).then(|| Excerpt { text: &text[start..end], line, piece })
 }
 
-/// Characters that a word in a message keeps at its beginning and at its end if it has more than both: more than any name or
-/// path that a person reads.
+/// Characters that a long word of a message keeps at its beginning and end, more than any usual name or path has.
 const WORD: (usize, usize) = (300, 100);
 /// The same of a message as a whole.
 const MESSAGE: (usize, usize) = (6000, 1000);
 
-/// A message with what is too long in it, such as a key of megabytes, cut in its middle.
+/// A message with long words, such as a key of megabytes, shortened in their middle.
 pub fn cut(message: &str) -> Cow<'_, str> {
     if message.len() <= WORD.0 + WORD.1 {
         return message.into();
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_long_in_a_message_is_cut_in_its_middle() {
+    fn long_words_of_a_message_are_shortened_in_their_middle() {
         let long = "é".repeat(WORD.0 + WORD.1 + 1);
         let shown = cut(&format!("unknown key `{long}` in `floor`")).into_owned();
         assert_eq!(shown.chars().filter(|c| *c == 'é').count(), WORD.0 + WORD.1 - 2, "without the two quotes");

@@ -1,4 +1,4 @@
-//! Names by pattern, as shells have it.
+//! Matches names with shell patterns.
 
 #[derive(Clone, Copy, PartialEq)]
 enum Piece {
@@ -6,16 +6,17 @@ enum Piece {
     Any,
     /// One character.
     One,
-    /// This one.
+    /// This character.
     Just(char),
 }
 
-/// Does a name match a pattern, in which `*` stands for any characters and `?` for one; `\` takes away the meaning of the
-/// next character.
+/// True when a name matches a pattern: `*` matches any characters, `?` one, and `\` makes the next character literal.
+///
+/// Takes at most time proportional to the product of both lengths.
 pub(crate) fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name): (Vec<Piece>, Vec<char>) = (pieces(pattern), name.chars().collect());
     let (mut p, mut n) = (0, 0);
-    // Where the last star stands, and up to where it reaches.
+    // Position of the last star, and the end of what it matches.
     let mut star: Option<(usize, usize)> = None;
     while n < name.len() {
         if p < pattern.len() && pattern[p] == Piece::Any {
@@ -39,7 +40,7 @@ fn pieces(pattern: &str) -> Vec<Piece> {
         Some(match characters.next()? {
             '*' => Piece::Any,
             '?' => Piece::One,
-            // At the end there is nothing whose meaning it could take away.
+            // A backslash at the end is literal.
             '\\' => Piece::Just(characters.next().unwrap_or('\\')),
             c => Piece::Just(c),
         })

@@ -1,18 +1,18 @@
-//! "Did you mean": the nearest known word.
+//! Suggests the nearest known name: "did you mean".
 
-/// The known word nearest to `word`, if any is near enough to be what was meant.
+/// The known name nearest to `word`, if one is close enough.
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let folded = word.to_lowercase().replace('_', "-");
     known
         .into_iter()
         .map(|k| (strsim::damerau_levenshtein(&folded, &k.to_lowercase().replace('_', "-")), k))
-        // A third of the letters may be wrong; one always may.
+        // A third of the letters may differ, and at least one.
         .filter(|(distance, k)| *distance <= (word.chars().count().max(k.chars().count()) / 3).max(1))
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, k)| k)
 }
 
-/// A help line: the nearest known word, or all of them when none is near.
+/// A help line: the nearest known name, or all of them when none is close.
 pub fn help<'a>(word: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
     if let Some(near) = nearest(word, known.clone()) {
         return format!("did you mean `{near}`?");

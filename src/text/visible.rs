@@ -1,9 +1,9 @@
-//! Words that came from outside, such as names of files, for a person at a terminal.
+//! Makes control characters in foreign text visible, such as those in file names.
 
 use std::borrow::Cow;
 use std::path::Path;
 
-/// With control characters written as Rust writes them (`\n`, `\u{1b}`): a terminal would obey them. All others stay.
+/// The text with control characters as Rust escapes (`\n`, `\u{1b}`), since a terminal would obey them.
 pub fn visible(text: &str) -> Cow<'_, str> {
     if !text.chars().any(char::is_control) {
         return text.into();
@@ -18,12 +18,12 @@ pub fn visible(text: &str) -> Cow<'_, str> {
     out.into()
 }
 
-/// The same of a text of several lines, whose breaks stay.
+/// As [`visible`], for a text of several lines; line breaks are kept.
 pub fn visible_lines(text: &str) -> String {
     text.split('\n').map(visible).collect::<Vec<_>>().join("\n")
 }
 
-/// A path, likewise.
+/// As [`visible`], for a path.
 pub fn visible_path(path: &Path) -> String {
     visible(&path.display().to_string()).into_owned()
 }

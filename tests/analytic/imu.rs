@@ -268,7 +268,7 @@ fn an_unknown_imu_is_an_error_at_its_place() {
     };
     let none = fault(&format!("\"{HOAP2}.toml\""), "head");
     assert!(none.contains("test.toml:2:19") && none.contains("has no IMU `head`"), "{none}");
-    assert!(none.contains("its robot file gives none"), "{none}");
+    assert!(none.contains("its robot file has no IMU"), "{none}");
     let (_folder, model) = with(&format!("{HOAP2}.toml"), &format!("{HOAP2}.urdf"), HEAD);
     let near = fault(&model, "haed");
     assert!(near.contains("has no IMU `haed`") && near.contains("did you mean `head`?"), "{near}");

@@ -76,8 +76,8 @@ fn what_cannot_change_any_more_is_refused() {
     let place = Place::new();
     place.block("b.toml", "").write("f.luau", "function force(robot) return {} end");
     for (line, said) in [
-        ("set contact.method=ncp", "`contact.method` cannot change while a run goes on"),
-        ("set gravity=[0,0,-9.8] gravity.2=-1", "sets what another key of the event sets"),
+        ("set contact.method=ncp", "`contact.method` cannot change during a run"),
+        ("set gravity=[0,0,-9.8] gravity.2=-1", "overlaps another key of the event"),
         ("force script file=\"f.luau\"", "a script begins with the run"),
         ("restore up", "names `up`, which no earlier event saves"),
     ] {

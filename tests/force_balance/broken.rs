@@ -43,7 +43,7 @@ fn invalid_entries_are_errors() {
         (
             format!("{block}{task}change = [{{ at = 1, force = {{}} }}, {{ at = 1, force = {{}} }}]\n"),
             "test.toml:5:42",
-            "must be after the change before it, at 1",
+            "must be after the previous change, at 1",
         ),
         (
             format!("{block}{task}change = [{{ at = 1, force = {{ contacts = \"sensed\" }} }}]\n"),

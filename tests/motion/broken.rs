@@ -43,7 +43,7 @@ const TABLE: &[Broken] = &[
     ),
     // The task against the file.
     Broken("m.toml", POSTURE, "joints = [\"left_ankle_pitch\"]", "s.toml:6:11", "does not move `left_ankle_pitch`"),
-    Broken("m.toml", POSTURE, "joints = [\"left_knee\", \"left_knee\"]", "s.toml:6:24", "stands here twice"),
+    Broken("m.toml", POSTURE, "joints = [\"left_knee\", \"left_knee\"]", "s.toml:6:24", "is listed twice"),
     Broken("m.toml", POSTURE, "loop = true", "m.toml:6:24", "`left_knee` = 0.6 at 1 s is not 0.5 as at 0 s"),
     Broken(
         "m.csv",
@@ -73,7 +73,7 @@ const TABLE: &[Broken] = &[
         POSTURE,
         "change = [{ at = 1, speed = 2 }, { at = 1, speed = 1 }]",
         "s.toml:6:41",
-        "after the change before it",
+        "after the previous change",
     ),
     Broken(
         "m.toml",

@@ -24,11 +24,14 @@ fn goals_are_within_ranges() {
     refused(&format!("{HOAP}{}", posture("5.0")), &format!("the goal `left_knee` = 5.0000 rad {range}"));
     refused(&format!("{HOAP}{}", posture("\"-10 deg\"")), range);
     refused(&format!("{HOAP}{}", sine("amplitude = 5")), range);
-    refused(&format!("{HOAP}{}", sine("amplitude = -0.5, offset = 2.0")), "the swing of `left_knee` = 2.5000 rad");
+    refused(
+        &format!("{HOAP}{}", sine("amplitude = -0.5, offset = 2.0")),
+        "the oscillation of `left_knee` = 2.5000 rad",
+    );
     let change = "change = [{ at = 0.05, joints = { left_knee = { offset = 2.1 } } }]\nramp = 0.01\n";
     refused(
         &format!("{HOAP}{}{change}", sine("amplitude = 0.3, offset = 1.0")),
-        "the swing of `left_knee` = 2.4000 rad",
+        "the oscillation of `left_knee` = 2.4000 rad",
     );
     let start = HOAP.replace("hoap2.toml\"", "hoap2.toml\", posture = { left_knee = 3.0 }");
     refused(&start, &format!("the initial posture `left_knee` = 3.0000 rad {range}"));

@@ -1,7 +1,7 @@
 //! What scenarios change.
 
 use nalgebra::{Matrix3, Point3, Vector3};
-use stiction::robot::adjustments::{DriveSettings, SoleSpec, add_payload, set_default_drive, set_drive, set_soles};
+use stiction::robot::adjustments::{DriveSettings, SolePolygon, add_payload, set_default_drive, set_drive, set_soles};
 use stiction::robot::{DriveMode, Model};
 
 use super::{BODY, load_urdf, shipped};
@@ -107,7 +107,7 @@ fn default_drives_fill_only_what_nothing_configured() {
 fn soles_are_replaced_in_the_urdf_frame() {
     let mut model = hoap2();
     let before = model.soles.clone();
-    let [right, left] = [("right", -0.031), ("left", 0.031)].map(|(name, y): (&str, f64)| SoleSpec {
+    let [right, left] = [("right", -0.031), ("left", 0.031)].map(|(name, y): (&str, f64)| SolePolygon {
         name: name.into(),
         link: if y > 0.0 { "l_foot".into() } else { "r_foot".into() },
         // Clockwise seen from above: to be turned round, the first vertex kept.
@@ -121,13 +121,13 @@ fn soles_are_replaced_in_the_urdf_frame() {
     assert!(model.soles.is_empty());
     let error = set_soles(&mut model, &[left.clone(), left.clone()]).unwrap_err().to_string();
     assert!(error.contains("used twice"), "{error}");
-    let lost = SoleSpec { link: "l_fot".into(), ..left.clone() };
+    let lost = SolePolygon { link: "l_fot".into(), ..left.clone() };
     assert!(set_soles(&mut model, &[lost]).unwrap_err().to_string().contains("did you mean `l_foot`?"));
     let star: Vec<Vector3<f64>> = (0..5)
         .map(|i| f64::from(i) * 0.8 * std::f64::consts::PI)
         .map(|a| Vector3::new(a.cos(), a.sin(), 0.0))
         .collect();
-    let error = set_soles(&mut model, &[SoleSpec { polygon: star, ..left }]).unwrap_err().to_string();
+    let error = set_soles(&mut model, &[SolePolygon { polygon: star, ..left }]).unwrap_err().to_string();
     assert!(error.contains("more than once"), "{error}");
     assert!(model.soles.is_empty(), "a refused change leaves the model as it was");
 }

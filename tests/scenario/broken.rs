@@ -176,13 +176,13 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken(
         "[[force]]\ntype = \"spring\"\nlink = \"a\"\nstiffness = 1\nanchor = { waypoints = [{ at = 1, position = [0, 0, 0] }, { at = 1, position = [1, 0, 0] }] }",
         (7, 66),
-        "`force.0.anchor.waypoints.1.at` must be after the waypoint before, at 1, not 1",
+        "`force.0.anchor.waypoints.1.at` must be after the previous waypoint, at 1, not 1",
         "",
     ),
     Broken(
         "[[force]]\ntype = \"spring\"\nlink = \"a\"\nstiffness = 1\nanchor = { position = [0, 0, 0], waypoints = [{ at = 1, position = [0, 0, 0] }] }",
         (7, 23),
-        "`force.0.anchor.position` has no meaning beside `waypoints`",
+        "`force.0.anchor.position` has no meaning with `waypoints`",
         "",
     ),
     Broken("[self_collision]\nmethod = 5", (4, 10), "must be from 0 to 4, not 5", ""),
@@ -248,7 +248,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken(
         "[[event]]\nat = 1\nset = { \"contact.method\" = \"ncp\" }",
         (5, 9),
-        "`contact.method` cannot change while a run goes on",
+        "`contact.method` cannot change during a run",
         "\"floor.friction\"",
     ),
     Broken("[[event]]\nat = 1\nset = { \"floor.frction\" = 1 }", (5, 9), "cannot change", "\"floor.friction\""),
@@ -282,7 +282,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken(
         "[[event]]\nat = 1\nset = { \"floor.friction\" = 0.5, \"floor.friction.kinetic\" = 0.2 }",
         (5, 33),
-        "`floor.friction.kinetic` sets what another key of the event sets",
+        "`floor.friction.kinetic` overlaps another key of the event",
         "",
     ),
     Broken("[[event]]\nat = 1\nset = { \"robot.joint.a.kq\" = 1 }", (5, 9), "cannot change", "kp"),
@@ -351,7 +351,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken(
         "[sweep]\nzip = [{ \"seed\" = [1, 2], \"duration\" = [1, 2, 3] }]",
         (4, 27),
-        "`duration` has 3 values, but `seed` beside it has 2",
+        "`duration` has 3 values, but `seed` of the same table has 2",
         "`seed` is at scenarios/test.toml:4:10",
     ),
     Broken(
@@ -370,7 +370,12 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[sweep]\nzip = [{ \"seed\" = [1], \"expect.0.value\" = [1] }]", (4, 25), "the file has no `expect`", ""),
     Broken("[sweep]\nzip = [{}]", (4, 7), "at least one key in every table", ""),
     Broken("[sweep]\nzip = [{ \"seed\" = 3 }]", (4, 19), "an array of values", ""),
-    Broken("[sweep]\nzip = [{ \"seed\" = [1, 1], \"duration\" = [2, 2] }]", (4, 23), "1, 2 stand together twice", ""),
+    Broken(
+        "[sweep]\nzip = [{ \"seed\" = [1, 1], \"duration\" = [2, 2] }]",
+        (4, 23),
+        "the combination of values 1, 2 occurs twice",
+        "",
+    ),
     Broken("[sweep]\nzip = [{ \"sweep.repeat\" = [1, 2] }]", (4, 10), "cannot be swept", ""),
     Broken("[[expect]]\nmetric = \"error_joint_rms_rad\"\nmax = 1", (4, 10), "takes a reference run", ""),
     // Sweeps.

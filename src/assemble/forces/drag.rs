@@ -1,4 +1,4 @@
-//! `drag` from its entry.
+//! Creates the force `drag` from its entry.
 
 use crate::assemble::forces::{names, span};
 use crate::force::Force;
@@ -7,7 +7,7 @@ use crate::robot::{Base, LinkId, Model};
 use crate::scenario::{Diagnostic, DragForce, Run};
 use nalgebra::Point3;
 
-/// The drag of entry `i`; a link that the robot does not have is an error at its place.
+/// The drag of entry `i`; a link that the robot does not have is an error at its position.
 pub(super) fn drag(
     run: &Run,
     model: &Model,

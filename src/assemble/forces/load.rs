@@ -1,4 +1,4 @@
-//! `carried-object` from its entry.
+//! Creates carried objects from their entries.
 
 use crate::assemble::forces::Held;
 use crate::robot::Model;
@@ -7,7 +7,7 @@ use crate::scenario::{CarriedObject, Diagnostic, ForceSpec, Run};
 use crate::sim::Load;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
-/// The objects that are carried; what does not fit the robot is an error at its place.
+/// The carried objects. One that does not fit the robot is an error at its position.
 pub(in crate::assemble) fn loads(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Vec<Load> {
     let entries = run.scenario.force.iter().enumerate();
     let object = |(i, spec): (usize, &ForceSpec)| match spec {

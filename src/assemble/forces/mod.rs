@@ -1,4 +1,4 @@
-//! External force models from their entries.
+//! Creates the external force models from their entries.
 
 mod drag;
 mod load;
@@ -67,7 +67,7 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
     forces
 }
 
-/// Full from `start` on for a time, or to the end.
+/// Constant from `start` on, for a duration or to the end.
 fn span(start: f64, duration: Option<f64>) -> Profile {
     let always = start == 0.0 && duration.is_none();
     Profile::new(if always { Shape::Always } else { Shape::Constant }, start, duration.unwrap_or(f64::INFINITY))

@@ -1,4 +1,4 @@
-//! `random-pushes` from its entry.
+//! Creates the force `random-pushes` from its entry.
 
 use crate::assemble::forces::{names, shape};
 use crate::force::Force;
@@ -8,11 +8,11 @@ use crate::robot::Model;
 use crate::scenario::{Diagnostic, Directions, RandomPushes as Spec, Run};
 use nalgebra::Point3;
 
-/// Most pushes that may be expected: a Poisson number exceeds its mean by ten standard deviations practically never.
+/// Most expected pushes: a Poisson number exceeds its mean by ten standard deviations practically never.
 const FEW: usize = 9_000;
 
-/// The pushes of entry `i`, drawn from the run's seed and the entry's place; links that the robot does not have, and
-/// more pushes than are allowed, are errors at their places.
+/// The pushes of entry `i`, drawn from the run's seed and the entry's index. Unknown links and too many pushes are
+/// errors at their positions.
 pub(super) fn pushes(
     run: &Run,
     model: &Model,

@@ -1,4 +1,4 @@
-//! `spring` from its entry.
+//! Creates the force `spring` from its entry.
 
 use crate::assemble::forces::Held;
 use crate::force::Force;
@@ -7,7 +7,7 @@ use crate::force::spring::{Hold, Spring};
 use crate::scenario::{AnchorSpec, PathShape, SpringForce};
 use nalgebra::Point3;
 
-/// The spring that is attached there.
+/// The spring of the entry.
 pub(super) fn spring(held: Held, spec: &SpringForce) -> Box<dyn Force> {
     let hold = Hold {
         point: (held.pose * Point3::from(spec.point)).coords,

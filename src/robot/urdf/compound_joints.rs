@@ -7,7 +7,7 @@ use crate::robot::model::JointKind;
 
 /// One motion of a joint.
 pub(super) struct Part {
-    /// What is added to the joint's name; empty for the only motion of a simple joint.
+    /// Suffix of the joint's name; empty for the only motion of a simple joint.
     pub suffix: &'static str,
     pub kind: JointKind,
     /// Unit axis in the joint's frame.

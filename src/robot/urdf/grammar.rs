@@ -1,5 +1,5 @@
-//! The pass over the XML that `urdf-rs` does not make: every element and attribute it drops is reported, every value it
-//! would read leniently is refused with its place.
+//! Checks a URDF's elements and attributes. Those that `urdf-rs` drops are reported; values that it would read leniently
+//! are refused with their position.
 
 use roxmltree::Node;
 
@@ -7,7 +7,7 @@ use super::xml::{Xml, describe};
 use crate::robot::error::RobotError;
 use crate::robot::notices::Notices;
 
-/// What an attribute must hold.
+/// Value of an attribute.
 #[derive(Clone, Copy, PartialEq)]
 enum Value {
     /// A name: not empty, no spaces around it.
@@ -22,13 +22,13 @@ enum Value {
     /// Not negative, kg.
     Mass,
     /// Three coordinates, m.
-    Place,
+    Position,
 }
 use Value::*;
 
-/// More than this is no body's mass, kg, and squares of it leave the range of numbers.
+/// Greatest mass, kg: squares of greater ones could overflow.
 const HEAVIEST: f64 = 1e12;
-/// Further apart, m, inertia about a joint swallows that about the centre of mass by rounding.
+/// Greatest coordinate, m: beyond it rounding of the inertia about a joint exceeds that about the centre of mass.
 const FURTHEST: f64 = 1e4;
 
 /// One element: attributes (name, value, required) and child elements (name, how many).
@@ -43,7 +43,7 @@ enum Count {
     Many,
     AtMostOnce,
     Once,
-    /// Read by nothing here, though URDF defines it.
+    /// Defined by URDF, not used here.
     Ignored,
 }
 use Count::*;
@@ -62,7 +62,7 @@ const RULES: &[Rule] = &[
     Rule { tag: "inertial", attributes: &[], children: &[("origin", AtMostOnce), ("mass", Once), ("inertia", Once)] },
     Rule {
         tag: "origin",
-        attributes: &[("xyz", Place, false), ("rpy", Vector(3), false), ("quat_xyzw", Vector(4), false)],
+        attributes: &[("xyz", Position, false), ("rpy", Vector(3), false), ("quat_xyzw", Vector(4), false)],
         children: &[],
     },
     Rule { tag: "mass", attributes: &[("value", Mass, true)], children: &[] },
@@ -150,7 +150,7 @@ const RULES: &[Rule] = &[
     },
 ];
 
-/// Goes over the whole document; notices for what is dropped, the first fault for what cannot be read as it stands.
+/// Checks the whole document: notices for dropped elements, and the first error.
 pub(super) fn check(xml: &Xml, notices: &mut Notices) -> Result<(), RobotError> {
     // The grammar's elements nest at most five deep, so this recursion is bounded whatever the file holds.
     element(xml, xml.robot, notices)
@@ -177,7 +177,7 @@ fn element(xml: &Xml, node: Node, notices: &mut Notices) -> Result<(), RobotErro
     children(xml, node, rule, notices)
 }
 
-/// Does the attribute of an element that is read hold several numbers with commas between them, which URDF wants to be
+/// True when an attribute holds several numbers with commas between them, which URDF requires to be
 /// spaces?
 pub(super) fn has_commas(tag: &str, attribute: &str, text: &str) -> bool {
     let rule = RULES.iter().find(|r| r.tag == tag);
@@ -187,7 +187,7 @@ pub(super) fn has_commas(tag: &str, attribute: &str, text: &str) -> bool {
 }
 
 fn is_list(value: Value) -> bool {
-    matches!(value, Vector(_) | PositiveVector(_) | Place)
+    matches!(value, Vector(_) | PositiveVector(_) | Position)
 }
 
 /// Each single comma as a space: `1,,2` is no vector of two.
@@ -241,8 +241,8 @@ fn children(xml: &Xml, node: Node, rule: &Rule, notices: &mut Notices) -> Result
                     .invalid());
             }
             Some((_, Ignored)) | None => {
-                let place = if tag == "robot" { String::new() } else { format!(" of {}", describe(node)) };
-                notices.info(xml.source, n.range().start, format!("<{name}>{place} is ignored"));
+                let owner = if tag == "robot" { String::new() } else { format!(" of {}", describe(node)) };
+                notices.info(xml.source, n.range().start, format!("<{name}>{owner} is ignored"));
             }
             Some(_) => element(xml, n, notices)?,
         }
@@ -268,13 +268,13 @@ fn attribute(
         (_, Some(n)) => {
             let length = match value {
                 Vector(k) | PositiveVector(k) => k,
-                Place => 3,
+                Position => 3,
                 _ => 1,
             };
             let in_range = match value {
                 NotNegative => n.iter().all(|x| *x >= 0.0),
                 Mass => n.iter().all(|x| (0.0..=HEAVIEST).contains(x)),
-                Place => n.iter().all(|x| x.abs() <= FURTHEST),
+                Position => n.iter().all(|x| x.abs() <= FURTHEST),
                 Positive | PositiveVector(_) => n.iter().all(|x| *x > 0.0),
                 _ => true,
             };
@@ -283,8 +283,8 @@ fn attribute(
     };
     if good {
         if has_commas {
-            let words = format!("{}: commas in `{name}=\"{text}\"` are read as spaces", describe(node));
-            notices.warning(xml.source, node.range().start, words);
+            let message = format!("{}: commas in `{name}=\"{text}\"` are read as spaces", describe(node));
+            notices.warning(xml.source, node.range().start, message);
         }
         return Ok(());
     }
@@ -305,7 +305,7 @@ fn describe_value(value: Value) -> String {
         Positive => "a finite number above 0".into(),
         Vector(n) => format!("{n} finite numbers separated by spaces"),
         Mass => format!("a mass in kg, not negative and at most {HEAVIEST:e}"),
-        Place => format!("3 finite numbers separated by spaces, in m and at most {FURTHEST:e}"),
+        Position => format!("3 finite numbers separated by spaces, in m and at most {FURTHEST:e}"),
         PositiveVector(n) => format!("{n} finite numbers above 0 separated by spaces"),
     }
 }

@@ -1,4 +1,4 @@
-//! One URDF joint's motion, limits and friction, checked.
+//! Motion, limits and friction of a URDF joint, checked.
 
 use std::collections::{HashMap, HashSet};
 
@@ -15,21 +15,21 @@ use crate::text::suggest::nearest;
 
 const KNOWN_TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 
-/// Refuses joint types that cannot be simulated; to be called before `urdf-rs` complains without a place.
+/// Refuses joint types that cannot be simulated; called before `urdf-rs` reports them without a position.
 pub(super) fn check_type(xml: &Xml, node: Node) -> Result<(), RobotError> {
     let name = node.attribute("name").unwrap_or_default();
     let kind = node.attribute("type").unwrap_or_default();
     if KNOWN_TYPES.contains(&kind) {
         return Ok(());
     }
-    let wanted = format!("one of {}", KNOWN_TYPES.join(", "));
+    let expected = format!("one of {}", KNOWN_TYPES.join(", "));
     if kind == "spherical" {
         let fault = xml.attribute_fault(node, "type", format!("joint `{name}`: {kind} joints are not available"));
         let help = "build it from revolute and prismatic joints with light links between them";
-        return Err(fault.expected(wanted).help(help).not_available());
+        return Err(fault.expected(expected).help(help).not_available());
     }
     let fault = xml.attribute_fault(node, "type", format!("joint `{name}` has an unknown type"));
-    Err(fault.expected(wanted).suggest(kind, KNOWN_TYPES).invalid())
+    Err(fault.expected(expected).suggest(kind, KNOWN_TYPES).invalid())
 }
 
 /// A joint that URDF lets follow another: `q = multiplier q_of + offset`.
@@ -54,8 +54,8 @@ pub(super) fn mimic(xml: &Xml, node: Node, notices: &mut Notices) -> Option<Mimi
         return None;
     }
     let of = mimic.attribute("joint").unwrap_or_default().to_owned();
-    let words = format!("joint `{joint}` mimics joint `{of}`: it is taken as independent, only its home follows");
-    notices.warning(xml.source, at, words);
+    let message = format!("joint `{joint}` mimics joint `{of}`: it is taken as independent, only its home follows");
+    notices.warning(xml.source, at, message);
     let number = |name, default| mimic.attribute(name).and_then(|text| text.trim().parse().ok()).unwrap_or(default);
     Some(Mimic { joint, of, multiplier: number("multiplier", 1.0), offset: number("offset", 0.0) })
 }
@@ -66,7 +66,7 @@ const MOST_NAMED: usize = 20;
 /// Leaves out those that cannot be followed, by name: of joints that there are not, and those of a ring.
 pub(super) fn sound_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices: &mut Notices) {
     let leaders: HashMap<&str, &str> = mimics.iter().rev().map(|m| (m.joint.as_str(), m.of.as_str())).collect();
-    let place = |joint: &str| xml.named("joint", joint);
+    let node_of = |joint: &str| xml.named("joint", joint);
     let mut unsound = HashSet::new();
     for Mimic { joint, of: leader, .. } in &*mimics {
         let (mut chain, mut met): (Vec<&str>, HashSet<&str>) = (vec![joint], HashSet::from([joint.as_str()]));
@@ -75,7 +75,7 @@ pub(super) fn sound_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices: &mut Not
             chain.push(name);
             next = leaders.get(name).copied();
         }
-        let words = if place(leader) == xml.robot {
+        let message = if node_of(leader) == xml.robot {
             let help = nearest(
                 leader,
                 xml.robot.children().filter(|n| n.has_tag_name("joint")).filter_map(|n| n.attribute("name")),
@@ -89,8 +89,8 @@ pub(super) fn sound_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices: &mut Not
         } else {
             continue;
         };
-        let at = child(place(joint), "mimic").unwrap_or(xml.robot).range().start;
-        notices.warning(xml.source, at, format!("{words}: the home of `{joint}` does not follow"));
+        let at = child(node_of(joint), "mimic").unwrap_or(xml.robot).range().start;
+        notices.warning(xml.source, at, format!("{message}: the home of `{joint}` does not follow"));
         unsound.insert(joint.clone());
     }
     mimics.retain(|m| !unsound.contains(&m.joint));
@@ -141,9 +141,9 @@ pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) ->
             if !given(side) {
                 let fault = xml.fault(limit.unwrap_or(node), format!("joint `{name}` has no {side} limit"));
                 let help = "URDF would read an omitted limit as 0; a joint without limits is of type continuous";
-                let wanted =
+                let expected =
                     format!("<limit {side}=\"...\"> in {}", if kind == JointKind::Prismatic { "m" } else { "rad" });
-                return Err(fault.expected(wanted).help(help).invalid());
+                return Err(fault.expected(expected).help(help).invalid());
             }
         }
         (lower, upper) = (joint.limit.lower, joint.limit.upper);
@@ -203,10 +203,10 @@ pub(super) fn axis(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) -> 
         let fault = xml.attribute_fault(element, "xyz", format!("joint `{name}` has an axis of no length"));
         return Err(fault.expected("a direction, such as 0 0 1").invalid());
     }
-    // A few printed digits are rounding; more is worth telling.
+    // Few printed digits cause rounding; larger deviations are reported.
     if (length - 1.0).abs() > 1e-3 {
-        let words = format!("axis of joint `{name}` has length {length:.6}: normalised");
-        notices.info(xml.source, element.range().start, words);
+        let message = format!("axis of joint `{name}` has length {length:.6}: normalised");
+        notices.info(xml.source, element.range().start, message);
     }
     Ok(axis / length)
 }

@@ -1,8 +1,10 @@
-//! URDF in, the moving tree out.
+//! Reads a URDF to the tree of moving links.
 //!
-//! `urdf-rs` reads the values. It is forgiving where a simulator must not be (vectors with commas, unknown parents,
-//! absent inertias and limits), and it forgets where things stood, so [`grammar`] goes over the XML first and refuses what
-//! would otherwise change meaning silently; after it every value `urdf-rs` returns is one that stands in the file.
+//! `urdf-rs` reads the values. It accepts vectors with commas, unknown parents, and missing inertias and limits, and it
+//! keeps no positions. So [`grammar`] checks the XML first and refuses what would otherwise change meaning silently; each
+//! value that `urdf-rs` returns is then one of the file.
+//!
+//! Called by the loader of robots.
 
 mod compound_joints;
 mod grammar;
@@ -26,23 +28,23 @@ use super::model::{Base, Model};
 use super::notices::Notices;
 use crate::text::source::Source;
 
-/// What the URDF alone says.
+/// The robot as the URDF describes it.
 pub(super) struct Loaded {
     /// The model, without soles, drives and home posture.
     pub model: Model,
     /// Mesh files read, with their bytes.
     pub meshes: Vec<(PathBuf, Vec<u8>)>,
-    /// Joints that the URDF lets follow others.
+    /// Joints that follow others.
     pub mimics: Vec<Mimic>,
 }
 
-/// What happens to an inertia that no body can have.
+/// Treatment of an inertia that no body can have.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum InertiaPolicy {
-    /// The robot is refused, by the link's name.
+    /// The robot is refused with the name of the link.
     #[default]
     Refuse,
-    /// The nearest physical tensor takes its place, and a notice says so.
+    /// The nearest physical tensor replaces it, with a notice.
     Repair,
 }
 
@@ -54,8 +56,8 @@ pub(super) fn load(
     notices: &mut Notices,
 ) -> Result<Loaded, RobotError> {
     if let Some(at) = xml::crowded(source.text()) {
-        let words = format!("an element has more than {} attributes", xml::MOST_ATTRIBUTES);
-        return Err(FileError::new(source, at..at + 1, words).syntax());
+        let message = format!("an element has more than {} attributes", xml::MOST_ATTRIBUTES);
+        return Err(FileError::new(source, at..at + 1, message).syntax());
     }
     let document = roxmltree::Document::parse(source.text()).map_err(|e| xml::syntax_error(source, &e))?;
     let xml = xml::Xml::new(source, &document)?;
@@ -75,7 +77,7 @@ pub(super) fn load(
     Ok(Loaded { mimics, ..moving_tree::build(&tree, &xml, root, policy, notices)? })
 }
 
-/// Both readers must have seen the same links and joints, since one gives the values and the other the places.
+/// Both readers must find the same links and joints, since one gives the values and the other the positions.
 fn agree(robot: &urdf_rs::Robot, xml: &xml::Xml) -> Result<(), RobotError> {
     let names = |tag| xml.robot.children().filter(move |n| n.has_tag_name(tag)).filter_map(|n| n.attribute("name"));
     let links = robot.links.iter().map(|l| l.name.as_str());
@@ -83,5 +85,5 @@ fn agree(robot: &urdf_rs::Robot, xml: &xml::Xml) -> Result<(), RobotError> {
     if names("link").eq(links) && names("joint").eq(joints) {
         return Ok(());
     }
-    Err(xml.fault(xml.robot, "the URDF cannot be read: its names are understood in two ways").invalid())
+    Err(xml.fault(xml.robot, "the URDF cannot be read: the two readers find different names").invalid())
 }

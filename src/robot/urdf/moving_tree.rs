@@ -1,4 +1,4 @@
-//! The tree of URDF links becomes the tree of moving links: fixed joints welded, every axis turned to z.
+//! Builds the tree of moving links from the URDF's: fixed joints are welded, and each joint axis becomes z.
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use urdf_rs::JointType;
@@ -13,13 +13,13 @@ use crate::robot::error::RobotError;
 use crate::robot::model::{Joint, Link, LinkId, Merged, Model};
 use crate::robot::notices::Notices;
 
-/// The next URDF link to place: welded to a link that is already there, or moved by a joint.
+/// The next URDF link: welded to a link of the tree, or moved by a joint.
 enum Step {
     Weld { link: usize, carrier: usize, frame: Isometry3<f64> },
     Move { joint: usize, carrier: usize, frame: Isometry3<f64> },
 }
 
-/// Builds the model. Links come in depth-first order, siblings as their joints stand in the file. With
+/// Builds the model. Links come in depth-first order, siblings in the order of their joints in the file. With
 /// [`InertiaPolicy::Repair`], joints that nothing resists are locked.
 pub(super) fn build(
     tree: &Tree,
@@ -35,8 +35,8 @@ pub(super) fn build(
         let mut locked: Vec<usize> = bare.iter().filter(|&&i| i > 0).map(|&i| parts.moved_by[i - 1]).collect();
         locked.dedup();
         for joint in locked.iter().map(|&j| &tree.robot.joints[j]) {
-            let words = format!("joint `{}` is locked at 0: nothing it moves has inertia about it", joint.name);
-            notices.warning(xml.source, xml.named("joint", &joint.name).range().start, words);
+            let message = format!("joint `{}` is locked at 0: nothing it moves has inertia about it", joint.name);
+            notices.warning(xml.source, xml.named("joint", &joint.name).range().start, message);
         }
         if !locked.is_empty() {
             parts = gather(tree, xml, &root, policy, &locked, &mut shapes, notices)?;
@@ -51,13 +51,13 @@ pub(super) fn build(
     Ok(Loaded { model, meshes: shapes.files, mimics: Vec::new() })
 }
 
-/// The moving tree, not judged yet.
+/// The moving tree before its inertias are checked.
 pub(super) struct Parts {
     pub links: Vec<Link>,
     pub joints: Vec<Joint>,
     /// For each of `joints`, the URDF joint it is, or is a motion of.
     moved_by: Vec<usize>,
-    /// What is odd about the inertias of single URDF links.
+    /// Flaws of the inertias of single URDF links.
     pub flawed: Vec<FlawedPart>,
 }
 
@@ -141,9 +141,12 @@ fn motions(
     };
     let names: Vec<String> = parts.iter().map(|p| format!("`{}/{}`", joint.name, p.suffix)).collect();
     let steep = if parts.len() == 6 { "; it must not pitch by 90 degrees" } else { "" };
-    let words =
-        format!("joint `{}` is taken as the chain of {}, passive and unlimited{steep}", joint.name, names.join(", "));
-    notices.warning(xml.source, xml.named("joint", &joint.name).range().start, words);
+    let message = format!(
+        "joint `{}` is modelled as the chain of {}, passive and unlimited{steep}",
+        joint.name,
+        names.join(", ")
+    );
+    notices.warning(xml.source, xml.named("joint", &joint.name).range().start, message);
     let last = parts.len() - 1;
     let chain = parts.into_iter().enumerate().map(|(i, part)| {
         let name = format!("{}/{}", joint.name, part.suffix);

@@ -1,5 +1,5 @@
-//! The text handed to `urdf-rs`: it insists on attributes of elements nobody reads here and on a velocity limit, reads
-//! commas as zeros, and its parser would use up the stack on elements nested without bound.
+//! The text given to `urdf-rs`, which requires a velocity limit and attributes of elements that are not used here, reads
+//! commas as zeros, and overflows the stack on deeply nested elements.
 
 use std::ops::Range;
 
@@ -8,8 +8,8 @@ use roxmltree::Node;
 use super::grammar::{has_commas, is_read};
 use super::xml::Xml;
 
-/// The file's text without the elements that are not read, with `velocity="0"` where a `<limit>` has none (whether it
-/// was there is asked of the original), and with spaces for commas.
+/// The file's text without the elements that are not read, with `velocity="0"` where a `<limit>` has none (its
+/// presence is checked in the original), and with spaces for commas.
 pub(super) fn sanitized(xml: &Xml) -> String {
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
     let text = xml.source.text();

@@ -1,4 +1,4 @@
-//! The graph of links and joints: names resolved, proved to be one tree.
+//! Resolves the names of links and joints and checks that they form one tree.
 
 use std::collections::HashMap;
 
@@ -8,16 +8,16 @@ use crate::robot::error::RobotError;
 /// Links and joints by index into the URDF's lists.
 pub(super) struct Tree<'a> {
     pub robot: &'a urdf_rs::Robot,
-    /// For each link the joints that hang on it, in file order.
+    /// For each link the joints of which it is the parent, in file order.
     pub joints_of: Vec<Vec<usize>>,
     /// For each joint its child link.
     pub child_of: Vec<usize>,
-    /// The link no joint moves.
+    /// The link that no joint moves.
     pub root: usize,
 }
 
 impl<'a> Tree<'a> {
-    /// Faults: duplicate names, joints that name unknown links, a link under two joints, several roots, loops.
+    /// Errors: duplicate names, joints that name unknown links, a link under two joints, several roots, loops.
     pub fn new(robot: &'a urdf_rs::Robot, xml: &Xml) -> Result<Self, RobotError> {
         unique_names(xml, "link")?;
         unique_names(xml, "joint")?;
@@ -58,7 +58,7 @@ impl<'a> Tree<'a> {
         Ok(tree)
     }
 
-    /// A link that hangs on no path to the root must be in, or below, a ring of joints.
+    /// Refuses loops: a link without a path to the root is in, or below, a loop of joints.
     fn all_reached(&self, xml: &Xml, above: &[Option<usize>]) -> Result<(), RobotError> {
         let mut reached = vec![false; above.len()];
         let mut stack = vec![self.root];
@@ -67,7 +67,7 @@ impl<'a> Tree<'a> {
             stack.extend(self.joints_of[link].iter().map(|&j| self.child_of[j]));
         }
         let Some(lost) = reached.iter().position(|r| !r) else { return Ok(()) };
-        // Climbing as many times as there are links surely ends inside the ring.
+        // After as many steps to the parent as there are links the walk is inside the loop.
         let parent = |link: usize| above[link].map_or(link, |j| self.parent_of(j));
         let start = (0..above.len()).fold(lost, |link, _| parent(link));
         let mut names = vec![self.robot.links[start].name.as_str()];

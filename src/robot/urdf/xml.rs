@@ -1,4 +1,4 @@
-//! The XML tree with the source it came from: elements by name, positions of attributes, faults.
+//! The XML tree with the source it came from: elements by name, positions of attributes, errors.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -8,11 +8,10 @@ use roxmltree::{Document, Node};
 use crate::robot::error::{FileError, RobotError};
 use crate::text::source::Source;
 
-/// The parser holds each attribute of an element against all others of it.
+/// Most attributes of an element: the parser compares all pairs.
 pub(super) const MOST_ATTRIBUTES: usize = 1000;
 
-/// The byte at which an element has more attributes than that, if one has. Text between two elements counts as if it were
-/// within the first.
+/// The byte at which an element exceeds [`MOST_ATTRIBUTES`]. Text between two elements counts as part of the first.
 pub(super) fn crowded(text: &str) -> Option<usize> {
     let (mut count, mut is_given) = (0, false);
     for (at, byte) in text.bytes().enumerate() {
@@ -59,12 +58,12 @@ impl<'a> Xml<'a> {
         self.named.get(&(tag, name)).copied().unwrap_or(self.robot)
     }
 
-    /// A fault at an element's opening tag.
+    /// An error at an element's opening tag.
     pub fn fault(&self, node: Node, message: impl Into<String>) -> FileError {
         FileError::new(self.source, open_tag(self.source, node), message).element(describe(node))
     }
 
-    /// A fault at an attribute's value, or at the element when the attribute is absent.
+    /// An error at an attribute's value, or at the element when the attribute is absent.
     pub fn attribute_fault(&self, node: Node, attribute: &str, message: impl Into<String>) -> FileError {
         match node.attribute_node(attribute) {
             Some(a) => FileError::new(self.source, a.range_value(), message)
@@ -80,7 +79,7 @@ pub(super) fn child<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
     node.children().find(|n| n.has_tag_name(tag))
 }
 
-/// The nearest enclosing named element, in words: ``joint `knee` ``.
+/// The nearest enclosing named element as text: ``joint `knee` ``.
 pub(super) fn describe(node: Node) -> String {
     node.ancestors()
         .filter(|n| n.has_tag_name("link") || n.has_tag_name("joint"))
@@ -97,16 +96,16 @@ fn open_tag(source: &Source, node: Node) -> Range<usize> {
     range.start..end
 }
 
-/// The XML parser's complaint at the place it names.
+/// An error of the XML parser, with its position.
 pub(super) fn syntax_error(source: &Source, error: &roxmltree::Error) -> RobotError {
-    let place = error.pos();
+    let position = error.pos();
     let line_start: usize =
-        source.text().split_inclusive('\n').take(place.row.saturating_sub(1) as usize).map(str::len).sum();
+        source.text().split_inclusive('\n').take(position.row.saturating_sub(1) as usize).map(str::len).sum();
     let line = source.text()[line_start..].lines().next().unwrap_or("");
-    let column = line.char_indices().nth(place.col.saturating_sub(1) as usize).map_or(line.len(), |(i, _)| i);
+    let column = line.char_indices().nth(position.col.saturating_sub(1) as usize).map_or(line.len(), |(i, _)| i);
     let start = line_start + column;
     let text = error.to_string();
     // The parser repeats the position at the end of its sentence.
-    let sentence = text.rsplit_once(" at ").map_or(text.as_str(), |(words, _)| words);
+    let sentence = text.rsplit_once(" at ").map_or(text.as_str(), |(message, _)| message);
     FileError::new(source, start..start + 1, format!("the XML is not well-formed: {sentence}")).syntax()
 }

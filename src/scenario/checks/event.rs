@@ -3,15 +3,15 @@
 use super::Check;
 use crate::scenario::format::event::EventSpec;
 
-/// After each event the whole scenario is kept as it is then.
+/// The whole scenario is kept for each event.
 const MOST_EVENTS: usize = 1000;
 
 impl Check<'_> {
     /// `end` is the run's, s.
-    /// An end beyond the end changes nothing.
+    /// Warns when `stop.at` is after the end and has no effect.
     pub(super) fn end(&mut self, at: Option<f64>, duration: f64) {
         if let Some(at) = at.filter(|at| *at > duration) {
-            let span = self.place("stop.at").1;
+            let span = self.spans("stop.at").1;
             let message = format!("`stop.at` is at {at} s, but the run ends at {duration} s, its `duration`");
             self.findings.warning(span, message, None);
         }
@@ -35,7 +35,7 @@ impl Check<'_> {
                 self.error(&format!("{path}.end_tasks.{k}"), format!("names task {number}, but {there}"));
             }
             if event.at >= end {
-                let span = self.place(&format!("{path}.at")).1;
+                let span = self.spans(&format!("{path}.at")).1;
                 let message = format!("`{path}` is at {} s, but the run ends at {end} s", event.at);
                 self.findings.warning(span, message, None);
             }

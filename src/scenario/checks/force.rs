@@ -9,7 +9,7 @@ impl Check<'_> {
         match force.grip() {
             Some(Grip { link: None, end_effector: None }) => self.error(path, "needs `link` or `end_effector`"),
             Some(Grip { link: Some(_), end_effector: Some(_) }) => {
-                self.error(&format!("{path}.end_effector"), "has no meaning beside `link`: one of them says where");
+                self.error(&format!("{path}.end_effector"), "has no meaning with `link`; give one of them");
             }
             _ => {}
         }
@@ -68,12 +68,12 @@ impl Check<'_> {
         if moves.iter().filter(|given| **given).count() > 1 {
             self.error(path, "must move in one way: `velocity`, `sine` or `waypoints`");
         } else if !anchor.waypoints.is_empty() && anchor.position.is_some() {
-            self.error(&format!("{path}.position"), "has no meaning beside `waypoints`");
+            self.error(&format!("{path}.position"), "has no meaning with `waypoints`");
         }
         for (i, pair) in anchor.waypoints.windows(2).enumerate() {
             if pair[1].at <= pair[0].at {
-                let place = format!("{path}.waypoints.{}.at", i + 1);
-                self.error(&place, format!("must be after the waypoint before, at {}, not {}", pair[0].at, pair[1].at));
+                let key = format!("{path}.waypoints.{}.at", i + 1);
+                self.error(&key, format!("must be after the previous waypoint, at {}, not {}", pair[0].at, pair[1].at));
             }
         }
     }

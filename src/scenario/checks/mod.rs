@@ -1,4 +1,4 @@
-//! Rules between several values of a scenario, each shown at the value that breaks it.
+//! Rules that involve several values of a scenario; each error is shown at the value that breaks the rule.
 
 mod event;
 mod force;
@@ -16,13 +16,13 @@ use crate::scenario::key_path::KeyPath;
 use crate::text::source::Span;
 use crate::text::toml_tree::Node;
 
-/// Most readings of a sensor that are kept until they are seen.
+/// Most readings of a sensor that wait for their delay.
 const MOST_READINGS: f64 = 1e5;
 
-/// Most entries of a list: some of them are held against all others.
+/// Most entries of a list; some checks compare all pairs.
 const MOST_ENTRIES: usize = 10_000;
 
-/// A scenario whose single values are sound, its tree, and what is found.
+/// Checks of a scenario whose single values are valid.
 struct Check<'a> {
     root: &'a Node,
     findings: &'a mut Findings,
@@ -36,7 +36,7 @@ pub fn host_and_port(backend: &str) -> Option<(&str, u16)> {
     (!host.is_empty()).then_some((host, port))
 }
 
-/// Report what does not fit together.
+/// Reports values that contradict each other.
 pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
     let mut check = Check { root, findings };
     if !check.counts(scenario) {
@@ -84,7 +84,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
 }
 
 impl Check<'_> {
-    /// A robot somewhere else has an address, and a key belongs to one.
+    /// Checks the address of a remote robot; a key requires an address.
     fn backend(&mut self, scenario: &Scenario) {
         let robot = &scenario.robot;
         if let Some(backend) = &robot.backend
@@ -93,11 +93,11 @@ impl Check<'_> {
             self.error("robot.backend", format!("must be like \"udp://127.0.0.1:4747\", not {backend:?}"));
         }
         if robot.backend.is_none() && robot.backend_key.is_some() {
-            self.error("robot.backend_key", "belongs to `robot.backend`, which is not there");
+            self.error("robot.backend_key", "requires `robot.backend`, which is missing");
         }
     }
 
-    /// Is no list longer than can be judged?
+    /// False, with an error, when a list has too many entries.
     fn counts(&mut self, scenario: &Scenario) -> bool {
         let lists = [
             ("task", scenario.task.len()),
@@ -115,7 +115,7 @@ impl Check<'_> {
         long.is_none()
     }
 
-    /// Readings that are still to be seen are kept.
+    /// Limits delays: readings are kept in memory until they are due.
     fn delays(&mut self, scenario: &Scenario) {
         let s = &scenario.sensors;
         let delays = [
@@ -138,7 +138,8 @@ impl Check<'_> {
         }
     }
 
-    fn place(&self, path: &str) -> (Span, Span) {
+    /// Spans of the key and of the value at a path.
+    fn spans(&self, path: &str) -> (Span, Span) {
         KeyPath::internal(path).locate(self.root)
     }
 
@@ -147,7 +148,7 @@ impl Check<'_> {
     }
 
     fn error(&mut self, path: &str, must: impl AsRef<str>) {
-        let span = self.place(path).1;
+        let span = self.spans(path).1;
         self.findings.error(span, format!("`{path}` {}", must.as_ref()), None);
     }
 
@@ -176,7 +177,7 @@ impl Check<'_> {
         let path = format!("robot.payload.{i}");
         if let Some(size) = payload.size {
             if payload.inertia != [0.0; 6] {
-                self.error(&format!("{path}.size"), "has no meaning beside `inertia`: give one of them");
+                self.error(&format!("{path}.size"), "has no meaning with `inertia`; give one of them");
             }
             if !size.iter().all(|edge| *edge > 0.0) {
                 self.error(&format!("{path}.size"), format!("must be three lengths above 0, not {size:?}"));
@@ -198,7 +199,7 @@ impl Check<'_> {
 
     fn starts_in_time(&mut self, path: &str, start: f64, end: f64) {
         if start >= end {
-            let span = self.place(&format!("{path}.start")).1;
+            let span = self.spans(&format!("{path}.start")).1;
             self.findings.warning(span, format!("`{path}` starts at {start} s, but the run ends at {end} s"), None);
         }
     }
@@ -230,8 +231,8 @@ impl Check<'_> {
             }
             (None, Some(_)) => None,
             (Some(_), None) => match (expect.value, tolerance) {
-                (Some(_), None) => Some("lacks the key `tolerance` beside `value`"),
-                (None, Some(_)) => Some("lacks the key `value` beside `tolerance`"),
+                (Some(_), None) => Some("has `value` and lacks the key `tolerance`"),
+                (None, Some(_)) => Some("has `tolerance` and lacks the key `value`"),
                 (Some(_), Some(_)) if limits => Some("must have either `value` or `min` and `max`, not both"),
                 (None, None) if !limits => Some("needs `value` and `tolerance`, or `min` or `max`"),
                 _ => None,

@@ -41,7 +41,7 @@ impl Check<'_> {
                 mocap.start
             }
             TaskSpec::Balance(balance) => {
-                self.stands(path, balance.soles.as_deref());
+                self.soles_named(path, balance.soles.as_deref());
                 for (joint, mobility) in balance.position.mobility.iter().filter(|(_, w)| **w < 0.0) {
                     let message = format!("must be 0 or greater, not {mobility}");
                     self.error(&format!("{path}.position.mobility.{}", KeyPath::segment(joint)), message);
@@ -59,7 +59,7 @@ impl Check<'_> {
                 balance.start
             }
             TaskSpec::GravityCompensation(task) => {
-                self.stands(path, task.soles.as_deref());
+                self.soles_named(path, task.soles.as_deref());
                 let times: Vec<f64> = task.change.iter().map(|c| c.at).collect();
                 self.spaced_changes(path, &times, task.start, 0.0, "", end);
                 task.start
@@ -105,24 +105,24 @@ impl Check<'_> {
         }
     }
 
-    /// Changes come one after the other.
+    /// Times of changes must increase.
     pub(super) fn changes(&mut self, path: &str, changes: &[ChangeSpec]) {
         for (i, pair) in changes.windows(2).enumerate() {
             if pair[1].at <= pair[0].at {
-                let place = format!("{path}.change.{}.at", i + 1);
-                self.error(&place, format!("must be after the change before, at {}, not {}", pair[0].at, pair[1].at));
+                let key = format!("{path}.change.{}.at", i + 1);
+                self.error(&key, format!("must be after the previous change, at {}, not {}", pair[0].at, pair[1].at));
             }
         }
     }
 
-    /// Named soles are at least one.
-    fn stands(&mut self, path: &str, soles: Option<&[String]>) {
+    /// A list of soles must not be empty.
+    fn soles_named(&mut self, path: &str, soles: Option<&[String]>) {
         if soles.is_some_and(<[String]>::is_empty) {
             self.error(&format!("{path}.soles"), "must name at least one sole, or be left out: all");
         }
     }
 
-    /// Changes of a balance are changes of its own control.
+    /// Changes of a balance must set its own `control`.
     fn balance_changes(&mut self, path: &str, balance: &BalanceTask, end: f64) {
         let times: Vec<f64> = balance.change.iter().map(|c| c.at).collect();
         self.spaced_changes(path, &times, balance.start, 0.0, "", end);
@@ -135,7 +135,7 @@ impl Check<'_> {
                 let message = format!("has no meaning with `control = \"{own}\"`");
                 self.error(&format!("{path}.change.{i}.{other}"), message);
             } else if !given {
-                let span = self.place(&format!("{path}.change.{i}")).1;
+                let span = self.spans(&format!("{path}.change.{i}")).1;
                 self.findings.error(span, format!("`{path}.change.{i}` needs `{own}`"), None);
             }
         }
@@ -155,7 +155,7 @@ impl Check<'_> {
             for name in change.joints.keys().filter(|name| !sine.joints.contains_key(*name)) {
                 let help = suggest::help(name, sine.joints.keys().map(String::as_str).collect::<Vec<_>>());
                 let key = format!("{path}.change.{i}.joints.\"{name}\"");
-                let span = self.place(&key).0;
+                let span = self.spans(&key).0;
                 self.findings.error(span, format!("`{path}` does not swing `{name}`"), Some(help));
             }
         }
@@ -173,21 +173,21 @@ impl Check<'_> {
         }
     }
 
-    /// Times of changes lie after the start, each far enough behind the one before for that to be over.
+    /// Changes must come after the start, each after the end of the previous one.
     fn spaced_changes(&mut self, path: &str, times: &[f64], start: f64, apart: f64, what: &str, end: f64) {
         for (i, at) in times.iter().enumerate() {
             let key = format!("{path}.change.{i}.at");
             match i.checked_sub(1).map(|before| times[before]) {
                 None if *at < start => self.error(&key, format!("must not be before `start` = {start}, not {at}")),
                 Some(before) if *at <= before => {
-                    self.error(&key, format!("must be after the change before it, at {before}, not {at}"));
+                    self.error(&key, format!("must be after the previous change, at {before}, not {at}"));
                 }
                 Some(before) if *at < before + apart => {
                     let must = format!("must be at least `{what}` = {apart} after the change at {before}, not {at}");
                     self.error(&key, must);
                 }
                 _ if *at >= end => {
-                    let span = self.place(&key).1;
+                    let span = self.spans(&key).1;
                     self.findings.warning(span, format!("`{key}` = {at} s, but the run ends at {end} s"), None);
                 }
                 _ => {}

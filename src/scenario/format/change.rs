@@ -1,4 +1,4 @@
-//! Parameters that change by time.
+//! Parameters that change at given times.
 
 use std::collections::BTreeMap;
 
@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::quantity::{json, non_negative};
 
-/// New values of some parameters; the others stay.
+/// New values of some parameters; the others keep theirs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChangeSpec {
-    /// When, s.
+    /// Time, s.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub at: f64,

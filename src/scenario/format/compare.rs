@@ -1,4 +1,4 @@
-//! `[compare]`: how accurate a run is, and what it costs.
+//! `[compare]`: accuracy and cost of a run.
 
 use std::collections::BTreeMap;
 
@@ -10,19 +10,19 @@ use crate::scenario::format::quantity::{json, some_count};
 use crate::text::suggest;
 
 /// Accuracy and cost of a run: against a reference run of the same cell, against known truths, by repeated timing. At
-/// least one of the three.
+/// least one of the three is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CompareSpec {
-    /// What differs in the reference run, under dotted names; left out: no reference run.
+    /// Values of the reference run that differ, by dotted key; left out: no reference run.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<BTreeMap<String, serde_json::Value>>")]
     pub reference: Option<BTreeMap<String, toml::Value>>,
-    /// What metrics would be without any error, in their units.
+    /// True values of metrics, in their units.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, f64>", extend("propertyNames" = { "enum": truth_metrics() }))]
     pub truth: BTreeMap<TruthMetric, f64>,
-    /// How often a run is repeated to time it, alone on the machine; left out: never.
+    /// Number of timed repetitions of a run, alone on the machine; left out: none.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_count")]
     #[schemars(with = "Option<json::Count>")]
     pub timing_repeats: Option<u32>,

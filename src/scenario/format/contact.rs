@@ -1,41 +1,41 @@
-//! `[contact]`, `[integrator]`: how the run is computed.
+//! `[contact]`, `[integrator]`: contact method and integration of a run.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use crate::scenario::format::quantity::{count, fraction, json, non_negative, positive};
 
-/// How contact is decided.
+/// Contact method and its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ContactSpec {
-    /// Which rule finds the contact states and forces.
+    /// Method that finds the contact states and forces.
     pub method: ContactMethod,
-    /// A vertex this near to the floor touches it, m.
+    /// Height below which a vertex touches the floor, m.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub distance_tolerance: f64,
-    /// Slower than this counts as resting, m/s.
+    /// Speed below which a vertex rests, m/s.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub velocity_tolerance: f64,
-    /// Less than this counts as not accelerating, m/s^2.
+    /// Acceleration that counts as none, m/s^2.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub acceleration_tolerance: f64,
-    /// Normal velocity after an impact over that before, 0 to 1.
+    /// Coefficient of restitution: normal velocity after an impact over that before, 0 to 1.
     #[serde(deserialize_with = "fraction")]
     #[schemars(with = "json::Fraction")]
     pub restitution: f64,
-    /// When contact changes take place.
+    /// When contact changes are applied.
     pub events: EventHandling,
     /// Contact states imposed for a time.
     pub forced: Vec<ForcedState>,
-    /// What `penalty` is told.
+    /// Parameters of method `penalty`.
     pub penalty: PenaltySpec,
-    /// What method `lcp` is told.
+    /// Parameters of method `lcp`.
     pub lcp: LcpSpec,
-    /// What method `ncp` is told.
+    /// Parameters of method `ncp`.
     pub ncp: NcpSpec,
 }
 
@@ -60,20 +60,20 @@ impl Default for ContactSpec {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactMethod {
-    /// Exact Coulomb friction: the contact states are tried until one holds.
+    /// Exact Coulomb friction: contact states are tested until one is consistent.
     Exact,
-    /// One decision per vertex from present quantities, no trial.
+    /// One decision per vertex from the present quantities, without trials.
     OneStep,
     /// Springs and dampers under every vertex, regularised friction.
     Penalty,
-    /// Time stepping with a polyhedral friction cone: a linear complementarity problem a step.
+    /// Time stepping with a polyhedral friction cone: one linear complementarity problem per step.
     Lcp,
     /// Time stepping on the true friction cone, by projected Gauss-Seidel.
     Ncp,
 }
 
 impl ContactMethod {
-    /// The word in files and tables.
+    /// Its name in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             ContactMethod::Exact => "exact",
@@ -85,7 +85,7 @@ impl ContactMethod {
     }
 }
 
-/// The springs of `penalty`.
+/// Parameters of method `penalty`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PenaltySpec {
@@ -97,7 +97,7 @@ pub struct PenaltySpec {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub damping: f64,
-    /// Speed below which friction has not its full size, m/s.
+    /// Speed below which friction is below its full size, m/s.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub slip_velocity: f64,
@@ -109,7 +109,7 @@ impl Default for PenaltySpec {
     }
 }
 
-/// What method `lcp` is told.
+/// Parameters of method `lcp`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LcpSpec {
@@ -133,15 +133,15 @@ fn facets<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
     Err(D::Error::custom(format!("must be an even number from 4 to 64, not {n}")))
 }
 
-/// What method `ncp` is told.
+/// Parameters of method `ncp`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct NcpSpec {
-    /// Most sweeps over the contact points a step.
+    /// Most sweeps over the contact points in a step.
     #[serde(deserialize_with = "count")]
     #[schemars(with = "json::Count")]
     pub iterations: u32,
-    /// Change within a sweep at which sweeping ends, m/s.
+    /// Change within a sweep at which the sweeps end, m/s.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub tolerance: f64,
@@ -153,7 +153,7 @@ impl Default for NcpSpec {
     }
 }
 
-/// When contact changes take place.
+/// When contact changes are applied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum EventHandling {
@@ -201,17 +201,17 @@ fn is_state_name(name: &str) -> bool {
     pattern == "face" || counted("edge-") || counted("vertex-")
 }
 
-/// How the equations of motion are integrated.
+/// Integration of the equations of motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorSpec {
     /// The method.
     pub method: IntegratorMethod,
-    /// Error allowed per step in proportion to the state, adaptive methods.
+    /// Relative error allowed per step, adaptive methods.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub relative_tolerance: f64,
-    /// Error allowed per step beside that, adaptive methods, SI units.
+    /// Absolute error allowed per step in addition, adaptive methods, SI units.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub absolute_tolerance: f64,
@@ -252,7 +252,7 @@ pub enum IntegratorMethod {
 }
 
 impl IntegratorMethod {
-    /// The word in files and tables.
+    /// Its name in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             IntegratorMethod::Dopri5 => "dopri5",

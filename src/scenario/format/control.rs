@@ -1,4 +1,4 @@
-//! `[control]`: the task server and what it knows of the base.
+//! `[control]`: the task server and its estimate of the base.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
@@ -20,16 +20,15 @@ fn rate<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ControlSpec {
-    /// How often tasks run and sensors are read, Hz.
-    /// At most 1e6.
+    /// Rate of tasks and sensors, Hz; at most 1e6.
     #[serde(deserialize_with = "rate")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = FASTEST))]
     pub rate: f64,
-    /// Does the server tick, and with it every step end, while no task runs? Each tick is then an instant at which an event can
-    /// be put without changing the steps before it.
+    /// True: the server ticks also while no task runs, and steps end at each tick. An event at a tick then changes no step
+    /// before it.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub idle_ticks: bool,
-    /// Where tasks have the base's state from.
+    /// Source of the base's state for tasks.
     pub estimator: Estimator,
     /// Parameters of estimator `kinematic`.
     #[serde(skip_serializing_if = "KinematicSpec::is_default")]
@@ -51,27 +50,27 @@ impl Default for ControlSpec {
     }
 }
 
-/// Where tasks have the base's state from.
+/// Source of the base's state for tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Estimator {
-    /// The simulated state itself.
+    /// The simulated state.
     Truth,
-    /// Measured orientation and joint angles, and soles that stand still.
+    /// Measured orientation and joint angles, and soles at rest.
     Kinematic,
     /// Integrated gyroscope and accelerometer, or sole forces.
     Inertial,
 }
 
-/// How the kinematic estimator tells which soles stand still.
+/// How the kinematic estimator decides which soles rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct KinematicSpec {
-    /// A sole stands still while the floor carries more than this part of the robot's weight on it.
+    /// A sole rests while it carries more than this fraction of the robot's weight.
     #[serde(deserialize_with = "fraction")]
     #[schemars(with = "json::Fraction")]
     pub threshold: f64,
-    /// These soles stand still, whatever they carry; left out: by their loads.
+    /// Soles that always rest; left out: decided by load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub static_soles: Option<Vec<String>>,
 }
@@ -88,11 +87,11 @@ impl KinematicSpec {
     }
 }
 
-/// What the inertial estimator integrates.
+/// Parameters of the inertial estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct InertialSpec {
-    /// Where it has the acceleration from.
+    /// Source of the acceleration.
     pub acceleration: AccelerationSource,
 }
 
@@ -102,13 +101,13 @@ impl InertialSpec {
     }
 }
 
-/// Where the inertial estimator has the acceleration from.
+/// Source of the inertial estimator's acceleration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AccelerationSource {
     /// The accelerometer.
     #[default]
     Accelerometer,
-    /// The sole forces, which accelerate the centre of mass; other forces go unnoticed.
+    /// The sole forces, which accelerate the centre of mass; other forces are not seen.
     Soles,
 }

@@ -1,4 +1,4 @@
-//! `[[expect]]`: verdicts about a run.
+//! `[[expect]]`: expectations by which a run is judged.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
@@ -15,7 +15,7 @@ pub struct Expect {
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "metric")]
     #[schemars(extend("anyOf" = [{ "enum": METRICS }, { "pattern": "^error_" }]))]
     pub metric: Option<String>,
-    /// Wanted value, in the metric's unit.
+    /// Expected value, in the metric's unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// Greatest distance from `value`.
@@ -32,31 +32,31 @@ pub struct Expect {
     /// Greatest value allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max: Option<f64>,
-    /// How the run must end, instead of a metric.
+    /// Required outcome of the run, instead of a metric.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outcome: Option<ExpectedOutcome>,
 }
 
-/// How a run must end.
+/// Required outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ExpectedOutcome {
-    /// At its end.
+    /// The run reached its end.
     Passed,
-    /// By a stop rule.
+    /// A stop rule ended it.
     Fallen,
-    /// By numbers out of range.
+    /// Numbers went out of range.
     Diverged,
-    /// By too many events in too little time.
+    /// Too many events happened in too short a time.
     Stalled,
-    /// By the wall clock.
+    /// The limit of wall-clock time was reached.
     TimedOut,
-    /// By an error.
+    /// An error ended it.
     Error,
 }
 
 impl ExpectedOutcome {
-    /// The word in the summary.
+    /// Its name in the summary.
     pub fn name(self) -> &'static str {
         match self {
             ExpectedOutcome::Passed => "passed",
@@ -83,13 +83,13 @@ impl Expect {
     /// Greatest distance from `value` that holds; none without a value.
     pub fn allowed(&self) -> Option<f64> {
         let relative = self.relative_tolerance.unwrap_or(0.0);
-        self.value.map(|wanted| self.tolerance.unwrap_or(0.0) + relative * wanted.abs())
+        self.value.map(|expected| self.tolerance.unwrap_or(0.0) + relative * expected.abs())
     }
 
-    /// How far a measured value is off: from the wanted value, or beyond the limits (0 between them).
+    /// Deviation of a measured value from the expected one, or beyond the limits (0 between them).
     pub fn error(&self, measured: f64) -> f64 {
         match (self.value, self.min, self.max) {
-            (Some(wanted), ..) => measured - wanted,
+            (Some(expected), ..) => measured - expected,
             (None, Some(min), _) if measured < min => measured - min,
             (None, _, Some(max)) if measured > max => measured - max,
             _ if measured.is_nan() => f64::NAN,

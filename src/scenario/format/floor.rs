@@ -22,17 +22,17 @@ pub struct FloorSpec {
     #[serde(deserialize_with = "angles")]
     #[schemars(with = "[json::Angle; 3]")]
     pub rpy: [f64; 3],
-    /// Regions of other friction.
+    /// Regions with their own friction.
     pub patches: Vec<PatchSpec>,
 }
 
 /// Isotropic Coulomb friction. `static` is not smaller than `kinetic`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Friction {
-    /// Coefficient that a sticking sole holds.
+    /// Coefficient while a sole sticks.
     #[serde(rename = "static")]
     pub static_: f64,
-    /// Coefficient of a sliding one.
+    /// Coefficient while it slides.
     pub kinetic: f64,
 }
 
@@ -42,16 +42,16 @@ impl Default for Friction {
     }
 }
 
-/// A region of the floor with friction of its own.
+/// A region of the floor with its own friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PatchSpec {
-    /// Corners in order around the region, world x and y, m: it is seen from above, so on a tilted floor it covers what
-    /// lies straight below or above. A third number, the height, may be given and is not used.
+    /// Corners in order around the region, world x and y, m. On a tilted floor the region covers the points vertically above
+    /// and below. A third number, the height, may be given and is not used.
     #[serde(deserialize_with = "corners")]
     #[schemars(with = "Vec<json::Corner>", length(min = 3))]
     pub polygon: Vec<[f64; 2]>,
-    /// Friction there.
+    /// Friction in the region.
     pub friction: Friction,
 }
 

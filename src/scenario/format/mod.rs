@@ -1,4 +1,6 @@
-//! The types of a scenario, one file per part, every field with its unit and default.
+//! The types of the scenario format, one file per section, each field with its unit and default.
+//!
+//! Doc comments of these types are the descriptions of the JSON Schema and of the reference page.
 
 pub mod change;
 pub mod compare;

@@ -1,6 +1,6 @@
-//! Numbers with a meaning: what a field accepts, used as `deserialize_with`, and how JSON Schema says it.
+//! Ranges and units of numeric fields: readers for `deserialize_with`, and their JSON Schemas.
 //!
-//! Whole numbers are accepted wherever a number is. That every number is finite is ensured when the file is read.
+//! Whole numbers are accepted wherever a number is. All numbers are finite: the TOML reader refuses others.
 
 use std::{borrow::Cow, collections::BTreeMap};
 
@@ -24,12 +24,12 @@ pub fn non_negative<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     number_where(d, |x| x >= 0.0, "0 or greater")
 }
 
-/// Zero or above, where leaving it out means something else.
+/// Zero or above, optional.
 pub fn some_non_negative<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> {
     non_negative(d).map(Some)
 }
 
-/// Above zero, where leaving it out means something else.
+/// Above zero, optional.
 pub fn some_positive<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> {
     positive(d).map(Some)
 }
@@ -39,7 +39,7 @@ pub fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     number_where(d, |x| (0.0..=1.0).contains(&x), "between 0 and 1")
 }
 
-/// The same, where leaving it out means something else.
+/// The same, optional.
 pub fn some_fraction<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> {
     fraction(d).map(Some)
 }
@@ -52,7 +52,7 @@ pub fn count<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
     }
 }
 
-/// The same, where leaving it out means something else.
+/// The same, optional.
 pub fn some_count<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
     count(d).map(Some)
 }
@@ -62,7 +62,7 @@ pub fn angle<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     Angle::deserialize(d).map(|angle| angle.value)
 }
 
-/// An angle, where leaving it out means something else.
+/// An angle, optional.
 pub fn some_angle<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> {
     angle(d).map(Some)
 }
@@ -77,17 +77,17 @@ pub fn angular_rates<'de, D: Deserializer<'de>>(d: D) -> Result<[f64; 3], D::Err
     Ok(<[AngularRate; 3]>::deserialize(d)?.map(|rate| rate.0))
 }
 
-/// Joint name to joint position.
+/// Joint positions by joint name.
 pub fn joint_positions<'de, D: Deserializer<'de>>(d: D) -> Result<BTreeMap<String, f64>, D::Error> {
     Ok(BTreeMap::<String, Angle>::deserialize(d)?.into_iter().map(|(name, angle)| (name, angle.value)).collect())
 }
 
-/// Joint name to joint velocity.
+/// Joint velocities by joint name.
 pub fn joint_velocities<'de, D: Deserializer<'de>>(d: D) -> Result<BTreeMap<String, f64>, D::Error> {
     Ok(BTreeMap::<String, AngularRate>::deserialize(d)?.into_iter().map(|(name, a)| (name, a.0)).collect())
 }
 
-/// Marker types that only say in JSON Schema what the functions above accept.
+/// Marker types for the JSON Schema of the functions above.
 pub mod json {
     use super::*;
 

@@ -1,4 +1,4 @@
-//! `sweep.random`: how many samples, taken how, of which distributions.
+//! `sweep.random`: number of samples, sampling method and distributions.
 
 use std::{borrow::Cow, fmt};
 
@@ -15,15 +15,15 @@ use crate::text::suggest;
 /// Random samples of one or more keys: one dimension of the sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomSpec {
-    /// How many.
+    /// Number of samples.
     pub samples: u32,
-    /// How they are taken.
+    /// Sampling method.
     pub sampling: Sampling,
-    /// What is drawn, by dotted path, in the order of the file.
+    /// Distributions by dotted key, in the order of the file.
     pub keys: Vec<(String, Distribution)>,
 }
 
-/// How samples are taken.
+/// Sampling method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Sampling {
@@ -36,17 +36,17 @@ pub enum Sampling {
     Sobol,
 }
 
-/// What a key's values are drawn from.
+/// Distribution of a key's values.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Distribution {
-    /// `[a, b]`: every number between them equally likely.
+    /// `[a, b]`: uniform between them.
     Uniform(f64, f64),
-    /// `[a, b]`, both above 0: every ratio equally likely.
+    /// `[a, b]`, both above 0: uniform in the logarithm.
     LogUniform(f64, f64),
     /// `[mean, standard deviation]`.
     Normal(f64, f64),
-    /// `[a, b]`: every whole number from a to b equally likely.
+    /// `[a, b]`: whole numbers from a to b, equally likely.
     Integer(i64, i64),
     /// One of these values, equally likely.
     Choice(#[schemars(with = "Vec<serde_json::Value>")] Vec<toml::Value>),
@@ -56,12 +56,12 @@ const FORMS: [&str; 5] = ["uniform", "log-uniform", "normal", "integer", "choice
 const OPTIONS: [&str; 2] = ["samples", "sampling"];
 
 impl RandomSpec {
-    /// The distribution of the key at `place` among the keys.
-    pub fn key_at(&self, place: usize) -> Option<&Distribution> {
-        self.keys.get(place).map(|(_, distribution)| distribution)
+    /// The distribution of the key with this index.
+    pub fn key_at(&self, index: usize) -> Option<&Distribution> {
+        self.keys.get(index).map(|(_, distribution)| distribution)
     }
 
-    /// Is this key of the table a path, and no option.
+    /// True when this key of the table is a path, not an option.
     pub fn is_path(key: &str) -> bool {
         !OPTIONS.contains(&key)
     }
@@ -191,7 +191,7 @@ impl<'de> Visitor<'de> for DistributionVisitor {
             }
             Some("integer") => {
                 let (a, b): (i64, i64) = map.next_value()?;
-                // So far every whole number is a number of f64, of which draws are made.
+                // Up to 2^53 every whole number is exact in f64, with which draws are computed.
                 if a >= b || b.checked_sub(a).is_none_or(|d| d >= 1 << 53) {
                     return must(format!(
                         "whole ends of which the second is greater, by less than 2^53, not {a} and {b}"

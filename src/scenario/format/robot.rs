@@ -1,4 +1,4 @@
-//! `[robot]`: which robot, where it starts, and what differs from its own files.
+//! `[robot]`: the robot, its initial state, and changes to its files.
 
 use std::collections::BTreeMap;
 
@@ -16,11 +16,11 @@ use crate::scenario::format::quantity::{
 pub struct RobotSpec {
     /// Path of a robot file (`.toml`) or a `.urdf`, relative to the scenario file.
     pub model: String,
-    /// Where the robot is, if it is not simulated by this run: `udp://ADDRESS:PORT`, where a `runner motor-server` or a robot
+    /// Address of a robot that this run does not simulate: `udp://ADDRESS:PORT`, where a `runner motor-server` or a robot
     /// listens.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backend: Option<String>,
-    /// File with the secret that both sides have, at least 16 bytes; needed unless the address of `backend` is on loopback.
+    /// File with the secret that both sides share, at least 16 bytes; required unless the address of `backend` is on loopback.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backend_key: Option<String>,
     /// Pose and velocity of the root link's frame at the start.
@@ -37,13 +37,13 @@ pub struct RobotSpec {
     /// The drive of joints that no robot file configures.
     #[serde(default)]
     pub joint_default: JointDefault,
-    /// What happens at a joint's position limits.
+    /// Behaviour at a joint's position limits.
     #[serde(default)]
     pub joint_limits: JointLimits,
-    /// Soles instead of the robot's own; an empty list means no contact. Left out: the robot's.
+    /// Soles that replace the robot's; an empty list means no contact. Left out: the robot's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soles: Option<Vec<SoleSpec>>,
-    /// What happens to inertias that no body can have. Left out: as the robot file says, else `"refuse"`.
+    /// Treatment of inertias that no body can have. Left out: as in the robot file, else `"refuse"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia: Option<InertiaSpec>,
     /// Masses welded to links.
@@ -93,7 +93,7 @@ pub enum JointMode {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct JointDefault {
-    /// What the drive follows.
+    /// Drive mode.
     pub mode: JointMode,
     /// Position gain, N m/rad or N/m; only for `position`.
     #[serde(deserialize_with = "non_negative")]
@@ -111,7 +111,7 @@ impl Default for JointDefault {
     }
 }
 
-/// What happens at a joint's position limits.
+/// Behaviour at a joint's position limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum JointLimits {
@@ -122,13 +122,13 @@ pub enum JointLimits {
     Ignore,
 }
 
-/// What happens to inertias that no body can have.
+/// Treatment of inertias that no body can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum InertiaSpec {
-    /// The robot is refused, by the link's name.
+    /// The robot is refused with the name of the link.
     Refuse,
-    /// The nearest physical tensor takes its place, and a notice says so.
+    /// The nearest physical tensor replaces it, with a notice.
     Repair,
 }
 
@@ -149,7 +149,7 @@ pub struct SoleSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PayloadSpec {
-    /// For people, as in a robot file.
+    /// Name for messages.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Carrying link.
@@ -165,16 +165,16 @@ pub struct PayloadSpec {
     /// point mass.
     #[serde(default)]
     pub inertia: [f64; 6],
-    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; it is drawn, too.
+    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; the box is also drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<[f64; 3]>,
 }
 
-/// Changes to one joint; what is left out stays as the robot's files have it.
+/// Changes to one joint; values left out are those of the robot's files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct JointSpec {
-    /// What the drive follows.
+    /// Drive mode.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mode: Option<JointMode>,
     /// Position gain, N m/rad or N/m.
@@ -200,7 +200,7 @@ pub struct JointSpec {
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub armature: Option<f64>,
-    /// Time constant of the actuator, s: its effort follows what is asked as a first-order lag.
+    /// Time constant of the actuator, s: its effort follows the commanded one as a first-order lag.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub lag: Option<f64>,
@@ -229,7 +229,7 @@ pub struct JointFriction {
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub stribeck_velocity: Option<f64>,
-    /// Speed v_s below which friction has not its full size, rad/s or m/s. Left out: 0.05.
+    /// Speed v_s below which friction is below its full size, rad/s or m/s. Left out: 0.05.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub slip_velocity: Option<f64>,

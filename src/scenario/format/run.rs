@@ -1,4 +1,4 @@
-//! `[log]` and `[stop]`: what a run leaves and when it ends early.
+//! `[log]` and `[stop]`: the log of a run, and rules that end it early.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ pub struct LogSpec {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub rate: f64,
-    /// What is recorded; events always are.
+    /// Recorded topics; events are always recorded.
     pub topics: Vec<LogTopic>,
 }
 
@@ -39,20 +39,20 @@ pub enum LogTopic {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StopSpec {
-    /// End with outcome `fallen`; left out: never.
+    /// Ends the run with outcome `fallen`; left out: never.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fallen: Option<FallenRule>,
-    /// End at this instant, s, as the run to `duration` would be there: what is planned or drawn for all of `duration` is the same;
-    /// left out: at `duration`.
+    /// Ends the run at this time, s; left out: at `duration`. Plans and random draws still cover all of `duration`, so the run
+    /// equals the first part of the full one.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub at: Option<f64>,
 }
 
-/// The robot has fallen.
+/// Rule by which the robot has fallen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FallenRule {
-    /// Height of the base's origin above the floor below which it has, m.
+    /// Height of the base's origin above the floor below which the robot has fallen, m.
     pub below: f64,
 }

@@ -1,16 +1,16 @@
-//! `[self_collision]`: what happens when the robot is about to touch itself.
+//! `[self_collision]`: detection and avoidance of collisions of the robot with itself.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use crate::scenario::format::quantity::{json, non_negative, positive};
 
-/// Distances between the robot's bodies are watched; methods 1 to 4 keep what the joints are asked free of collisions.
+/// Measures distances between the robot's bodies; methods 1 to 4 keep joint commands free of collisions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SelfCollisionSpec {
-    /// 0 only reports; 1 to 4 avoid: 1 stops all joints, 2 those between the bodies, 3 also tries random postures of these, 4 looks
-    /// for a way around first.
+    /// 0 only reports. 1 to 4 avoid: 1 stops all joints, 2 those between the bodies, 3 also tries random postures of these, 4
+    /// first searches for a path around.
     #[serde(deserialize_with = "up_to_four")]
     #[schemars(range(max = 4))]
     pub method: u8,
@@ -18,11 +18,11 @@ pub struct SelfCollisionSpec {
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub rate: f64,
-    /// Distance that avoidance keeps, m.
+    /// Distance that avoidance maintains, m.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub margin: f64,
-    /// Greatest speed of a joint that avoidance asks for, rad/s or m/s; the joint's own limit where that is smaller.
+    /// Greatest joint speed that avoidance commands, rad/s or m/s; the joint's own limit if that is smaller.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub max_speed: f64,

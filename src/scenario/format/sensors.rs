@@ -1,18 +1,18 @@
-//! `[sensors]`: how far the readings that tasks and estimators see are from the truth.
+//! `[sensors]`: errors of the readings that tasks and estimators receive.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use crate::scenario::format::quantity::{angles, json, non_negative};
 
-/// Longest delay, s: readings so old are kept in memory.
+/// Longest delay, s: delayed readings are kept in memory.
 const LONGEST: f64 = 10.0;
 
-/// Errors of the sensors. A sensor that is left out tells the truth.
+/// Errors of the sensors. A sensor that is left out has no error.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorsSpec {
-    /// Name of the robot's IMU that is read. Left out: the first of the robot file; without any, the base's own frame.
+    /// Name of the robot's IMU. Left out: the first of the robot file; without one, the base's frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub imu: Option<String>,
     /// Joint positions, rad or m.
@@ -42,13 +42,13 @@ pub struct SensorsSpec {
 }
 
 impl SensorsSpec {
-    /// Does the scenario say nothing of sensors?
+    /// True when the scenario sets no sensor error.
     pub fn is_none(&self) -> bool {
         *self == SensorsSpec::default()
     }
 }
 
-/// Errors of a sensor, in the unit of what it reads, the same for each of its channels.
+/// Errors of a sensor, in the unit of its readings, the same for each of its channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorError {
@@ -58,7 +58,7 @@ pub struct SensorError {
     pub noise: f64,
     /// Added to every reading.
     pub bias: f64,
-    /// Readings are whole multiples of this; 0: any number.
+    /// Readings are multiples of this; 0: no rounding.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub resolution: f64,
@@ -69,7 +69,7 @@ pub struct SensorError {
 }
 
 impl SensorError {
-    /// Does it tell the truth?
+    /// True without any error.
     pub fn is_none(&self) -> bool {
         *self == SensorError::default()
     }
@@ -79,11 +79,11 @@ impl SensorError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OrientationError {
-    /// Standard deviation of the turn about each of the IMU's axes, white and normal, rad.
+    /// Standard deviation of the rotation about each of the IMU's axes, white and normal, rad.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub noise: f64,
-    /// Constant turn in the IMU's axes, as a rotation vector, rad.
+    /// Constant rotation in the IMU's axes, as a rotation vector, rad.
     #[serde(deserialize_with = "angles")]
     #[schemars(with = "[json::Angle; 3]")]
     pub bias: [f64; 3],
@@ -94,7 +94,7 @@ pub struct OrientationError {
 }
 
 impl OrientationError {
-    /// Does it tell the truth?
+    /// True without any error.
     pub fn is_none(&self) -> bool {
         *self == OrientationError::default()
     }

@@ -1,4 +1,4 @@
-//! `[sweep]`: one file, many runs.
+//! `[sweep]`: many runs from one file.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -12,7 +12,7 @@ use crate::scenario::format::quantity::{count, json};
 use crate::scenario::format::random::RandomSpec;
 use crate::text::suggest;
 
-/// How a file expands to runs. Keys are dotted paths of the scenario in quotes, such as `"floor.friction"` or
+/// Expansion of a file to runs. Keys are dotted paths of the scenario in quotes, such as `"floor.friction"` or
 /// `"force.0.force"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -23,13 +23,13 @@ pub struct SweepSpec {
     /// Tables whose values advance together: the keys of a table have equally many values. Each table is one dimension.
     #[serde(deserialize_with = "tables")]
     pub zip: Vec<BTreeMap<String, Axis>>,
-    /// Tables of values, one after the other: each is one set of values, and what it does not name is as in the file.
+    /// Tables of values, used one after the other. Keys that a table does not name have the file's values.
     #[schemars(with = "Vec<BTreeMap<String, serde_json::Value>>")]
     pub list: Vec<BTreeMap<String, toml::Value>>,
     /// Random samples of one or more keys.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub random: Option<RandomSpec>,
-    /// Each run this many times, with the seeds `seed`, `seed + 1`, ...; repetitions change fastest.
+    /// Repetitions of each run, with the seeds `seed`, `seed + 1`, .... Repetitions change fastest.
     #[serde(deserialize_with = "count")]
     #[schemars(with = "json::Count")]
     pub repeat: u32,
@@ -42,7 +42,7 @@ impl Default for SweepSpec {
 }
 
 impl SweepSpec {
-    /// Is the file one run.
+    /// True when the file is one run.
     pub fn is_single(&self) -> bool {
         *self == Self::default()
     }
@@ -56,7 +56,7 @@ pub enum Axis {
     Linspace(f64, f64, #[schemars(range(min = 2))] u32),
     /// `[first, last, n]`: n values in equal ratios, both ends included; ends of one sign, not zero.
     Logspace(f64, f64, #[schemars(range(min = 2))] u32),
-    /// `[first, last, step]`: from first in steps up to last, which is hit when it lies on the grid.
+    /// `[first, last, step]`: from first in steps up to last, which is included when it is on the grid.
     Step(f64, f64, f64),
     /// The values themselves.
     #[serde(untagged)]

@@ -1,21 +1,21 @@
-//! Entries that say by `type` what they are: one registry line per type.
+//! Entries with a key `type`: one registry line per type.
 
 use crate::scenario::decode::{DecodeError, NodeDeserializer};
 use crate::scenario::findings::Findings;
 use crate::text::suggest;
 use crate::text::toml_tree::Node;
 
-/// An enum whose variants are picked by the key `type`.
+/// An enum whose variant the key `type` selects.
 pub trait Tagged: Sized {
-    /// What an entry is called: `task`, `force`.
+    /// Name of an entry: `task`, `force`.
     const KIND: &'static str;
-    /// The types there are.
+    /// The known types.
     const TYPES: &'static [&'static str];
-    /// Read an entry (without its `type`) as one of [`Tagged::TYPES`]; `None` for any other.
+    /// Reads an entry (without its `type`) as one of [`Tagged::TYPES`]; `None` for any other.
     fn decode(type_name: &str, entry: NodeDeserializer<'_>) -> Option<Result<Self, DecodeError>>;
 }
 
-/// Read one entry that stands at `path`; what is wrong goes to `findings`.
+/// Reads the entry at `path`; errors go to `findings`.
 pub fn read<T: Tagged>(entry: &Node, path: &str, findings: &mut Findings) -> Option<T> {
     let kind = T::KIND;
     let Some(tag) = entry.get("type") else {
@@ -51,17 +51,17 @@ macro_rules! tagged {
         $(#[$doc])*
         #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
         #[serde(tag = "type")]
-        // A scenario has a handful of these.
+        // A scenario has few of these.
         #[allow(clippy::large_enum_variant)]
         pub enum $enum {
             $($(#[$variant_doc])* #[serde(rename = $name)] $variant($spec),)*
         }
 
         impl $enum {
-            /// The words that can stand in `type`.
+            /// The values of `type`.
             pub const TYPES: &'static [&'static str] = <Self as $crate::scenario::format::tagged::Tagged>::TYPES;
 
-            /// The word in `type`.
+            /// The value of `type`.
             pub fn type_name(&self) -> &'static str {
                 match self {
                     $($enum::$variant(_) => $name,)*

@@ -1,10 +1,10 @@
-//! The values of a swept key, generated so that decimal grids give decimal numbers and ends are hit exactly.
+//! The values of a swept key. Decimal grids give decimal numbers, and both ends are exact.
 
 use crate::scenario::format::sweep::Axis;
 use crate::text::source::Span;
 use crate::text::toml_tree::{Node, Value};
 
-/// How many values an axis has, without making them.
+/// The number of values of an axis, without generating them.
 pub fn count(axis: &Axis) -> usize {
     match axis {
         Axis::Values(values) => values.len(),
@@ -17,8 +17,8 @@ pub fn count(axis: &Axis) -> usize {
     }
 }
 
-/// The values of an axis that is written as `node`, in order. A listed value keeps its own place; the others stand where
-/// the axis does.
+/// The values of an axis that is written as `node`, in order. A listed value keeps its own span; the others have that of
+/// the axis.
 pub fn nodes(axis: &Axis, node: &Node) -> Vec<Node> {
     let made = |numbers: Vec<f64>| numbers.into_iter().map(|x| Node::computed(Value::Float(x), &node.span)).collect();
     match axis {
@@ -36,7 +36,7 @@ fn whole(number: i64, span: &Span) -> Node {
     Node::computed(Value::Integer(number), span)
 }
 
-/// Whole numbers where the ends are written so and all that lies between them comes out so.
+/// Whole numbers if the ends are written as whole numbers and all values between are whole.
 fn typed(numbers: Vec<f64>, form: &str, node: &Node) -> Vec<Node> {
     if whole_numbers(node, form).is_some() && numbers.iter().all(|x| x.fract() == 0.0) {
         return numbers.into_iter().map(|x| whole(x as i64, &node.span)).collect();
@@ -50,12 +50,12 @@ fn whole_numbers(node: &Node, form: &str) -> Option<()> {
     items.iter().all(|i| matches!(i.value, Value::Integer(x) if x.abs() < 1 << 53)).then_some(())
 }
 
-/// One column holds one kind of number: a list with a fraction in it is a list of fractions.
+/// Makes all numbers of a list floats if one of them is: a column of results has one kind of number.
 pub fn alike(items: Vec<Node>) -> Vec<Node> {
     alike_where_given(items.into_iter().map(Some).collect()).into_iter().flatten().collect()
 }
 
-/// The same, where not every place has a value.
+/// As [`alike`], for a list with gaps.
 pub fn alike_where_given(mut items: Vec<Option<Node>>) -> Vec<Option<Node>> {
     if items.iter().flatten().any(|i| matches!(i.value, Value::Float(_))) {
         for item in items.iter_mut().flatten() {
@@ -101,8 +101,8 @@ fn ends(a: f64, b: f64, n: usize, inner: impl Fn(usize) -> f64) -> Vec<f64> {
         .collect()
 }
 
-/// The number with 14 significant decimal digits relative to `scale`: what was meant when both ends are decimal, and
-/// nearer than any simulation resolves when not.
+/// The number with 14 significant decimal digits relative to `scale`: exact when both ends are decimal, and closer than
+/// any simulation resolves otherwise.
 fn decimal(x: f64, scale: f64) -> f64 {
     if scale == 0.0 {
         return 0.0;

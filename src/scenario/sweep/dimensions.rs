@@ -1,4 +1,4 @@
-//! From the parts of `[sweep]` to its dimensions: which keys advance together, through which values.
+//! The dimensions of a `[sweep]`: which keys advance together, and through which values.
 
 use std::collections::HashSet;
 
@@ -13,32 +13,32 @@ use crate::text::diagnostic::Diagnostic;
 use crate::text::source::{Sources, Span};
 use crate::text::toml_tree::{Entry, Node, Value};
 
-/// Each key is held against all others.
+/// Most swept keys; each is compared with all others.
 const MOST_KEYS: usize = 1000;
 
-/// One dimension before its values are made.
+/// One dimension before its values are generated.
 pub struct Group<'a> {
     keys: Vec<Swept<'a>>,
-    /// The table in which its keys stand, for `random`; the array of tables, for `list`.
+    /// The table of its keys, for `random`; the array of tables, for `list`.
     part: &'a Entry,
 }
 
-/// A swept key as it stands in the file.
+/// A swept key as the file has it.
 pub struct Swept<'a> {
     pub path: KeyPath,
     pub entry: &'a Entry,
     given: Given<'a>,
 }
 
-/// Where the values of a swept key come from.
+/// The origin of the values of a swept key.
 enum Given<'a> {
-    /// An override: one value, which stands in the tree.
+    /// An override: the one value in the tree.
     Fixed,
     /// `grid`, `zip`.
     Axis(&'a Axis),
     /// `list`: one value for each table that names the key.
     Tables(Vec<Option<&'a Node>>),
-    /// `random`: the place among its keys.
+    /// `random`: the index among its keys.
     Drawn(&'a RandomSpec, usize),
 }
 
@@ -70,7 +70,7 @@ pub fn groups<'a>(
                     && sobol_reaches(random, part, gather.findings)
                 {
                     let keys = entries.iter().filter(|e| RandomSpec::is_path(&e.key)).enumerate();
-                    gather.group(part, keys.map(|(place, e)| (e, Some(Given::Drawn(random, place)))));
+                    gather.group(part, keys.map(|(index, e)| (e, Some(Given::Drawn(random, index)))));
                 }
             }
             _ => {}
@@ -79,7 +79,7 @@ pub fn groups<'a>(
     gather.groups
 }
 
-/// Is the table of a Sobol sequence, if one is wanted, long and wide enough.
+/// False, with errors, when a Sobol sequence has too many samples or keys.
 fn sobol_reaches(random: &RandomSpec, part: &Entry, findings: &mut Findings) -> bool {
     let help = Some("`sampling = \"lhs\"` has no limit".to_owned());
     let (samples, keys) = (random.samples, random.keys.len());
@@ -87,9 +87,9 @@ fn sobol_reaches(random: &RandomSpec, part: &Entry, findings: &mut Findings) -> 
         return true;
     }
     if samples > SOBOL_SAMPLES {
-        let place = part.node.get("samples").map_or(&part.key_span, |n| &n.span);
+        let span = part.node.get("samples").map_or(&part.key_span, |n| &n.span);
         let message = format!("a Sobol sequence has at most {SOBOL_SAMPLES} samples, not {samples}");
-        findings.error(place.clone(), message, help.clone());
+        findings.error(span.clone(), message, help.clone());
     }
     if keys > SOBOL_KEYS {
         let message = format!("a Sobol sequence has at most {SOBOL_KEYS} keys, not {keys}");
@@ -98,7 +98,7 @@ fn sobol_reaches(random: &RandomSpec, part: &Entry, findings: &mut Findings) -> 
     false
 }
 
-/// Collects groups and sees that no two keys lead to the same value.
+/// Collects groups; no two keys may lead to the same value.
 struct Gather<'a, 'f> {
     groups: Vec<Group<'a>>,
     fixed: &'f [KeyPath],
@@ -112,7 +112,7 @@ impl<'a> Gather<'a, '_> {
         for (entry, given) in entries {
             let Some(given) = given else { continue };
             match self.path_of(entry, &keys) {
-                // An overridden key is swept no more: its one value stands in the tree.
+                // An overridden key is no longer swept: its one value is in the tree.
                 Ok((path, overridden)) => {
                     keys.push(Swept { path, entry, given: if overridden { Given::Fixed } else { given } });
                 }
@@ -122,8 +122,8 @@ impl<'a> Gather<'a, '_> {
         self.groups.push(Group { keys, part });
     }
 
-    /// The tables of a list; keys in the order in which they are first named. Different tables may reach into each other's
-    /// values, since only one of them counts at a time.
+    /// The tables of a list; keys in the order in which they are first named. Different tables may set parts of each other's
+    /// values, since each run uses one table.
     fn list(&mut self, part: &'a Entry) {
         let tables = part.node.items();
         if tables.is_empty() {
@@ -167,7 +167,7 @@ impl<'a> Gather<'a, '_> {
         self.groups.push(Group { keys, part });
     }
 
-    /// The path of a swept key, and whether exactly it is overridden. `here` are keys that count at the same time.
+    /// The path of a swept key, and whether this key is overridden. `here` are keys that apply at the same time.
     fn path_of(&self, entry: &Entry, here: &[Swept]) -> Result<(KeyPath, bool), (Span, String)> {
         let refuse = |message: String| (entry.key_span.clone(), message);
         if here.len() + self.groups.iter().map(|group| group.keys.len()).sum::<usize>() >= MOST_KEYS {
@@ -179,8 +179,8 @@ impl<'a> Gather<'a, '_> {
         }
         let mut earlier = self.groups.iter().flat_map(Group::keys).chain(here);
         if let Some(other) = earlier.find(|other| other.path.overlaps(&path)) {
-            let place = other.place(self.sources);
-            return Err(refuse(format!("`{}` is swept already by `{}` at {place}", entry.key, other.entry.key)));
+            let location = other.location(self.sources);
+            return Err(refuse(format!("`{}` is swept already by `{}` at {location}", entry.key, other.entry.key)));
         }
         match self.fixed.iter().find(|f| f.overlaps(&path)) {
             Some(same) if same.segments.len() == path.segments.len() => Ok((path, true)),
@@ -196,39 +196,39 @@ impl<'a> Group<'a> {
         &self.keys
     }
 
-    /// How many places the dimension has; every key that is not overridden must have as many values.
+    /// The length of the dimension; each key that is not overridden must have this number of values.
     pub fn length(&self, sources: &Sources, findings: &mut Findings) -> usize {
         let mut counted = self.keys.iter().filter_map(|s| Some((s, s.count()?)));
         let Some((first, length)) = counted.next() else {
-            // Tables without any key ask for the file as it stands, each of them.
+            // Each table without keys is a run of the file as written.
             return if self.keys.is_empty() { self.part.node.items().len().max(1) } else { 1 };
         };
         for (other, count) in counted.filter(|(_, count)| *count != length) {
             let (a, b) = (&first.entry.key, &other.entry.key);
-            let message = format!("`{b}` has {count} values, but `{a}` beside it has {length}");
-            let place = first.place(sources);
-            let help = format!("`{a}` is at {place}; the values of one table of `zip` advance together");
+            let message = format!("`{b}` has {count} values, but `{a}` of the same table has {length}");
+            let location = first.location(sources);
+            let help = format!("`{a}` is at {location}; the values of one table of `zip` advance together");
             findings.error(other.entry.key_span.clone(), message, Some(help));
         }
         length
     }
 
-    /// Makes the values. `root` is the scenario's tree with its overrides.
+    /// Generates the values. `root` is the scenario's tree with its overrides.
     pub fn dimension(self, length: usize, root: &Node, findings: &mut Findings) -> Dimension {
         let part = self.part;
         let keys: Vec<Key> = self.keys.into_iter().filter_map(|swept| swept.key(root, findings)).collect();
-        refuse_twins(&keys, length, part, findings);
+        refuse_duplicates(&keys, length, part, findings);
         Dimension { keys, length }
     }
 }
 
 impl Swept<'_> {
     /// `file:line:column` of the key.
-    fn place(&self, sources: &Sources) -> String {
+    fn location(&self, sources: &Sources) -> String {
         Diagnostic::error(sources, &self.entry.key_span, "", None).location()
     }
 
-    /// How many values it has, without making them; none of its own when it is overridden.
+    /// The number of its values, without generating them; none when it is overridden.
     fn count(&self) -> Option<usize> {
         match &self.given {
             Given::Fixed => None,
@@ -244,8 +244,8 @@ impl Swept<'_> {
         let values: Vec<Option<Node>> = match given {
             Given::Axis(axis) => axis::nodes(axis, &entry.node).into_iter().map(Some).collect(),
             Given::Tables(values) => axis::alike_where_given(values.into_iter().map(Option::<&Node>::cloned).collect()),
-            Given::Drawn(random, place) => {
-                random::nodes(random, seed(root), &path, place, &entry.node).into_iter().map(Some).collect()
+            Given::Drawn(random, index) => {
+                random::nodes(random, seed(root), &path, index, &entry.node).into_iter().map(Some).collect()
             }
             Given::Fixed => match path.get(root) {
                 Some(value) => vec![Some(value.clone())],
@@ -260,7 +260,7 @@ impl Swept<'_> {
     }
 }
 
-/// The scenario's own seed; one that is no seed is told when the scenario is read.
+/// The scenario's seed. An invalid seed is reported when the scenario is read.
 fn seed(root: &Node) -> u64 {
     match root.get("seed").map(|n| &n.value) {
         Some(Value::Integer(seed)) => *seed as u64,
@@ -268,8 +268,8 @@ fn seed(root: &Node) -> u64 {
     }
 }
 
-/// Equal runs would have equal keys and write over each other.
-fn refuse_twins(keys: &[Key], length: usize, part: &Entry, findings: &mut Findings) {
+/// Refuses equal combinations: equal runs would have equal keys and overwrite each other's results.
+fn refuse_duplicates(keys: &[Key], length: usize, part: &Entry, findings: &mut Findings) {
     let mut seen = HashSet::new();
     for at in 0..length {
         let text = |k: &Key| k.value(at).map_or_else(String::new, |node| format!("{} ", node.to_toml()));
@@ -277,11 +277,11 @@ fn refuse_twins(keys: &[Key], length: usize, part: &Entry, findings: &mut Findin
         if seen.insert(texts.clone()) {
             continue;
         }
-        let words = texts.iter().map(|t| t.trim_end()).filter(|t| !t.is_empty()).collect::<Vec<_>>().join(", ");
+        let values = texts.iter().map(|t| t.trim_end()).filter(|t| !t.is_empty()).collect::<Vec<_>>().join(", ");
         if part.key == "list" {
             let table = &part.node.items()[at];
             let message = format!("table {at} of `list` gives the same values as one before it");
-            // Where an overridden key alone told tables apart, the runs themselves are found to be equal.
+            // If tables differ in an overridden key only, the equal runs are reported instead.
             if keys.iter().all(|k| k.values.len() == length) {
                 findings.error(table.span.clone(), message, None);
             }
@@ -290,13 +290,13 @@ fn refuse_twins(keys: &[Key], length: usize, part: &Entry, findings: &mut Findin
             let (message, help) = match (part.key.as_str(), keys) {
                 ("random", _) => {
                     let help = "fewer samples, more values to draw from, or `grid` to have each value once";
-                    (format!("{words} is drawn twice, by samples {at} and before"), Some(help.to_owned()))
+                    (format!("{values} is drawn twice, by samples {at} and before"), Some(help.to_owned()))
                 }
-                (_, [key]) => (format!("`{}` has the value {words} twice", key.name), None),
-                _ => (format!("the values {words} stand together twice"), None),
+                (_, [key]) => (format!("`{}` has the value {values} twice", key.name), None),
+                _ => (format!("the combination of values {values} occurs twice"), None),
             };
-            let place = varied.value(at).map_or(part.key_span.clone(), |node| node.span.clone());
-            findings.error(place, message, help);
+            let span = varied.value(at).map_or(part.key_span.clone(), |node| node.span.clone());
+            findings.error(span, message, help);
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::scenario::key_path::KeyPath;
 use crate::text::source::{Sources, Span};
 use crate::text::toml_tree::Node;
 
-/// Runs that a sweep can have at most, however many are allowed: their numbers have 32 bits, and one means none.
+/// Most runs of any sweep: their numbers have 32 bits, and one number means none.
 pub const MOST_RUNS_EVER: usize = u32::MAX as usize;
 
 /// The swept values: dimensions nested in the order of the file, the last changing fastest.
@@ -27,8 +27,8 @@ pub struct Dimension {
     pub length: usize,
 }
 
-/// A swept key with one value per place in its dimension; an overridden one has the same throughout. No value where a
-/// table of `list` does not name the key.
+/// A swept key with one value per index of its dimension; an overridden key has one value. None where a table of `list`
+/// does not name the key.
 pub struct Key {
     pub name: String,
     pub path: KeyPath,
@@ -42,8 +42,8 @@ pub struct Cell<'a> {
 }
 
 impl Grid {
-    /// Read the sweep of a scenario's tree; `fixed` are paths whose values have been overridden. An expansion to more than
-    /// `max_runs` runs is refused before its values are made.
+    /// Reads the sweep of a scenario's tree; `fixed` are the overridden paths. An expansion to more than `max_runs` runs is
+    /// refused before its values are generated.
     pub fn read(root: &Node, fixed: &[KeyPath], sources: &Sources, max_runs: usize, findings: &mut Findings) -> Grid {
         let Some(sweep) = root.get("sweep") else { return Grid { dimensions: Vec::new(), repeat: 1 } };
         let spec = match SweepSpec::deserialize(NodeDeserializer(sweep)) {
@@ -66,7 +66,7 @@ impl Grid {
                 false => "no batch can have more: each run has a number of 32 bits",
             };
             let help = Some(help.into());
-            findings.error(place(sweep), format!("the sweep has {runs} runs, {max_runs} are allowed"), help);
+            findings.error(key_of(sweep), format!("the sweep has {runs} runs, {max_runs} are allowed"), help);
             return Grid::default();
         }
         let made = groups.into_iter().zip(lengths);
@@ -97,27 +97,27 @@ impl Grid {
     }
 }
 
-/// Where a sweep that is too large is shown: at what stands first and multiplies runs.
-fn place(sweep: &Node) -> Span {
+/// The span at which a sweep that is too large is reported: its first key that multiplies runs.
+fn key_of(sweep: &Node) -> Span {
     let parts = || sweep.entries().iter().filter(|e| e.key != "repeat");
     parts().next().or(sweep.entry("repeat")).map_or(sweep.span.clone(), |e| e.key_span.clone())
 }
 
 impl Key {
-    /// The value at a place of the dimension.
+    /// The value at an index of the dimension.
     pub fn value(&self, at: usize) -> Option<&Node> {
         self.values[at % self.values.len()].as_ref()
     }
 }
 
 impl Cell<'_> {
-    /// What is put into the scenario, in the order of the file.
+    /// The swept values of the scenario, in the order of the file.
     pub fn values(&self) -> Vec<(KeyPath, Node)> {
         self.keys.iter().filter_map(|(key, value)| Some((key.path.clone(), (*value)?.clone()))).collect()
     }
 
-    /// The values under the names in the file. For a key that has none here it is what the run has instead: the value in
-    /// its tree, or the default that `resolved` tells; none if that is a table.
+    /// The values under the names in the file. A key without a value in this cell has that of the run's tree, or the default
+    /// in `resolved`; none if that is a table.
     pub fn parameters(&self, root: &Node, resolved: &toml::Table) -> Vec<(String, toml::Value)> {
         let instead = |path: &KeyPath| match path.get(root) {
             Some(node) => Some(node.to_toml()),

@@ -1,7 +1,7 @@
-//! Has every joint, and a floating base, inertia to be accelerated against?
+//! Finds joints and bases without inertia, which no force could accelerate finitely.
 //!
 //! The articulated inertia of a link is what a force on it meets when all joints below it move freely: from the leaves,
-//! `IA = I + sum over children of X^T (IA_c - U U^T / d) X` with `U = IA_c S`, `d = S . U` (Featherstone 2008, section 7.2).
+//! `IA = I + sum over children of X^T (IA_c - U U^T / d) X` with `U = IA_c S`, `d = S . U` ([Featherstone 2008], section 7.2).
 //! The mass matrix is regular exactly when every d is above 0 and the base's IA is positive definite. So a link without
 //! mass is fine on a chain of crossing axes that ends in a body, and a point mass is fine off its axis.
 

@@ -1,5 +1,4 @@
-//! Can the links be bodies, and can they be moved? What is unphysical is refused by name, or repaired where that is asked
-//! for.
+//! Checks that links can be bodies and can be accelerated. Unphysical links are refused by name, or repaired on request.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -14,8 +13,8 @@ use crate::robot::urdf::moving_tree::Parts;
 use crate::robot::urdf::shapes::isometry;
 use crate::robot::urdf::xml::{Xml, child};
 
-/// A part whose inertia no body can have, or a point or a rod: an error if the rigid body it ends up in has none either,
-/// else a warning, for exporters put placeholders on massless frames.
+/// A part whose inertia no body can have, or a point or a rod. It is an error if the rigid body of which it is part is
+/// flawed too, else a warning: exporters put placeholders on massless frames.
 pub(in crate::robot::urdf) struct FlawedPart {
     /// The moving link it is part of.
     pub carrier: usize,
@@ -23,8 +22,7 @@ pub(in crate::robot::urdf) struct FlawedPart {
     pub fault: FileError,
 }
 
-/// A link's own inertia in its URDF frame; `None` when it has none. What is odd about it goes to `flawed`, unless it is
-/// repaired.
+/// A link's own inertia in its URDF frame; `None` when it has none. A flaw goes to `flawed`, unless it is repaired.
 pub(in crate::robot::urdf) fn link_inertia(
     xml: &Xml,
     link: &urdf_rs::Link,
@@ -47,30 +45,30 @@ pub(in crate::robot::urdf) fn link_inertia(
         let at = child(inertial, "mass").unwrap_or(inertial);
         let fault = xml.attribute_fault(at, "value", format!("link `{name}` has inertia but no mass"));
         flawed(Flaw::Singular, fault.found(format!("{}, {what}", moments_text(moments))).expected("a mass above 0"));
-        // Where its centre is makes no difference.
+        // The position of its centre has no effect.
         let body = RigidInertia { mass, com: Vector3::zeros(), tensor };
         return counts.then(|| body.moved(&isometry(&link.inertial.origin)));
     }
     let at = child(inertial, "inertia").unwrap_or(inertial);
     let (moments, flaw) = examine(&tensor);
-    // A point mass is a body; it is for `judge` to say whether it can be moved.
+    // A point mass is a body; `judge` checks whether it can be moved.
     let is_repaired = policy == InertiaPolicy::Repair && tensor != Matrix3::zeros();
     match flaw {
         Some(_) if is_repaired => {
             tensor = nearest_physical(&tensor);
             let after = moments_text(examine(&tensor).0);
-            let words = format!("inertia of link `{name}` repaired: {} become {after}", moments_text(moments));
-            notices.warning(xml.source, at.range().start, words);
+            let message = format!("inertia of link `{name}` repaired: {} become {after}", moments_text(moments));
+            notices.warning(xml.source, at.range().start, message);
         }
         Some(flaw) => {
-            let (words, wanted) = match flaw {
+            let (message, expected) = match flaw {
                 Flaw::Negative | Flaw::Singular => ("is not positive definite", "three moments above 0"),
                 Flaw::Triangle => {
                     ("breaks the triangle inequality", "the largest principal moment at most the sum of the others")
                 }
             };
-            let fault = xml.fault(at, format!("the inertia of link `{name}` {words}"));
-            flawed(flaw, fault.found(moments_text(moments)).expected(wanted).help(HOW_TO_REPAIR));
+            let fault = xml.fault(at, format!("the inertia of link `{name}` {message}"));
+            flawed(flaw, fault.found(moments_text(moments)).expected(expected).help(HOW_TO_REPAIR));
         }
         None => {}
     }
@@ -91,7 +89,7 @@ pub(in crate::robot::urdf) fn judge(
     let Parts { links, joints, flawed, .. } = parts;
     let unphysical = |i: usize, link: &Link| match examine(&link.inertia).1 {
         Some(Flaw::Negative) => true,
-        // Sound parts make a sound whole but for rounding.
+        // The union of valid parts is valid but for rounding.
         Some(Flaw::Triangle) => flawed.iter().any(|part| part.carrier == i && part.flaw != Flaw::Singular),
         _ => false,
     };
@@ -99,31 +97,35 @@ pub(in crate::robot::urdf) fn judge(
     if let Some((i, _)) = moving.clone().find(|(i, link)| unphysical(*i, link)) {
         return Err(refusal(xml, links, i, flawed));
     }
-    // The deepest: those above may only carry it.
+    // The deepest one; those above may only carry it.
     if let Some(&i) = without_inertia(links, joints, base).last() {
         return Err(refusal(xml, links, i, flawed));
     }
     for (_, link) in moving.filter(|(_, link)| link.mass == 0.0) {
         let node = xml.named("link", &link.name);
-        // Links between the motions of one joint stand in no file.
+        // Links between the motions of one joint are in no file.
         if node == xml.robot {
             continue;
         }
         let at = node.range().start;
-        notices.info(xml.source, at, format!("link `{}` has no mass: what hangs on it is its inertia", link.name));
+        notices.info(
+            xml.source,
+            at,
+            format!("link `{}` has no mass: its inertia is that of the links it carries", link.name),
+        );
     }
     for FlawedPart { fault, .. } in flawed {
-        let words = format!(
+        let message = format!(
             "{}{}",
             fault.message,
             if fault.found.is_empty() { String::new() } else { format!(": {}", fault.found) }
         );
-        notices.warning(xml.source, fault.span.start, words);
+        notices.warning(xml.source, fault.span.start, message);
     }
     Ok(())
 }
 
-/// Why the link cannot be simulated: a part of it if one is to blame.
+/// Why the link cannot be simulated: the error of a flawed part, if there is one.
 fn refusal(xml: &Xml, links: &[Link], i: usize, flawed: &[FlawedPart]) -> RobotError {
     if let Some(part) = flawed.iter().find(|part| part.carrier == i) {
         return part.fault.clone().invalid();

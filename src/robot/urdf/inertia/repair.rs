@@ -2,8 +2,7 @@
 //!
 //! A tensor J about the centre of mass belongs to a body when the second moments of its mass along the principal axes,
 //! `s_i = tr(J) / 2 - J_i >= 0`, are not negative (the triangle inequality of the principal moments J_i, which makes them
-//! not negative as well; Wensing, Kim and Slotine, "Linear matrix inequalities for physically-consistent inertial
-//! parameter identification", RA-L 2018). Here each `s_i` must be at least [`THINNEST`] times their sum, so that the result
+//! not negative as well [Wensing 2018]). Here each `s_i` must be at least [`THINNEST`] times their sum, so that the result
 //! can also be accelerated about every axis. Those tensors form a convex cone that rotations leave as it is, so the
 //! nearest one in the Frobenius norm has the same principal axes, and its moments are the Euclidean projection of the
 //! given ones onto the cone spanned by `(2e, 1-e, 1-e)` and its permutations.
@@ -76,7 +75,7 @@ mod tests {
         // Onto the edge of a rod along x: the mean of what (-1, 2, 2) has along (2e, 1-e, 1-e).
         let t = (4.0 * (1.0 - e) - 2.0 * e) / (2.0 * (1.0 - e).powi(2) + 4.0 * e * e);
         let edge = diagonal(2.0 * e * t, (1.0 - e) * t, (1.0 - e) * t);
-        for (given, wanted) in [
+        for (given, expected) in [
             (diagonal(1.0, 1.0, 3.0), face),
             (diagonal(-1.0, 2.0, 2.0), edge),
             // Physical ones stay: a ball, a plate of 10 cm by 1 cm thickness.
@@ -87,7 +86,7 @@ mod tests {
             (Matrix3::zeros(), Matrix3::zeros()),
         ] {
             // Rounding of the eigenvalues and of the products, a few units in the last place of 3.
-            assert!((nearest_physical(&given) - wanted).amax() < 1e-14, "{given} {}", nearest_physical(&given));
+            assert!((nearest_physical(&given) - expected).amax() < 1e-14, "{given} {}", nearest_physical(&given));
         }
     }
 

@@ -17,10 +17,10 @@ pub struct RigidInertia {
     pub tensor: Matrix3<f64>,
 }
 
-/// Rounded tables break the triangle inequality a little: up to this fraction of the largest moment is let pass.
-const TRIANGLE_SLACK: f64 = 1e-3;
+/// Violation of the triangle inequality that is accepted, as a fraction of the largest moment: tables are rounded.
+const TRIANGLE_TOLERANCE: f64 = 1e-3;
 
-/// What a tensor lacks to belong to a body with volume.
+/// Why no body with volume has a tensor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::robot) enum Flaw {
     /// A principal moment is negative (beyond rounding).
@@ -32,7 +32,7 @@ pub(in crate::robot) enum Flaw {
 }
 
 impl RigidInertia {
-    /// Nothing at all.
+    /// No mass and no inertia.
     pub fn none() -> Self {
         Self { mass: 0.0, com: Vector3::zeros(), tensor: Matrix3::zeros() }
     }
@@ -74,7 +74,7 @@ pub(in crate::robot) fn examine(tensor: &Matrix3<f64>) -> ([f64; 3], Option<Flaw
     let rounding = 1e-12 * large.abs().max(small.abs());
     let flaw = if small < -rounding {
         Some(Flaw::Negative)
-    } else if large - small - middle > TRIANGLE_SLACK * large {
+    } else if large - small - middle > TRIANGLE_TOLERANCE * large {
         Some(Flaw::Triangle)
     } else if small <= rounding {
         Some(Flaw::Singular)
@@ -84,7 +84,7 @@ pub(in crate::robot) fn examine(tensor: &Matrix3<f64>) -> ([f64; 3], Option<Flaw
     (moments, flaw)
 }
 
-/// Principal moments in words.
+/// Principal moments as text.
 pub(in crate::robot) fn moments_text(moments: [f64; 3]) -> String {
     let [a, b, c] = moments;
     format!("principal moments {a:.6e}, {b:.6e}, {c:.6e} kg m^2")

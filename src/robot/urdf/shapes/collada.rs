@@ -1,9 +1,9 @@
-//! COLLADA (`.dae`) as triangles: what stands in the visual scene, with the transforms of its nodes and the file's unit.
+//! COLLADA (`.dae`) as triangles: the visual scene with the transforms of its nodes and the file's unit.
 //!
 //! A vertex p of a geometry under nodes with matrices N_1 .. N_k (outermost first) is at u N_1 .. N_k p, with u metres to
 //! the unit; a node's own matrix is the product of its transformation elements in the order of the file (COLLADA 1.4.1
-//! specification, chapter 5). `up_axis` is told, not applied: URDF puts meshes into the link's axes as they stand, as
-//! ROS's viewers do, and exporters write `Y_UP` above vertices that are not turned.
+//! specification, chapter 5). `up_axis` is reported, not applied: URDF puts meshes into the link's axes as they
+//! are, as ROS's viewers do, and exporters write `Y_UP` for vertices that are not rotated.
 
 use std::collections::HashMap;
 
@@ -13,14 +13,14 @@ use roxmltree::{Document, Node, ParsingOptions};
 use super::mesh::{MeshError, Soup};
 use crate::robot::urdf::xml::{MOST_ATTRIBUTES, crowded};
 
-/// Deeper than this, instances of nodes surely contain themselves.
+/// Greatest depth of nodes: instances that contain themselves nest without end.
 const DEEPEST: usize = 64;
-/// More nodes than this are instances of instances without end.
+/// Most nodes, instances of instances included.
 const MOST_INSTANCES: usize = 100_000;
-/// Some hundred times what a large mesh has.
+/// Most vertices and triangles: some hundred times those of a large mesh.
 const MOST_VERTICES: usize = 20_000_000;
 const MOST_TRIANGLES: usize = 40_000_000;
-/// Far more columns than lists of corners have.
+/// Most columns of a list of corners, far more than files have.
 const MOST_COLUMNS: usize = 1000;
 
 /// Triangles of the file's scene in m, and the up-axis it claims (`Z_UP` by default here, since nothing is turned).
@@ -41,13 +41,13 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Soup, String), MeshError> {
     let up = asset.and_then(|a| first(a, "up_axis")).and_then(|u| u.text()).unwrap_or("Z_UP").trim().to_owned();
     let ids = root.descendants().filter_map(|n| n.attribute("id").map(|id| (id, n))).collect();
     let mut reader = Reader { ids, soup: Soup::default(), placed: 0 };
-    let place = Matrix4::new_scaling(unit);
+    let transform = Matrix4::new_scaling(unit);
     let named =
         first(root, "scene").and_then(|s| first(s, "instance_visual_scene")).and_then(|s| reader.target(s, "url"));
     match named.or_else(|| root.descendants().find(|n| is(*n, "visual_scene"))) {
-        Some(scene) => reader.nodes(scene, place, 0)?,
-        // A file without a scene is a library of shapes: all of them, where they stand.
-        None => root.descendants().filter(|n| is(*n, "geometry")).try_for_each(|g| reader.geometry(g, &place))?,
+        Some(scene) => reader.nodes(scene, transform, 0)?,
+        // A file without a scene is a library of shapes: all of them, untransformed.
+        None => root.descendants().filter(|n| is(*n, "geometry")).try_for_each(|g| reader.geometry(g, &transform))?,
     }
     Ok((reader.soup, up))
 }
@@ -72,25 +72,25 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Everything below a visual scene or a node whose frame has the matrix `place`.
-    fn nodes(&mut self, parent: Node<'a, 'a>, place: Matrix4<f64>, depth: usize) -> Result<(), MeshError> {
+    /// Everything below a visual scene or a node whose frame has the matrix `transform`.
+    fn nodes(&mut self, parent: Node<'a, 'a>, transform: Matrix4<f64>, depth: usize) -> Result<(), MeshError> {
         if depth > DEEPEST {
             return Err(format!("its nodes nest more than {DEEPEST} deep").into());
         }
         self.placed += 1;
         if self.placed > MOST_INSTANCES {
-            return Err(format!("it places more than {MOST_INSTANCES} nodes").into());
+            return Err(format!("it has more than {MOST_INSTANCES} nodes").into());
         }
         for child in parent.children() {
             match child.tag_name().name() {
-                "node" => self.nodes(child, place * own_matrix(child)?, depth + 1)?,
+                "node" => self.nodes(child, transform * own_matrix(child)?, depth + 1)?,
                 "instance_node" => {
                     let node = self.need(child, "url")?;
-                    self.nodes(node, place * own_matrix(node)?, depth + 1)?;
+                    self.nodes(node, transform * own_matrix(node)?, depth + 1)?;
                 }
                 "instance_geometry" => {
                     let geometry = self.need(child, "url")?;
-                    self.geometry(geometry, &place)?;
+                    self.geometry(geometry, &transform)?;
                 }
                 "instance_controller" => {
                     // A skin in its bind pose; there is no skeleton to move it by.
@@ -98,7 +98,7 @@ impl<'a> Reader<'a> {
                     let skin = first(controller, "skin").ok_or("a controller that is no skin")?;
                     let bind = first(skin, "bind_shape_matrix").map_or(Ok(Matrix4::identity()), matrix)?;
                     let geometry = self.need(skin, "source")?;
-                    self.geometry(geometry, &(place * bind))?;
+                    self.geometry(geometry, &(transform * bind))?;
                 }
                 _ => {}
             }
@@ -106,10 +106,10 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn geometry(&mut self, geometry: Node<'a, 'a>, place: &Matrix4<f64>) -> Result<(), MeshError> {
+    fn geometry(&mut self, geometry: Node<'a, 'a>, transform: &Matrix4<f64>) -> Result<(), MeshError> {
         let Some(mesh) = first(geometry, "mesh") else { return Ok(()) };
         // A mirror turns triangles inside out.
-        let flip = place.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+        let flip = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         for primitive in mesh.children().filter(|n| n.is_element()) {
             let kind = primitive.tag_name().name();
             if !matches!(kind, "triangles" | "polylist" | "polygons" | "tristrips" | "trifans") {
@@ -120,7 +120,7 @@ impl<'a> Reader<'a> {
             let stride = 1 + offsets.into_iter().max().unwrap_or(0);
             let vertex = inputs().find(|i| i.attribute("semantic") == Some("VERTEX"));
             let vertex = vertex.ok_or_else(|| format!("<{kind}> without vertices"))?;
-            let base = self.positions(vertex, place)?;
+            let base = self.positions(vertex, transform)?;
             let count = self.soup.vertices.len() - base;
             let column = offset(vertex)?;
             let sizes: Vec<usize> = first(primitive, "vcount").map_or(Ok(Vec::new()), numbers)?;
@@ -133,7 +133,7 @@ impl<'a> Reader<'a> {
                 let corners: Vec<u32> = corners.iter().map(|c| (base + c) as u32).collect();
                 self.faces(kind, &corners, &sizes, flip);
                 if self.soup.triangles.len() > MOST_TRIANGLES {
-                    return Err(format!("it places more than {MOST_TRIANGLES} triangles").into());
+                    return Err(format!("it has more than {MOST_TRIANGLES} triangles").into());
                 }
             }
         }
@@ -141,7 +141,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Appends the placed positions behind a `VERTEX` input; returns the index of the first.
-    fn positions(&mut self, vertex: Node<'a, 'a>, place: &Matrix4<f64>) -> Result<usize, MeshError> {
+    fn positions(&mut self, vertex: Node<'a, 'a>, transform: &Matrix4<f64>) -> Result<usize, MeshError> {
         let vertices = self.need(vertex, "source")?;
         let position = vertices.children().find(|i| is(*i, "input") && i.attribute("semantic") == Some("POSITION"));
         let source = self.need(position.ok_or("<vertices> without positions")?, "source")?;
@@ -153,10 +153,10 @@ impl<'a> Reader<'a> {
         let values: Vec<f64> = numbers(array)?;
         let base = self.soup.vertices.len();
         if base > MOST_VERTICES {
-            return Err(format!("it places more than {MOST_VERTICES} vertices").into());
+            return Err(format!("it has more than {MOST_VERTICES} vertices").into());
         }
         for p in values.get(offset..).unwrap_or(&[]).chunks(stride.max(1)).filter(|c| c.len() >= 3) {
-            self.soup.vertices.push(place.transform_point(&Point3::new(p[0], p[1], p[2])));
+            self.soup.vertices.push(transform.transform_point(&Point3::new(p[0], p[1], p[2])));
         }
         Ok(base)
     }
@@ -176,7 +176,7 @@ impl<'a> Reader<'a> {
                     rest = after;
                 }
             }
-            // Every other triangle of a strip runs the other way round.
+            // Every other triangle of a strip has the opposite orientation.
             "tristrips" => corners.windows(3).enumerate().for_each(|(i, t)| match i % 2 {
                 0 => fan(t),
                 _ => fan(&[t[1], t[0], t[2]]),
@@ -224,10 +224,10 @@ fn own_matrix(node: Node) -> Result<Matrix4<f64>, MeshError> {
 fn matrix(node: Node) -> Result<Matrix4<f64>, MeshError> {
     let v: Vec<f64> = numbers(node)?;
     let m = (v.len() == 16).then(|| Matrix4::from_row_slice(&v)).ok_or("a matrix without 16 numbers")?;
-    // A projection is no placement, and a singular one leaves nothing to see.
+    // A projection is not affine.
     let affine = m.row(3) == Matrix4::<f64>::identity().row(3);
     let linear: Matrix3<f64> = m.fixed_view::<3, 3>(0, 0).into();
-    if affine && linear.iter().all(|x| x.is_finite()) { Ok(m) } else { Err("a matrix that is no placement".into()) }
+    if affine && linear.iter().all(|x| x.is_finite()) { Ok(m) } else { Err("a matrix that is not affine".into()) }
 }
 
 fn numbers<T: std::str::FromStr>(node: Node) -> Result<Vec<T>, MeshError> {

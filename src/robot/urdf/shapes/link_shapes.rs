@@ -24,10 +24,10 @@ pub(in crate::robot::urdf) fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64>
     )
 }
 
-/// Turns URDF shapes into ours and keeps the mesh files it read.
+/// Converts URDF shapes and keeps the mesh files it read.
 pub(in crate::robot::urdf) struct Shapes<'a> {
     xml: &'a Xml<'a>,
-    /// Those declared under `<robot>`, by name; of those that share one the first.
+    /// Materials declared under `<robot>`, by name; the first of each name.
     materials: HashMap<&'a str, &'a urdf_rs::Material>,
     /// Mesh files read so far, each once.
     pub files: Vec<(PathBuf, Vec<u8>)>,
@@ -83,15 +83,15 @@ impl<'a> Shapes<'a> {
                 let scale = scale.map_or(Vector3::repeat(1.0), |s| Vector3::from(s.0));
                 match self.mesh(filename, scale) {
                     Ok((mesh, remark)) => {
-                        if let Some(words) = remark {
-                            notices.info(self.xml.source, node.range().start, words);
+                        if let Some(message) = remark {
+                            notices.info(self.xml.source, node.range().start, message);
                         }
                         mesh
                     }
                     Err(reason) => {
                         let tag = node.tag_name().name();
-                        let words = format!("{} mesh `{filename}` of {} is left out: {reason}", tag, describe(node));
-                        notices.warning(self.xml.source, node.range().start, words);
+                        let message = format!("{} mesh `{filename}` of {} is left out: {reason}", tag, describe(node));
+                        notices.warning(self.xml.source, node.range().start, message);
                         return None;
                     }
                 }
@@ -99,7 +99,7 @@ impl<'a> Shapes<'a> {
         })
     }
 
-    /// The shape and what its reader remarks.
+    /// The shape and the remark of its reader.
     fn mesh(&mut self, filename: &str, scale: Vector3<f64>) -> Result<(Geometry, Option<String>), MeshError> {
         let folder = self.xml.source.path().parent().unwrap_or(Path::new("."));
         let path = package::resolve(folder, filename)?;
@@ -109,14 +109,13 @@ impl<'a> Shapes<'a> {
             self.files.push((path.clone(), bytes));
         }
         match &self.decoded[&path] {
-            // What is left of a mesh without extent in two directions is a line at most.
+            // A mesh without extent in two directions is a line or a point.
             Ok(_) if scale.iter().filter(|s| **s == 0.0).count() > 1 => {
                 Err(format!("nothing is left of it at the scale {} {} {}", scale.x, scale.y, scale.z).into())
             }
-            Ok(mesh) => Ok((
-                mesh.scaled(&scale).ok_or("its vertices at this scale are beyond all measure")?,
-                mesh.remark.clone(),
-            )),
+            Ok(mesh) => {
+                Ok((mesh.scaled(&scale).ok_or("its vertices at this scale are too large")?, mesh.remark.clone()))
+            }
             Err(reason) => Err(reason.clone()),
         }
     }

@@ -1,5 +1,5 @@
-//! Mesh files (STL, OBJ, COLLADA) as vertices and triangles. A mesh may be flat or open: shapes are for pictures and for
-//! finding soles, and neither asks for a volume.
+//! Mesh files (STL, OBJ, COLLADA) as vertices and triangles. A mesh may be flat or open: drawing and sole
+//! detection need no volume.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -9,7 +9,7 @@ use nalgebra::{Point3, Vector3};
 use super::collada;
 use crate::robot::model::Geometry;
 
-/// Coordinates beyond this, m, have squares of squares beyond the range of numbers.
+/// Largest coordinate, m: fourth powers of greater ones overflow.
 const LARGEST: f64 = 1e60;
 
 /// Why a mesh file is left out.
@@ -46,11 +46,11 @@ pub(super) struct Soup {
 pub(super) struct Decoded {
     /// Vertices, each once, and triangles with three different corners.
     soup: Soup,
-    /// What the reader did not do as the file says.
+    /// Deviation of the reader from the file.
     pub remark: Option<String>,
 }
 
-/// Reads a mesh file; equal vertices are merged, since STL repeats each one. Errors in words.
+/// Reads a mesh file; equal vertices are merged, since STL repeats each one.
 pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Decoded, MeshError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let loader = mesh_loader::Loader::default().merge_meshes(true);
@@ -65,8 +65,8 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Decoded, MeshError> {
         "dae" => {
             let (soup, up) = collada::decode(bytes)?;
             if up != "Z_UP" {
-                let words = "of COLLADA meshes is not applied: they stand in the link's axes as written, as in ROS";
-                remark = Some(format!("up-axis {up} {words}"));
+                let message = "of COLLADA meshes is not applied: they are in the link's axes as written, as in ROS";
+                remark = Some(format!("up-axis {up} {message}"));
             }
             soup
         }
@@ -91,7 +91,7 @@ impl Decoded {
 }
 
 /// A binary STL: 80 bytes of header, the number n of triangles, and n times normal, corners and two bytes. Many headers
-/// begin with `solid` like a text, so only the length tells.
+/// begin with `solid` as text files do, so the length decides.
 fn binary_stl(bytes: &[u8]) -> Option<Soup> {
     let count = u32::from_le_bytes(bytes.get(80..84)?.try_into().ok()?);
     let records = &bytes[84..];
@@ -118,7 +118,7 @@ fn welded(raw: &Soup) -> Result<Soup, MeshError> {
         if !p.iter().all(|x| x.is_finite()) {
             return Err("a vertex is not finite".into());
         }
-        // Adding 0 turns -0 into 0, which is the same place with other bits.
+        // Adding 0 turns -0 into 0, the same position with other bits.
         let key = [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
         renumbered.push(*index.entry(key).or_insert_with(|| {
             vertices.push(*p);

@@ -1,7 +1,7 @@
-//! Where a mesh is.
+//! Resolves the file of a mesh.
 //!
-//! `package://NAME/REST` names a ROS package. There is no ROS here, so the package is looked for around the URDF: in
-//! every folder from the URDF's own upward, the folder may contain one called NAME, or be the package itself, by its
+//! `package://NAME/REST` names a ROS package. There is no ROS here, so the package is searched around the URDF. In
+//! each folder from the URDF's own upward, the folder may contain one called NAME, or be the package itself, by its
 //! own name or by that in its `package.xml`. `package:///NAME/REST` and `model://NAME/REST` mean the same. These names are
 //! URIs, so `%20` may stand for a space (RFC 3986, section 2.1); a file that has the name as it is written comes first.
 
@@ -11,15 +11,15 @@ use super::mesh::MeshError;
 use crate::files::input;
 use crate::robot::urdf::xml::crowded;
 
-/// The file a mesh name of a URDF in `folder` stands for; the error lists the places searched.
+/// The file a mesh name of a URDF in `folder` stands for; the error lists the folders searched.
 pub(super) fn resolve(folder: &Path, filename: &str) -> Result<PathBuf, MeshError> {
     let found = as_written(folder, filename);
     let decoded = decoded(filename).filter(|_| found.is_err());
     decoded.and_then(|name| as_written(folder, &name).ok()).map_or(found, Ok)
 }
 
-/// The name with every `%` and two hexadecimal digits as the byte that they stand for; none where nothing changes, or the
-/// bytes are no text.
+/// The name with every `%` and two hexadecimal digits replaced by their byte; none when nothing changes, or the bytes are
+/// not UTF-8.
 fn decoded(name: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(name.len());
     let mut rest = name.as_bytes();
@@ -41,23 +41,23 @@ fn as_written(folder: &Path, filename: &str) -> Result<PathBuf, MeshError> {
         let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let absolute = std::path::absolute(here)?;
         let found = absolute.ancestors().find_map(|above| {
-            let beside = above.join(package).join(inside);
+            let inside_folder = above.join(package).join(inside);
             let itself = is_package(above, package).then(|| above.join(inside));
-            [Some(beside), itself].into_iter().flatten().find(|path| path.is_file())
+            [Some(inside_folder), itself].into_iter().flatten().find(|path| path.is_file())
         });
         return found.ok_or_else(|| {
-            let places: Vec<String> = absolute.ancestors().map(|a| a.display().to_string()).collect();
-            format!("no folder `{package}` with `{inside}` in it is found in {}", places.join(", ")).into()
+            let folders: Vec<String> = absolute.ancestors().map(|a| a.display().to_string()).collect();
+            format!("no folder `{package}` with `{inside}` in it is found in {}", folders.join(", ")).into()
         });
     }
     let path = folder.join(filename.strip_prefix("file://").unwrap_or(filename));
     if path.is_file() { Ok(path) } else { Err(format!("there is no file {}", path.display()).into()) }
 }
 
-/// Is the folder the ROS package of that name?
+/// True when the folder is the ROS package of that name.
 fn is_package(folder: &Path, name: &str) -> bool {
     let manifest = || input::read_text(&folder.join("package.xml"), input::MOST_TEXT).ok();
-    let says = |text: String| {
+    let has_name = |text: String| {
         if crowded(&text).is_some() {
             return None;
         }
@@ -65,5 +65,5 @@ fn is_package(folder: &Path, name: &str) -> bool {
         let node = document.root_element().children().find(|n| n.has_tag_name("name"))?;
         Some(node.text()?.trim() == name)
     };
-    folder.file_name().is_some_and(|own| own == name) || manifest().and_then(says).unwrap_or(false)
+    folder.file_name().is_some_and(|own| own == name) || manifest().and_then(has_name).unwrap_or(false)
 }

@@ -13,10 +13,10 @@ pub struct ConstantForce {
     /// The link; either this or `end_effector`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<String>,
-    /// The end effector of the robot file: its frame stands for the link's.
+    /// The end effector of the robot file, with its own frame; either this or `link`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_effector: Option<String>,
-    /// Where it acts, in the link's frame, m.
+    /// Point of application in the link's frame, m.
     #[serde(default)]
     pub point: [f64; 3],
     /// Force, N.
@@ -28,11 +28,11 @@ pub struct ConstantForce {
     /// Axes of `force` and `moment`.
     #[serde(default)]
     pub frame: ForceFrame,
-    /// When it starts, s.
+    /// Start, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// How long it lasts, s; left out: to the end of the run.
+    /// Duration, s; left out: to the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,

@@ -12,7 +12,7 @@ pub struct DragForce {
     /// The link; left out: every link, each at its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<String>,
-    /// Where it acts, in the link's frame, m. Left out: the centre of mass of the link with what is welded to it.
+    /// Point of application in the link's frame, m. Left out: the centre of mass of the link with what is welded to it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub point: Option<[f64; 3]>,
     /// Force per speed through the air, N s/m; of each link.
@@ -26,11 +26,11 @@ pub struct DragForce {
     /// Velocity of the air in world axes, m/s.
     #[serde(default)]
     pub wind: [f64; 3],
-    /// From when, s.
+    /// Start, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// For how long, s; left out: to the end of the run.
+    /// Duration, s; left out: to the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,

@@ -21,7 +21,7 @@ pub struct JointFrictionForce {
 }
 
 impl JointFrictionForce {
-    /// Friction added to one joint; none when neither `joints` nor `all` speaks of it.
+    /// Friction added to one joint; none when neither `joints` nor `all` names it.
     pub fn of(&self, joint: &str) -> Option<JointFriction> {
         self.joints.get(joint).copied().or(self.all)
     }

@@ -1,4 +1,4 @@
-//! `[[force]]`: what acts on the robot besides gravity and the floor. One file per type.
+//! `[[force]]`: external forces on the robot. One file per type.
 
 mod carried_object;
 mod constant;
@@ -32,9 +32,9 @@ tagged! {
         "push" => Push(PushForce),
         /// A force on a link throughout, or for a time.
         "constant" => Constant(ConstantForce),
-        /// Friction in joints, beside what the robot's files give.
+        /// Friction in joints, added to that of the robot's files.
         "joint-friction" => JointFriction(JointFrictionForce),
-        /// A force on a link that rises linearly and stays.
+        /// A force on a link that rises linearly and then stays constant.
         "ramp" => Ramp(RampForce),
         /// A spring and damper to an anchor that may move.
         "spring" => Spring(SpringForce),
@@ -59,18 +59,18 @@ impl ForceSpec {
     }
 }
 
-/// Axes that a force and a moment are given in.
+/// Axes of a force and a moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ForceFrame {
-    /// The world's.
+    /// The world's axes.
     #[default]
     World,
-    /// The link's, or the end effector's if one is named; turning with it.
+    /// The axes of the link, or of the end effector if one is named; they rotate with it.
     Link,
 }
 
-/// What an entry acts on.
+/// The link or end effector on which an entry acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grip<'a> {
     /// A link by name.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::scenario::format::force::ForceFrame;
 use crate::scenario::format::quantity::{json, non_negative, positive};
 
-/// How a push rises and ends.
+/// Time profile of a push.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Profile {
@@ -15,7 +15,7 @@ pub enum Profile {
     Constant,
     /// Half a sine wave, full in the middle.
     HalfSine,
-    /// Linear from 0 at `start` to full at `start + duration`, and stays.
+    /// Linear from 0 at `start` to full at `start + duration`, then constant.
     Ramp,
     /// Linear up to full in the middle and down again.
     Triangle,
@@ -28,10 +28,10 @@ pub struct PushForce {
     /// The link; either this or `end_effector`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<String>,
-    /// The end effector of the robot file: its frame stands for the link's.
+    /// The end effector of the robot file, with its own frame; either this or `link`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_effector: Option<String>,
-    /// Where it acts, in the link's frame, m.
+    /// Point of application in the link's frame, m.
     #[serde(default)]
     pub point: [f64; 3],
     /// Greatest force, N.
@@ -43,15 +43,15 @@ pub struct PushForce {
     /// Axes of `force` and `moment`.
     #[serde(default)]
     pub frame: ForceFrame,
-    /// When it starts, s.
+    /// Start, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// How long it lasts, s.
+    /// Duration, s.
     #[serde(default = "tenth", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub duration: f64,
-    /// How it rises and ends.
+    /// Time profile.
     #[serde(default)]
     pub profile: Profile,
 }

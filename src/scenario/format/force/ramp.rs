@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::scenario::format::force::ForceFrame;
 use crate::scenario::format::quantity::{json, non_negative, positive};
 
-/// A force on a link that rises linearly from 0 at `start` to full at `start + duration` and stays. At least one of `force`
+/// A force on a link that rises linearly from 0 at `start` to full at `start + duration` and then stays constant. At least one of `force`
 /// and `moment` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -14,10 +14,10 @@ pub struct RampForce {
     /// The link; either this or `end_effector`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<String>,
-    /// The end effector of the robot file: its frame stands for the link's.
+    /// The end effector of the robot file, with its own frame; either this or `link`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_effector: Option<String>,
-    /// Where it acts, in the link's frame, m.
+    /// Point of application in the link's frame, m.
     #[serde(default)]
     pub point: [f64; 3],
     /// Full force, N.
@@ -29,11 +29,11 @@ pub struct RampForce {
     /// Axes of `force` and `moment`.
     #[serde(default)]
     pub frame: ForceFrame,
-    /// When it starts to rise, s.
+    /// Start of the rise, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// How long it rises, s.
+    /// Duration of the rise, s.
     #[serde(default = "one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub duration: f64,

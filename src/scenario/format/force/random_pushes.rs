@@ -13,17 +13,17 @@ pub struct RandomPushes {
     /// The links, each equally likely.
     #[schemars(length(min = 1))]
     pub links: Vec<String>,
-    /// Where each is pushed, in its frame, m.
+    /// Point of application in the link's frame, m.
     #[serde(default)]
     pub point: [f64; 3],
-    /// How many pushes, at independent uniform times.
+    /// Number of pushes, at independent uniform times.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_count")]
     pub number: Option<u32>,
-    /// How many pushes a second on average, as a Poisson process, Hz.
+    /// Mean rate of pushes, as a Poisson process, Hz.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub rate: Option<f64>,
-    /// Least and greatest size of the force at its peak, N.
+    /// Least and greatest peak force, N.
     pub magnitude: [f64; 2],
     /// Shortest and longest push, s.
     #[serde(default = "tenth")]
@@ -31,14 +31,14 @@ pub struct RandomPushes {
     /// Directions, each equally likely.
     #[serde(default)]
     pub direction: Directions,
-    /// How each rises and ends; not `ramp`.
+    /// Time profile of each; not `ramp`.
     #[serde(default)]
     pub profile: Profile,
-    /// From when pushes may begin, s.
+    /// Time from which pushes may begin, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// For how long they may begin, s; left out: to the end of the run.
+    /// Length of that time, s; left out: to the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,
@@ -48,10 +48,10 @@ pub struct RandomPushes {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Directions {
-    /// Across the world's z axis.
+    /// Perpendicular to the world's z axis.
     #[default]
     Horizontal,
-    /// All.
+    /// All directions.
     Any,
 }
 

@@ -18,17 +18,17 @@ pub struct ScriptForce {
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub params: BTreeMap<String, toml::Value>,
-    /// Values that change while it acts, for its `change`; times ascend.
+    /// Changes of these values, for its `change`; times ascend.
     #[serde(default)]
     pub change: Vec<ChangeSpec>,
-    /// Times at which its forces jump or have a kink, s; `start`, the end and changes need not be named.
+    /// Times at which its forces jump or have a kink, s; `start`, the end and changes are included anyway.
     #[serde(default)]
     pub corners: Vec<f64>,
-    /// From when it acts, s.
+    /// Start, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// For how long, s; left out: to the end of the run.
+    /// Duration, s; left out: to the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,

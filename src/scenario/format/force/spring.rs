@@ -12,10 +12,10 @@ pub struct SpringForce {
     /// The link; either this or `end_effector`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<String>,
-    /// The end effector of the robot file: its frame stands for the link's.
+    /// The end effector of the robot file, with its own frame; either this or `link`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_effector: Option<String>,
-    /// Where it is attached, in the link's frame, m.
+    /// Point of attachment in the link's frame, m.
     #[serde(default)]
     pub point: [f64; 3],
     /// Stiffness, N/m.
@@ -26,18 +26,18 @@ pub struct SpringForce {
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub damping: f64,
-    /// Length at which it neither pulls nor pushes, m.
+    /// Length without force, m.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub rest_length: f64,
-    /// Its other end.
+    /// The other end.
     #[serde(default)]
     pub anchor: AnchorSpec,
-    /// When it is attached, s.
+    /// Time at which it is attached, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// How long it stays attached, s; left out: to the end of the run.
+    /// Time for which it stays attached, s; left out: to the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,
@@ -47,19 +47,19 @@ pub struct SpringForce {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AnchorSpec {
-    /// Where it is at `start`, m. Left out: where the point of the link is then.
+    /// Position at `start`, m. Left out: that of the link's point at `start`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 3]>,
-    /// It drifts with this velocity from `start` on, m/s.
+    /// Constant velocity from `start` on, m/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<[f64; 3]>,
-    /// It oscillates about `position`.
+    /// Oscillation about `position`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sine: Option<SineSpec>,
-    /// It passes these points at these instants, which ascend.
+    /// Points with their times, which ascend.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub waypoints: Vec<WaypointSpec>,
-    /// How it moves between waypoints.
+    /// Interpolation between waypoints.
     pub path: PathShape,
 }
 
@@ -79,19 +79,19 @@ pub struct SineSpec {
     pub phase: f64,
 }
 
-/// A point that an anchor passes.
+/// A point on the path of an anchor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WaypointSpec {
-    /// When, s since the run's start.
+    /// Time since the start of the run, s.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub at: f64,
-    /// Where, m.
+    /// Position, m.
     pub position: [f64; 3],
 }
 
-/// How an anchor moves between waypoints.
+/// Interpolation between waypoints of an anchor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PathShape {

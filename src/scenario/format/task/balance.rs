@@ -7,22 +7,22 @@ use crate::scenario::format::quantity::{json, non_negative, some_positive};
 use crate::scenario::format::task::balance_force::{ForceBalance, ForceBalanceChange};
 use crate::scenario::format::task::balance_position::{PositionBalance, PositionBalanceChange};
 
-/// Keep the centre of mass above the soles.
+/// Keeps the centre of mass above the soles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BalanceTask {
-    /// When it starts, s.
+    /// Start, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// How long it lasts, s. Left out: to the end of the run.
+    /// Duration, s. Left out: to the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,
-    /// The soles it stands on. Left out: all.
+    /// The supporting soles. Left out: all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soles: Option<Vec<String>>,
-    /// What the joints are asked for: efforts or positions.
+    /// Commanded quantity: efforts or positions.
     pub control: BalanceControl,
     /// Settings of `control = "force"`.
     #[serde(default)]
@@ -39,7 +39,7 @@ pub struct BalanceTask {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BalanceChange {
-    /// When, s of simulated time.
+    /// Simulated time, s.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub at: f64,
@@ -51,7 +51,7 @@ pub struct BalanceChange {
     pub position: Option<PositionBalanceChange>,
 }
 
-/// What the joints are asked for.
+/// Commanded quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum BalanceControl {

@@ -12,19 +12,19 @@ use crate::scenario::format::quantity::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ForceBalance {
-    /// Of the centre of mass towards its reference.
+    /// Gains of the centre of mass towards its reference.
     pub com: Gains,
-    /// Of the base's orientation towards the one at the start. Left out: 100 and 20, less at rates below 1 kHz.
+    /// Gains of the base's orientation towards the initial one. Left out: 100 and 20, less at rates below 1 kHz.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Gains>,
-    /// Of all joints towards the positions they are asked for, where that moves neither centre of mass nor base nor soles;
-    /// `kd` damps every joint, always. Left out: 25 and 10, less at rates below 1 kHz.
+    /// Gains of all joints towards their commanded positions, as far as that moves neither centre of mass nor base nor soles.
+    /// `kd` always damps every joint. Left out: 25 and 10, less at rates below 1 kHz.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joints: Option<Gains>,
     /// Displacement of the reference of the centre of mass from its default, above the point of optimal stability of the
-    /// soles at the height it has at the start; world axes, m.
+    /// soles at its initial height; world axes, m.
     pub offset: [f64; 3],
-    /// Time in which the reference of the centre of mass moves from where it is to there, s.
+    /// Time in which the reference of the centre of mass moves from its present position to the target, s.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub approach: f64,
@@ -32,11 +32,11 @@ pub struct ForceBalance {
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub friction: f64,
-    /// How far inside each sole contact forces stay: 0 lets them reach its edges, 1 leaves its centre alone.
+    /// Distance of contact forces from the edges of each sole: 0 permits its edges, 1 only its centre.
     #[serde(deserialize_with = "fraction")]
     #[schemars(with = "json::Fraction")]
     pub margin: f64,
-    /// Which vertices of the soles may carry.
+    /// Vertices of the soles that may carry load.
     pub contacts: Contacts,
 }
 
@@ -69,35 +69,35 @@ pub struct Gains {
     pub kd: f64,
 }
 
-/// Which vertices of the soles are taken to carry.
+/// Vertices of the soles that are assumed to carry load.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Contacts {
-    /// All: nothing is sensed.
+    /// All, without sensing.
     #[default]
     Assumed,
-    /// Those that the floor held at the tick before.
+    /// Those in contact at the previous tick.
     Sensed,
 }
 
-/// New values; what is left out stays. Gains hold at once, the reference of the centre of mass moves to a new `offset` from
-/// where it is.
+/// New values; values left out stay. Gains apply at once; the reference of the centre of mass moves to a
+/// new `offset` from its present position.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ForceBalanceChange {
-    /// Of the centre of mass.
+    /// Gains of the centre of mass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub com: Option<Gains>,
-    /// Of the base's orientation.
+    /// Gains of the base's orientation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Gains>,
-    /// Of all joints.
+    /// Gains of all joints.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joints: Option<Gains>,
     /// Displacement of the reference of the centre of mass from its default, world axes, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub offset: Option<[f64; 3]>,
-    /// Time in which the reference moves there, now and at later changes, s.
+    /// Time in which the reference moves, for this and later changes, s.
     #[serde(deserialize_with = "some_non_negative", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub approach: Option<f64>,
@@ -105,7 +105,7 @@ pub struct ForceBalanceChange {
     #[serde(deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Positive>")]
     pub friction: Option<f64>,
-    /// How far inside each sole contact forces stay, 0 to 1.
+    /// Distance of contact forces from the edges of each sole, 0 to 1.
     #[serde(deserialize_with = "some_fraction", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Fraction>")]
     pub margin: Option<f64>,

@@ -7,19 +7,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::quantity::{json, non_negative, positive, some_non_negative, some_positive};
 
-/// Gains of the position-controlled balance: how far the joints are asked to move the centre of mass against its error.
+/// Gains of the position-controlled balance: displacements of the centre of mass against its error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PositionBalance {
-    /// Displacement asked for per error of the centre of mass, m/m.
+    /// Commanded displacement per error of the centre of mass, m/m.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub proportional: f64,
-    /// Displacement asked for against its velocity, s. Left out: 0.1, or more under a slower pendulum.
+    /// Commanded displacement against its velocity, s. Left out: 0.1, or more under a slower pendulum.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub damping: Option<f64>,
-    /// Rate of displacement per error, 1/s: takes away what sag is left.
+    /// Rate of displacement per error, 1/s: removes the remaining sag.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub integral: f64,
@@ -36,15 +36,15 @@ pub struct PositionBalance {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub posture: f64,
-    /// Time in which the balance comes into force, s.
+    /// Time in which the balance takes effect, s.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub approach: f64,
     /// Displacement of the reference from the point of optimal stability, world axes, m.
     pub offset: [f64; 2],
-    /// How readily joints move, by name: 0 keeps one out. Left out: 1 for those that move a sole, 0 for the others.
+    /// Mobility of joints by name: 0 excludes one. Left out: 1 for those that move a sole, 0 for the others.
     pub mobility: BTreeMap<String, f64>,
-    /// Are the joints that carry given efforts against gravity besides positions?
+    /// True commands the carrying joints efforts against gravity in addition to positions.
     pub feed_forward: bool,
 }
 
@@ -65,14 +65,14 @@ impl Default for PositionBalance {
     }
 }
 
-/// New values; what is left out stays. Gains hold at once, the reference moves to a new `offset` from where it is.
+/// New values; values left out stay. Gains apply at once; the reference moves to a new `offset`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PositionBalanceChange {
-    /// Displacement asked for per error of the centre of mass, m/m.
+    /// Commanded displacement per error of the centre of mass, m/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub proportional: Option<f64>,
-    /// Displacement asked for against its velocity, s.
+    /// Commanded displacement against its velocity, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
     /// Rate of displacement per error, 1/s.
@@ -90,7 +90,7 @@ pub struct PositionBalanceChange {
     /// Displacement of the reference from the point of optimal stability, world axes, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub offset: Option<[f64; 2]>,
-    /// Time in which the reference moves there, now and at later changes, s.
+    /// Time in which the reference moves, for this and later changes, s.
     #[serde(deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Positive>")]
     pub approach: Option<f64>,

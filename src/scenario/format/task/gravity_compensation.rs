@@ -7,20 +7,20 @@ use crate::scenario::format::quantity::{
     fraction, json, non_negative, positive, some_fraction, some_non_negative, some_positive,
 };
 
-/// Efforts that hold the robot up where it is, whatever its posture, and that give way to every push: the force control of
-/// `balance` without any reference.
+/// Commands efforts that carry the robot in any posture and yield to pushes: the force control of `balance` without a
+/// reference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityCompensationTask {
-    /// When it starts, s.
+    /// Start, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// How long it lasts, s. Left out: to the end of the run.
+    /// Duration, s. Left out: to the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,
-    /// The soles it stands on. Left out: all.
+    /// The supporting soles. Left out: all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soles: Option<Vec<String>>,
     /// Damping of every joint: deceleration per velocity, 1/s.
@@ -31,7 +31,7 @@ pub struct GravityCompensationTask {
     #[serde(default = "half", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub friction: f64,
-    /// How far inside each sole contact forces stay: 0 lets them reach its edges, 1 leaves its centre alone.
+    /// Distance of contact forces from the edges of each sole: 0 permits its edges, 1 only its centre.
     #[serde(default = "tenth", deserialize_with = "fraction")]
     #[schemars(with = "json::Fraction")]
     pub margin: f64,
@@ -40,11 +40,11 @@ pub struct GravityCompensationTask {
     pub change: Vec<CompensationChange>,
 }
 
-/// New values from a time on; what is left out stays.
+/// New values from a time on; values left out stay.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CompensationChange {
-    /// When, s of simulated time.
+    /// Simulated time, s.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub at: f64,
@@ -56,7 +56,7 @@ pub struct CompensationChange {
     #[serde(default, deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Positive>")]
     pub friction: Option<f64>,
-    /// How far inside each sole contact forces stay, 0 to 1.
+    /// Distance of contact forces from the edges of each sole, 0 to 1.
     #[serde(default, deserialize_with = "some_fraction", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Fraction>")]
     pub margin: Option<f64>,

@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::quantity::{angle, json, non_negative, positive, some_positive};
 
-/// Follow captured motion: channels of a BVH or CSV file mapped to joints, kept within their ranges and speeds.
+/// Follows captured motion: channels of a BVH or CSV file mapped to joints, kept within their ranges and speeds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MocapTask {
     /// The recording (`.bvh` or `.csv`), relative to this file.
     #[schemars(length(min = 1))]
     pub file: String,
-    /// When time 0 of the recording is, s.
+    /// Simulated time of time 0 of the recording, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
@@ -22,15 +22,15 @@ pub struct MocapTask {
     #[serde(default = "one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub speed: f64,
-    /// Time in which what joints are asked at `start` fades into the motion, s; 0: at once.
+    /// Time in which the commands at `start` blend into the motion, s; 0: at once.
     #[serde(default = "half", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub blend: f64,
-    /// Width of the window over which the motion is averaged, s; 0: as it is.
+    /// Width of the averaging window, s; 0: no averaging.
     #[serde(default = "tenth", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub smoothing: f64,
-    /// Greatest speed asked of any joint, rad/s or m/s, beside the joint's own limit.
+    /// Greatest commanded speed of any joint, rad/s or m/s, in addition to the joint's own limit.
     #[serde(default, deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Positive>")]
     pub speed_limit: Option<f64>,
@@ -38,13 +38,13 @@ pub struct MocapTask {
     pub map: BTreeMap<String, MocapTarget>,
 }
 
-/// Where a channel goes: `q = offset + scale value`, value in rad where the channel is a rotation.
+/// Target of a channel: `q = offset + scale value`, value in rad where the channel is a rotation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MocapTarget {
     /// Joint.
     pub joint: String,
-    /// Factor, such as -1 for an axis that points the other way.
+    /// Factor, such as -1 for an axis of opposite direction.
     #[serde(default = "one")]
     pub scale: f64,
     /// Joint position at channel value 0, rad or m.

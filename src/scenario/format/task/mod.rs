@@ -1,4 +1,4 @@
-//! `[[task]]`: what the robot is told to do. One file per type.
+//! `[[task]]`: sources of joint commands. One file per type.
 
 mod balance;
 mod balance_force;
@@ -27,25 +27,25 @@ pub use walk::WalkTask;
 use crate::scenario::format::tagged::tagged;
 
 tagged! {
-    /// One task. Where tasks overlap in time, later ones in the file win per joint.
+    /// One task. Where tasks overlap in time, the later one in the file commands a joint.
     TaskSpec, "task" {
-        /// Move joints to a posture.
+        /// Moves joints to a posture.
         "posture" => Posture(PostureTask),
-        /// Keep the centre of mass above the soles.
+        /// Keeps the centre of mass above the soles.
         "balance" => Balance(BalanceTask),
-        /// Hold the robot up and give way to every push.
+        /// Carries the robot and yields to pushes.
         "gravity-compensation" => GravityCompensation(GravityCompensationTask),
-        /// What a script says.
+        /// Runs a script.
         "script" => Script(ScriptTask),
-        /// Swing joints sinusoidally.
+        /// Moves joints sinusoidally.
         "sine" => Sine(SineTask),
-        /// Play a motion file.
+        /// Plays a motion file.
         "playback" => Playback(PlaybackTask),
-        /// Follow captured motion.
+        /// Follows captured motion.
         "mocap" => Mocap(MocapTask),
-        /// Bend the legs and rise again.
+        /// Bends the legs and rises again.
         "squat" => Squat(SquatTask),
-        /// Walk, or step in place.
+        /// Walks, or steps on the spot.
         "walk" => Walk(WalkTask),
     }
 }

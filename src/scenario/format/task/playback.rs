@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::quantity::{json, non_negative, positive};
 
-/// Play a motion file: postures at times, joined by curves of least jerk.
+/// Plays a motion file: postures at times, joined by curves of least jerk.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaybackTask {
@@ -13,7 +13,7 @@ pub struct PlaybackTask {
     /// relative to this file.
     #[schemars(length(min = 1))]
     pub file: String,
-    /// When time 0 of the motion is, s.
+    /// Simulated time of time 0 of the motion, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
@@ -21,20 +21,20 @@ pub struct PlaybackTask {
     #[serde(default = "one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub speed: f64,
-    /// What holds at the first and last posture; left out: clamped.
+    /// Boundary conditions at the first and last posture; left out: clamped.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ends: Option<Ends>,
-    /// Go round without end; the motion must end in the posture it begins with.
+    /// Repeats without end; the motion must end in its first posture.
     #[serde(default, rename = "loop")]
     pub repeat: bool,
-    /// Time in which what joints are asked at `start` fades into the motion, and one speed into the next, s; 0: at once.
+    /// Time in which the commands at `start` blend into the motion, and one speed into the next, s; 0: at once.
     #[serde(default = "half", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub blend: f64,
     /// The joints that play, by name; empty: all that the motion names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<String>,
-    /// What of a log is played.
+    /// Positions of a log that are played.
     #[serde(default)]
     pub recorded: Recorded,
     /// New speeds at given times, ascending.
@@ -46,7 +46,7 @@ pub struct PlaybackTask {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaybackChange {
-    /// When, s of simulated time.
+    /// Simulated time, s.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub at: f64,
@@ -56,25 +56,25 @@ pub struct PlaybackChange {
     pub speed: f64,
 }
 
-/// What holds at the ends of a motion that does not repeat.
+/// Boundary conditions of a motion that does not repeat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ends {
-    /// At rest, without acceleration.
+    /// Zero velocity and acceleration.
     #[default]
     Clamped,
-    /// Whatever velocity and acceleration take the least jerk.
+    /// Velocity and acceleration that minimize jerk.
     Natural,
 }
 
-/// Which positions of a log are played.
+/// Positions of a log that are played.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Recorded {
-    /// What the joints were asked for.
+    /// Commanded positions.
     #[default]
     Desired,
-    /// Where they were.
+    /// Actual positions.
     Actual,
 }
 

@@ -7,15 +7,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::quantity::{joint_positions, json, non_negative, positive};
 
-/// Move joints from where they are to a posture along minimum-jerk curves, and hold it.
+/// Moves joints from their present positions to a posture along minimum-jerk curves, and holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PostureTask {
-    /// When it starts, s.
+    /// Start, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// How long the motion takes, s.
+    /// Duration of the motion, s.
     #[serde(default = "one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub duration: f64,

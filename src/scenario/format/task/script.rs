@@ -18,14 +18,14 @@ pub struct ScriptTask {
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub params: BTreeMap<String, toml::Value>,
-    /// Values that change while it runs, for its `change`; times ascend.
+    /// Changes of these values, for its `change`; times ascend.
     #[serde(default)]
     pub change: Vec<ChangeSpec>,
-    /// When it starts, s.
+    /// Start, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// How long it runs at most, s; left out: until it says that it is done.
+    /// Longest duration, s; left out: until it reports that it is done.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,

@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::quantity::{angle, json, non_negative, positive, some_angle, some_positive};
 
-/// Swing joints sinusoidally: `q = offset + amplitude sin(2 pi frequency t + phase)`, t from `start`.
+/// Moves joints sinusoidally: `q = offset + amplitude sin(2 pi frequency t + phase)`, t from `start`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SineTask {
-    /// When it starts, s.
+    /// Start, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
@@ -19,8 +19,8 @@ pub struct SineTask {
     #[serde(default, deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,
-    /// Time in which joints go over from where they are asked to be to the swing, back at the end of `duration`, and from
-    /// one set of parameters to the next, s; 0: at once.
+    /// Time of each transition, s: from the commanded positions to the oscillation, back at the end of `duration`, and
+    /// between sets of parameters; 0: at once.
     #[serde(default = "half", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub ramp: f64,
@@ -31,7 +31,7 @@ pub struct SineTask {
     pub change: Vec<SineChange>,
 }
 
-/// The swing of one joint.
+/// Oscillation of one joint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SineJoint {
@@ -47,7 +47,7 @@ pub struct SineJoint {
     #[serde(default, deserialize_with = "angle")]
     #[schemars(with = "json::Angle")]
     pub phase: f64,
-    /// Middle of the swing, rad or m; left out: where the joint is asked to be at `start`.
+    /// Middle of the oscillation, rad or m; left out: the position commanded at `start`.
     #[serde(default, deserialize_with = "some_angle", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Angle>")]
     pub offset: Option<f64>,
@@ -57,15 +57,15 @@ pub struct SineJoint {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SineChange {
-    /// When, s of simulated time.
+    /// Simulated time, s.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub at: f64,
-    /// By joint name.
+    /// Changes by joint name.
     pub joints: BTreeMap<String, SineJointChange>,
 }
 
-/// What changes at one joint. The phase goes on from where it is.
+/// Changes of one joint. The phase is continuous.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SineJointChange {
@@ -77,7 +77,7 @@ pub struct SineJointChange {
     #[serde(deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Positive>")]
     pub frequency: Option<f64>,
-    /// Middle of the swing, rad or m.
+    /// Middle of the oscillation, rad or m.
     #[serde(deserialize_with = "some_angle", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Angle>")]
     pub offset: Option<f64>,

@@ -5,30 +5,30 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::quantity::{count, json, non_negative, positive};
 
-/// Lower the centre of mass and raise it again over the middle of the soles, which stay where they are; the root link
+/// Lowers the centre of mass and raises it again over the middle of the soles. The soles do not move, and the root link
 /// stays upright.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SquatTask {
-    /// When it starts, s.
+    /// Start, s.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
-    /// How far the centre of mass goes down, m; below zero it rises first.
+    /// Depth of the centre of mass, m; negative: it rises first.
     pub depth: f64,
-    /// Time of going down and up, s.
+    /// Time of one cycle, down and up, s.
     #[serde(default = "two", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub period: f64,
-    /// How often.
+    /// Number of cycles.
     #[serde(default = "one", deserialize_with = "count")]
     #[schemars(with = "json::Count")]
     pub repetitions: u32,
-    /// Time to bring the centre of mass over the middle of the soles first, s.
+    /// Time in which the centre of mass first moves over the middle of the soles, s.
     #[serde(default = "second", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub settle: f64,
-    /// Are the joints that carry given the efforts that the motion takes, besides positions?
+    /// True commands the carrying joints the efforts of the motion in addition to positions.
     #[serde(default = "yes")]
     pub feed_forward: bool,
 }

@@ -1,9 +1,8 @@
-//! Numbers in the open interval (0, 1) that depend on the scenario's seed and on nothing of the machine.
+//! Random numbers in the open interval (0, 1), from the scenario's seed, the same on every machine.
 //!
-//! Independent and Latin hypercube draws come from a ChaCha8 stream of their own per key, seeded with the BLAKE3 hash of
-//! seed and path: another key beside it changes nothing. A Sobol sequence fills all its dimensions together, so there a
-//! key's numbers depend on its place among the keys instead. Sources: M. D. McKay, R. J. Beckman, W. J. Conover,
-//! Technometrics 21 (1979) 239; B. Burley, Practical hash-based Owen scrambling, JCGT 9 (2020) 4.
+//! Independent and Latin hypercube draws use one ChaCha8 stream per key, seeded with the BLAKE3 hash of seed and path, so
+//! another key changes nothing. A Sobol sequence fills all its dimensions together: a key's numbers depend on its index
+//! among the keys. Sources: [McKay 1979] (Latin hypercube); [Burley 2020] (Owen scrambling).
 
 use crate::random::Stream;
 use crate::scenario::key_path::KeyPath;
@@ -34,14 +33,14 @@ pub fn latin(seed: u64, path: &KeyPath, n: usize) -> Vec<f64> {
 pub fn sobol(seed: u64, dimension: u32, n: usize) -> Vec<f64> {
     let hash = blake3::hash(&seed.to_le_bytes());
     let scramble = u32::from_le_bytes(hash.as_bytes()[..4].try_into().unwrap_or_default());
-    // The middle of the 2^-24 that a number stands for: 0 itself would be no quantile of a normal distribution.
+    // The middle of the interval of 2^-24 that a number represents: 0 has no quantile of a normal distribution.
     let middle = |i: u32| f64::from(sobol_burley::sample(i, dimension, scramble)) + 0.5f64.powi(25);
     (0..n as u32).map(middle).collect()
 }
 
 fn stream(seed: u64, path: &KeyPath) -> Stream {
-    let words: Vec<&str> = path.segments.iter().map(|(segment, _)| segment.as_str()).collect();
-    Stream::new(seed, &words)
+    let segments: Vec<&str> = path.segments.iter().map(|(segment, _)| segment.as_str()).collect();
+    Stream::new(seed, &segments)
 }
 
 #[cfg(test)]
@@ -52,7 +51,7 @@ mod tests {
         KeyPath::internal(text)
     }
 
-    /// In which of `n` equal parts each number lies.
+    /// The part, of `n` equal ones, of each number.
     fn parts(numbers: &[f64], n: usize) -> Vec<usize> {
         let mut parts: Vec<usize> = numbers.iter().map(|x| (x * n as f64).floor() as usize).collect();
         parts.sort_unstable();

@@ -1,5 +1,5 @@
-//! Random samples of swept keys: numbers between 0 and 1 by [`draw`], turned into values by a distribution's quantile
-//! function, so that every way of sampling serves every distribution.
+//! Random samples of swept keys: [`draw`] gives numbers between 0 and 1, and a distribution's quantile function maps them
+//! to values, so that each sampling method serves each distribution.
 
 mod draw;
 mod normal;
@@ -9,20 +9,20 @@ use crate::scenario::format::random::{Distribution, RandomSpec, Sampling};
 use crate::scenario::key_path::KeyPath;
 use crate::text::toml_tree::{Node, Value};
 
-/// Most samples and keys of a Sobol sequence: what its table of direction numbers holds.
+/// Most samples and keys of a Sobol sequence, by its table of direction numbers.
 pub const SOBOL_SAMPLES: u32 = 1 << 16;
 /// See [`SOBOL_SAMPLES`].
 pub const SOBOL_KEYS: usize = sobol_burley::NUM_DIMENSIONS as usize;
 
-/// The samples of one key, in order. `seed` is the scenario's, `place` the key's place among those of `random`; `node` is
-/// what the distribution was read from.
-pub fn nodes(spec: &RandomSpec, seed: u64, path: &KeyPath, place: usize, node: &Node) -> Vec<Node> {
-    let Some(distribution) = spec.key_at(place) else { return Vec::new() };
+/// The samples of one key, in order. `seed` is the scenario's, `index` the key's index among those of `random`; `node` is
+/// the distribution in the file.
+pub fn nodes(spec: &RandomSpec, seed: u64, path: &KeyPath, index: usize, node: &Node) -> Vec<Node> {
+    let Some(distribution) = spec.key_at(index) else { return Vec::new() };
     let n = spec.samples as usize;
     let draws = match spec.sampling {
         Sampling::Random => draw::independent(seed, path, n),
         Sampling::Lhs => draw::latin(seed, path, n),
-        Sampling::Sobol => draw::sobol(seed, place as u32, n),
+        Sampling::Sobol => draw::sobol(seed, index as u32, n),
     };
     let real = |x: f64| Node::computed(Value::Float(x), &node.span);
     match distribution {
@@ -40,9 +40,9 @@ pub fn nodes(spec: &RandomSpec, seed: u64, path: &KeyPath, place: usize, node: &
         }
         Distribution::Choice(_) => {
             let written = node.get("choice").map(Node::items).unwrap_or_default();
-            let words = alike(written.to_vec());
-            let index = |u: f64| ((u * words.len() as f64) as usize).min(words.len() - 1);
-            draws.into_iter().map(|u| words[index(u)].clone()).collect()
+            let choices = alike(written.to_vec());
+            let chosen = |u: f64| ((u * choices.len() as f64) as usize).min(choices.len() - 1);
+            draws.into_iter().map(|u| choices[chosen(u)].clone()).collect()
         }
     }
 }

@@ -69,7 +69,7 @@ const FAR_BELOW: [f64; 8] = [
     2.044_263_103_389_939_785_64e-15,
 ];
 
-/// The number that a standard normal variable stays below with probability `p`, which lies between 0 and 1.
+/// The number that a standard normal variable stays below with probability `p`, between 0 and 1.
 pub fn quantile(p: f64) -> f64 {
     let q = p - 0.5;
     if q.abs() <= MIDDLE {
