@@ -92,7 +92,7 @@ fn a_thing_changed_in_the_file_changes_the_answer() {
     }
     assert_ne!(json(&sliding.replay().unwrap()), json(&sliding.answer));
     sliding.b.pop();
-    assert_eq!(sliding.replay().unwrap_err().to_string(), "`b` has 5 numbers, 6 are wanted");
+    assert_eq!(sliding.replay().unwrap_err().to_string(), "`b` has 5 numbers, expected 6");
 }
 
 /// Three corners of a block start below the floor and one above it: no state clamps just those.

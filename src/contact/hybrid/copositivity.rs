@@ -1,9 +1,11 @@
-//! Strict copositivity of the normal coefficients of sliding vertices: does a normal load exist that accelerates the
-//! vertices it presses on into the floor?
+//! Tests strict copositivity of the normal coefficients of sliding vertices.
 //!
-//! The normal coefficients K of sliding vertices (see [`super::painleve`]) lose strict copositivity when `x . K x <= 0` for
-//! a load `x >= 0`. On the simplex `sum x = 1` the form takes its minimum at a stationary point of one of the faces: on the
-//! vertices that x loads, `(K + K^T) x` is constant. With up to [`FEW`] sliding vertices all faces are tested.
+//! If it is lost, some normal load accelerates the vertices that carry it into the floor.
+//!
+//! The normal coefficients K of sliding vertices (see [`super::painleve`]) lose strict copositivity
+//! when `x . K x <= 0` for a load `x >= 0`. On the simplex `sum x = 1` the form takes its minimum
+//! at a stationary point of one of the faces: on the vertices that x loads, `(K + K^T) x` is
+//! constant. With up to [`FEW`] sliding vertices all faces are tested.
 
 use crate::contact::methods::method::Method;
 use crate::contact::model::problem::{Level, Problem, Tolerances, Vertex};
@@ -16,21 +18,24 @@ const FEW: usize = 12;
 
 /// A normal load on sliding vertices with its value of the form `x . K x`.
 pub(crate) struct SlidingLoad {
-    /// `x . K x / (x . x)`, 1/kg; where it is not positive, the load accelerates its vertices into the floor.
+    /// `x . K x / (x . x)`, 1/kg; where it is not positive, the load accelerates its vertices into
+    /// the floor.
     pub value: f64,
     /// The same without friction, 1/kg.
     pub smooth: f64,
     /// Sole and vertex with the greatest share of the load.
     pub at: (usize, usize),
-    /// For each vertex of each sole: does it carry a part of the load?
+    /// For each vertex of each sole: whether it carries a part of the load.
     pub loaded: Vec<Vec<bool>>,
     /// The wrenches of the load with its friction, 6F.
     pub wrench: Vec<f64>,
 }
 
-/// The normal load of least `x . K x` on the vertices of `p` that slide on the floor; none where nothing slides.
+/// The normal load of least `x . K x` on the vertices of `p` that slide on the floor; `None` if
+/// nothing slides.
 ///
-/// `method` answers for the sticking soles of `states`, in `scratch`; `p` is unchanged on return.
+/// `method` gives the response of the sticking soles of `states`, in `scratch`; `p` is unchanged on
+/// return.
 pub(crate) fn least_sliding_load(
     p: &mut Problem,
     method: &mut dyn Method,
@@ -100,8 +105,9 @@ fn restore_biases(p: &mut Problem, biases: &[Vector3<f64>]) {
     p.soles.iter_mut().flat_map(|s| &mut s.vertices).zip(biases).for_each(|(v, b)| v.bias = *b);
 }
 
-/// Least `x . K x / (x . x)` among the stationary points of `x . K x` over `x >= 0`, `sum x = 1`, and that x. The form is
-/// negative somewhere on that set only if it is at one of them: on the vertices that x loads, `(K + K^T) x` is constant.
+/// Least `x . K x / (x . x)` among the stationary points of `x . K x` over `x >= 0`, `sum x = 1`,
+/// and that x. The form is negative somewhere on that set only if it is at one of them: on the
+/// vertices that x loads, `(K + K^T) x` is constant.
 fn least(k: &DMatrix<f64>) -> Option<(f64, DVector<f64>)> {
     let n = k.nrows();
     let form = (k + k.transpose()) * 0.5;
@@ -134,7 +140,8 @@ mod tests {
 
     #[test]
     fn copositivity_differs_from_definiteness() {
-        // Indefinite but positive on loads that push; negative only where both push; a negative diagonal.
+        // Indefinite but positive on loads that push; negative only where both push; a negative
+        // diagonal.
         let cases = [([1.0, 3.0, 3.0, 1.0], true), ([1.0, -3.0, -1.0, 1.0], false), ([1.0, 5.0, 5.0, -0.1], false)];
         for (entries, positive) in cases {
             let (value, load) = least(&DMatrix::from_row_slice(2, 2, &entries)).expect("a corner is stationary");

@@ -1,5 +1,6 @@
-//! Event functions of the contact states in force: positive while the states stay true. Event location finds the instants
-//! at which one reaches zero.
+//! Event functions of the current contact states: positive while the states are valid.
+//!
+//! Event location finds the instant at which the first reaches zero.
 //!
 //! | function | event when it reaches zero |
 //! |---|---|
@@ -18,10 +19,10 @@ use crate::contact::model::state::{MAX_SOLES, Mode, SoleState, States};
 use crate::contact::search::judge::{CLEAR, SUSPECT_FRICTION, SUSPECT_NORMAL, margin};
 use nalgebra::Vector2;
 
-/// What event functions depend on: the contact problem, the states in force and their solution.
+/// Inputs of event functions: the contact problem, the current states and their solution.
 #[derive(Clone, Copy)]
 pub(crate) struct ContactInForce<'a> {
-    /// The problem.
+    /// Contact problem.
     pub problem: &'a Problem,
     /// The states.
     pub states: &'a States,
@@ -31,11 +32,11 @@ pub(crate) struct ContactInForce<'a> {
     pub directions: &'a [Vec<Vector2<f64>>],
     /// Tolerances.
     pub tolerances: &'a Tolerances,
-    /// Do forces follow heights and velocities by a compliant law?
+    /// Whether forces follow heights and velocities by a compliant law.
     pub is_compliant: bool,
-    /// Regions of different friction; none where friction is uniform.
+    /// Regions of different friction; `None` if friction is uniform.
     pub regions: Option<&'a dyn FrictionBorders>,
-    /// Is the state of a sole imposed? It ends by the clock then, not by an event.
+    /// Whether the state of a sole is imposed; it then ends at a set time, not at an event.
     pub is_imposed: &'a dyn Fn(usize) -> bool,
 }
 
@@ -45,12 +46,12 @@ pub(crate) trait FrictionBorders {
     fn seen_from_above(&self, s: usize, i: usize) -> Vector2<f64>;
     /// Distance of the vertex to the border of its region, m; negative beyond it.
     fn border(&self, s: usize, i: usize) -> f64;
-    /// Part of the straight way from `from` to where the vertex is now after which it is likely to be beyond the border;
-    /// none if it stays inside.
+    /// Fraction of the straight path from `from` to the present position after which the vertex is
+    /// probably beyond the border; `None` if it stays inside.
     fn crossing(&self, s: usize, i: usize, from: &Vector2<f64>) -> Option<f64>;
 }
 
-/// Most event functions at once.
+/// Greatest number of event functions at once.
 pub(crate) const MAX_FUNCTIONS: usize = 512;
 
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +71,8 @@ enum Function {
 /// The event functions of one step.
 pub(crate) struct EventFunctions {
     functions: Vec<Function>,
-    /// Functions negative from the start, because no valid state was found: left out until the end of the step.
+    /// Functions negative from the start, because no valid state was found: left out until the end
+    /// of the step.
     overlooked: Vec<usize>,
 }
 
@@ -123,9 +125,10 @@ impl EventFunctions {
         self.functions.len()
     }
 
-    /// Leaves out the functions that are negative already at the start of the step, and returns whether there is any. A
-    /// vertex that slides backwards slower than `rest`, m/s, may do so up to that speed: it has just been selected to slip,
-    /// from a speed of zero but for rounding, and another selection would only put it back to rest.
+    /// Leaves out the functions that are negative already at the start of the step, and returns
+    /// whether there is any. A vertex that slides backwards slower than `rest`, m/s, may do so up
+    /// to that speed: it has just been selected to slip, from a speed of zero up to rounding, and
+    /// another selection would only return it to rest.
     pub fn overlook(&mut self, start: &mut [f64], rest: f64) -> bool {
         for (i, (item, g)) in self.functions.iter_mut().zip(start).enumerate().filter(|(_, (_, g))| **g < 0.0) {
             match item {
@@ -169,8 +172,8 @@ impl EventFunctions {
         self.overlooked.iter().for_each(|&i| out[i] = 1.0);
     }
 
-    /// Has a sliding vertex crossed a border and come back within the step that ends at the present evaluation? Then
-    /// returns the part of the step after which it is likely to be beyond the border.
+    /// If a sliding vertex crossed a border and returned within the step that ends at the present
+    /// evaluation, returns the fraction of the step after which it is probably beyond the border.
     pub fn passed_over(&self, now: &ContactInForce, values: &[f64]) -> Option<f64> {
         let regions = now.regions?;
         let part = self.functions.iter().zip(values).filter_map(|(function, g)| match function {
@@ -198,7 +201,7 @@ impl EventFunctions {
     }
 }
 
-/// Does an unclamped vertex in the tolerance band accelerate into the floor by more than a_t?
+/// Whether an unclamped vertex in the tolerance band accelerates into the floor by more than a_t.
 pub(crate) fn sinks(now: &ContactInForce) -> bool {
     let (p, tol) = (now.problem, now.tolerances);
     p.soles.iter().enumerate().any(|(s, sole)| {

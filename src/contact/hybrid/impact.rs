@@ -5,9 +5,10 @@
 //! target = -e v_n      with e > 0 only where the sole approaches faster than v_t
 //! ```
 //!
-//! p are the impulses of all soles at once, N and t their normal and tangential parts per vertex: Signorini's condition and
-//! Coulomb's law with velocities after the impact in the place of accelerations (`docs/contact.md` section 7). The target
-//! is Newton's restitution of the whole sole, so that a sole that lands flat stays parallel to the floor.
+//! p are the impulses of all soles at once, N and t their normal and tangential parts per vertex:
+//! Signorini's condition and Coulomb's law with velocities after the impact instead of
+//! accelerations (`docs/contact.md`, section 6). The target is Newton's restitution of the whole
+//! sole, so that a sole that lands flat stays parallel to the floor.
 
 use crate::contact::model::problem::{Level, Problem, SoleProblem, TOUCHING, Tolerances};
 use crate::contact::model::state::{SoleState, States};
@@ -16,8 +17,8 @@ use nalgebra::{Vector2, Vector3};
 /// Depth, in distance tolerances, down to which a vertex can arrive at the floor.
 const REACH: f64 = 100.0;
 
-/// Does an unclamped vertex touch the floor and approach it, or approach it faster than v_t within d of it? Soles with
-/// imposed states have no impacts.
+/// Whether an unclamped vertex touches the floor and approaches it, or approaches it faster than
+/// v_t within d of it. Soles with imposed states have no impacts.
 pub(crate) fn is_due(p: &Problem, states: &States, tol: &Tolerances, is_imposed: impl Fn(usize) -> bool) -> bool {
     p.soles.iter().enumerate().any(|(s, sole)| {
         let k = sole.vertices.len();
@@ -30,8 +31,8 @@ pub(crate) fn is_due(p: &Problem, states: &States, tol: &Tolerances, is_imposed:
     })
 }
 
-/// Sets the problem of an impact. `velocity` are the motions of the soles before it (6F), `restitution` is e. Returns the
-/// greatest approach speed, m/s.
+/// Sets the problem of an impact. `velocity` are the motions of the soles before it (6F),
+/// `restitution` is e. Returns the greatest approach speed, m/s.
 pub(crate) fn set_impact(p: &mut Problem, velocity: &[f64], tol: &Tolerances, restitution: f64) -> f64 {
     p.level = Level::Velocity;
     p.b.copy_from_slice(velocity);
@@ -53,9 +54,9 @@ pub(crate) fn set_impact(p: &mut Problem, velocity: &[f64], tol: &Tolerances, re
     fastest
 }
 
-/// Sets the problem that brings the clamped directions of newly selected states to rest. Returns the states to solve it
-/// with: a sole about to slip from rest is held, so that it loses the rest of its old motion; friction would oppose that
-/// otherwise.
+/// Sets the problem that brings the clamped directions of newly selected states to rest. Returns
+/// the states to solve it with: a sole about to slip from rest is held, so that it loses the
+/// remainder of its old motion; otherwise friction would oppose that.
 pub(crate) fn set_rest(
     p: &mut Problem,
     velocity: &[f64],
@@ -81,7 +82,8 @@ pub(crate) fn set_rest(
     held
 }
 
-/// Normal velocity after = -e times before, on the whole sole; at rest speeds the impact is plastic.
+/// Normal velocity after = -e times before, on the whole sole; at rest speeds the impact is
+/// plastic.
 fn set_target(sole: &mut SoleProblem, velocity: &[f64], approach: f64, tol: &Tolerances, restitution: f64) {
     let e = if approach > tol.velocity { restitution } else { 0.0 };
     sole.target = Vector3::new(velocity[2], velocity[3], velocity[4]) * -e;

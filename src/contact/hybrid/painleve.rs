@@ -1,43 +1,49 @@
-//! Painleve's paradox: sliding that no finite force continues, ended by an impulse in no time, a *jam*.
+//! Painleve's paradox: sliding that no finite force can continue. An impulse ends it in no time: a
+//! *jam*.
 //!
-//! Where vertices slide, their normal accelerations depend on the normal forces N and on the friction that these cause:
+//! Where vertices slide, their normal accelerations depend on the normal forces N and on the
+//! friction that these cause:
 //!
 //! ```text
 //! a_i = b_i + sum_j K_ij N_j        K_ij = e_i . W (e_j - mu_k t_j)
 //! ```
 //!
-//! `e_i` is the wrench of one newton along the normal at vertex i, `t_j` that of one newton along the slip `u_j`, W the
-//! inverse inertia seen by the soles with the sticking ones held. For one vertex K is `A_nn - mu_k u . A_nt`. While
-//! `x . K x > 0` for every load `x >= 0` (K strictly copositive, see [`super::copositivity`]), forces with the
-//! complementarity `N >= 0`, `a >= 0`, `N . a = 0` exist for any b ([Cottle 1992], theorem 3.8.5). When it is not, a load
-//! accelerates the vertices that carry it into the floor, the more the harder the floor pushes ([Painleve 1895]). Two cases
-//! for one vertex:
+//! `e_i` is the wrench of one newton along the normal at vertex i, `t_j` that of one newton along
+//! the slip `u_j`, W the inverse inertia seen by the soles with the sticking ones held. For one
+//! vertex K is `A_nn - mu_k u . A_nt`. While `x . K x > 0` for every load `x >= 0` (K strictly
+//! copositive, see [`super::copositivity`]), forces with the complementarity `N >= 0`, `a >= 0`,
+//! `N . a = 0` exist for any b ([Cottle 1992], theorem 3.8.5). When it is not, a load accelerates
+//! the vertices that carry it into the floor, the more the harder the floor pushes ([Painleve
+//! 1895]). Two cases for one vertex:
 //!
 //! - b < 0, *inconsistent*: neither sliding nor lift-off is possible. A jam.
-//! - b > 0, *indeterminate*: sliding under load and lift-off are both possible. Lift-off clamps less and is taken; the
-//!   search finds it, so this file is not used.
+//! - b > 0, *indeterminate*: sliding under load and lift-off are both possible. Lift-off clamps
+//!   less and is taken; the search finds it without this file.
 //!
-//! The jam is an impact without collision ([Lecornu 1905]; [Genot 1999]). With the normal impulse p as its clock,
-//! `dv/dp = A (-mu_k u, 1)`, the vertex is driven into the floor while its slip falls to zero. From then on it sticks,
-//! within the friction cone, and the floor stops it: the impulse is `-A^-1 v` in all, v = (slip, 0). In a plane problem its
-//! tangential part is `A_nn / |A_nt|` times the normal one, less than mu_k because K < 0. The velocities after it are those
-//! of the plastic impact law of the other impacts for a vanishing approach,
+//! The jam is an impact without collision ([Lecornu 1905]; [Genot 1999]). With the normal impulse p
+//! as its clock, `dv/dp = A (-mu_k u, 1)`, the vertex is driven into the floor while its slip falls
+//! to zero. From then on it sticks, within the friction cone, and the floor stops it: the impulse
+//! is `-A^-1 v` in all, v = (slip, 0). In a plane problem its tangential part is `A_nn / |A_nt|`
+//! times the normal one, less than mu_k because K < 0. The velocities after it are those of the
+//! plastic impact law of the other impacts for a vanishing approach,
 //!
 //! ```text
 //! v+ = v + d a0 + W p       d -> 0
 //! ```
 //!
-//! (a time step of length d; [Stewart 1998] shows that its limit is the solution). It always has an answer: either p is of
-//! the order of d and a finite force exists, or it is not and is the jam. The same law gives the motion of all other
-//! vertices, in three dimensions and with several soles: which are stopped, which slip on in another direction and which
-//! lift off. No vertex is pulled, and energy falls: its change is `p . (v+ + v) / 2 = p . v+ - p . W p / 2`, where normal
-//! impulses do no work on `v+_n = 0` and friction opposes `v+_t`.
+//! (a time step of length d; [Stewart 1998] shows that its limit is the solution). It always has an
+//! answer: either p is of the order of d and a finite force exists, or it is not and is the jam.
+//! The same law gives the motion of all other vertices, in three dimensions and with several soles:
+//! which stop, which slip in another direction and which lift off. No vertex is pulled, and energy
+//! falls: its change is `p . (v+ + v) / 2 = p . v+ - p . W p / 2`, where normal impulses do no work
+//! on `v+_n = 0` and friction opposes `v+_t`.
 //!
-//! In a plane, sliding reaches the limit K = 0 by its own motion only where b vanishes too, with a force `-b / K` that may
-//! grow beyond any bound while its impulse stays finite (the singular point of [Genot 1999]). The steps end short of it.
-//! The rest of that impulse changes no normal velocity, as K = 0; it lasts until b = 0, and the vertex lifts off. In space
-//! the slip may also turn until K = 0, in no time as the force grows; the impulse then turns it further, K < 0, and that is
-//! a jam.
+//! In a plane, sliding reaches the limit K = 0 by its own motion only where b vanishes too, with a
+//! force `-b / K` that may grow beyond any bound while its impulse stays finite (the singular point
+//! of [Genot 1999]). The steps end short of it. The rest of that impulse changes no normal
+//! velocity, as K = 0; it lasts until b = 0, and the vertex lifts off. In space the slip may also
+//! turn until K = 0, in no time as the force grows; the impulse then turns it further, K < 0, and
+//! that is a jam.
 
 use super::copositivity::{SlidingLoad, scale_biases};
 use crate::contact::methods::method::{Method, Question};
@@ -48,42 +54,46 @@ use crate::contact::search::judge::Rules;
 use crate::contact::search::select::Selection;
 use nalgebra::{Vector2, Vector3};
 
-/// Approach that stands for a vanishing one, relative to the greatest speed: a thousand times the least approach of the
-/// velocity level.
+/// Approach that represents a vanishing one, relative to the greatest speed: a thousand times the
+/// least approach of the velocity level.
 const APPROACH: f64 = 1e-7;
-/// Most that the step d may change any velocity, relative to the greatest.
+/// Greatest change of any velocity by the step d, relative to the greatest velocity.
 const DISTURBANCE: f64 = 1e-4;
-/// Part of its slip that a vertex must lose at least for the impulse to be one of no time, well above `DISTURBANCE`.
+/// Least fraction of its slip that a vertex loses in an impulse of no time, well above
+/// `DISTURBANCE`.
 const LOSS: f64 = 1e-2;
-/// Part of the coefficient without friction below which the normal coefficient is at its limit. It goes there as the root
-/// of the time left at worst, so steps of 1e-13 s end within some 1e-6 of it.
+/// Part of the coefficient without friction below which the normal coefficient is at its limit. It
+/// goes there as the root of the time left at worst, so steps of 1e-13 s end within some 1e-6 of
+/// it.
 const LIMIT: f64 = 1e-3;
-/// Fall of the coefficient, in the same unit, that distinguishes a slip that turns from one that keeps its direction.
+/// Fall of the coefficient, in the same unit, that distinguishes a slip that turns from one that
+/// keeps its direction.
 const TURN: f64 = 1e-7;
 
 impl SlidingLoad {
-    /// Is there no finite force, whatever the free accelerations?
+    /// Whether the load drives its vertices into the floor, for any free accelerations.
     pub(crate) fn drives_into_floor(&self) -> bool {
         self.value <= 0.0
     }
 
-    /// Is its normal coefficient so near its limit that steps cannot resolve the force?
+    /// Whether the normal coefficient is so near its limit that steps cannot resolve the force.
     pub(crate) fn is_at_limit(&self) -> bool {
         self.value <= LIMIT * self.smooth
     }
 
-    /// Has the normal coefficient fallen after a small turn of the slip, from this load to that?
+    /// Whether the normal coefficient falls from this load to `after`, by a small turn of the slip.
     pub(crate) fn falls_to(&self, after: &SlidingLoad) -> bool {
         after.value < self.value - TURN * self.smooth
     }
 }
 
-/// The jam of a sliding load: the velocity-level problem in the limit `d -> 0` of the module comment.
+/// The jam of a sliding load: the velocity-level problem in the limit `d -> 0` of the module page.
 ///
-/// `p` holds the free accelerations and `velocity` the motions of the soles (6F). `allowed` says which states each sole may
-/// take. Leaves the solution for a small d in `solution` and the impulses of the limit in `impulses`. The second value is
-/// the selection for the statistics, none where no vertex presses on the floor; the first its states, none when
-/// finite forces exist or when the velocity level has no answer either. The problem is then left at the velocity level.
+/// `p` holds the free accelerations and `velocity` the motions of the soles (6F). `allowed`
+/// restricts the states of each sole. Leaves the solution for a small d in `solution` and the
+/// impulses of the limit in `impulses`. The second value is the selection for the statistics,
+/// `None` if no vertex presses on the floor. The first is its states, `None` if finite forces exist
+/// or the velocity level has no answer either. The problem is then left at the velocity level.
 pub(crate) fn jam(
     p: &mut Problem,
     method: &mut dyn Method,
@@ -114,7 +124,8 @@ pub(crate) fn jam(
             (v.moving, v.direction, v.near) = (false, Vector2::zeros(), v.is_near(&tol));
         }
     }
-    // Several answers may be valid. Vertices that jam together stop together where that is one of them.
+    // Several answers may be valid. Vertices that jam together stop together where that is one of
+    // them.
     let together = |s: usize, state: SoleState| {
         let k = load.loaded[s].len();
         allowed(s, state) && (0..k).all(|i| !load.loaded[s][i] || state.clamps(i, k))
@@ -130,18 +141,19 @@ pub(crate) fn jam(
     }
     selection.tested = tested;
     let stopped = loses_slip(p, &selection.states, solution, tol.rest);
-    // Once more without the approach, for the impulse of the limit itself.
+    // Solve again without the approach, for the impulse of the limit itself.
     p.b.copy_from_slice(velocity);
     scale_biases(p, 0.0);
     method.respond(p, &selection.states, impulses);
     if difference(&impulses.wrench, &solution.wrench) > LOSS {
-        // Where a vertex slips on along a direction in which K vanishes, only the approach determines how far.
+        // Where a vertex keeps slipping in a direction in which K vanishes, only the approach
+        // determines how far.
         impulses.wrench.copy_from_slice(&solution.wrench);
     }
     ((selection.consistent && stopped).then_some(selection.states), Some(selection))
 }
 
-/// Does a sliding vertex that stays clamped lose a part of its slip?
+/// Whether a sliding vertex that stays clamped loses a part of its slip.
 fn loses_slip(p: &Problem, states: &States, after: &Solution, rest: f64) -> bool {
     p.soles.iter().enumerate().filter(|(s, _)| states[*s].pattern != Pattern::Free).any(|(s, sole)| {
         let k = sole.vertices.len();

@@ -1,15 +1,15 @@
-//! Drift: projection of the errors that rounding and integration leave in the clamped directions.
+//! Projects out drift: errors of rounding and integration in the clamped directions.
 //!
-//! Errors of velocity and position in the clamped directions are removed by the mass-weighted least change
-//! `dq = M^-1 J^T w` with `R (J dq + e) = 0` (`docs/contact.md` section 8): the candidate solve at the velocity level,
-//! without friction, with the errors in the place of the free motion. A static sole is tied to the positions of its
-//! vertices when it was clamped (its anchors), a sliding one to their heights.
+//! The mass-weighted least change removes errors of velocity and position, `dq = M^-1 J^T w` with
+//! `R (J dq + e) = 0` (`docs/contact.md`, section 8). It is the candidate solve at the velocity
+//! level, without friction, with the errors as free motion. A static sole is held at the positions
+//! of its vertices when it was clamped (its anchors), a sliding one at their heights.
 
 use crate::contact::model::problem::{Level, Problem, SoleProblem};
 use crate::contact::model::state::States;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-/// Most vertices of a sole.
+/// Greatest number of vertices of a sole.
 const MAX_VERTICES: usize = 64;
 
 /// Sets the problem of velocity errors: `velocity` are the motions of the soles (6F).
@@ -28,14 +28,15 @@ pub(crate) fn set_velocity_errors(p: &mut Problem, velocity: &[f64]) {
 /// Greatest position errors of clamped vertices, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Drift {
-    /// Of all soles.
+    /// Error over all soles.
     pub greatest: f64,
-    /// Of static soles.
+    /// Error over static soles.
     pub of_static: f64,
 }
 
-/// Sets the problem of position errors, after [`set_velocity_errors`]. `origin` gives the reference point of a sole and
-/// `anchors` where its vertices belong, floor axes relative to the floor point, m.
+/// Sets the problem of position errors, after [`set_velocity_errors`]. `origin` gives the reference
+/// point of a sole and `anchors` the target positions of its vertices, floor axes relative to the
+/// floor point, m.
 pub(crate) fn set_position_errors(
     p: &mut Problem,
     states: &States,
@@ -78,8 +79,8 @@ pub(crate) fn set_position_errors(
     drift
 }
 
-/// Least-squares plane through values at the vertices: the value at the reference point and the small rotation (about x
-/// and y) whose normal motion `t_x r_y - t_y r_x` fits the remainder.
+/// Least-squares plane through values at the vertices: the value at the reference point and the
+/// small rotation (about x and y) whose normal motion `t_x r_y - t_y r_x` fits the remainder.
 pub(crate) fn fit_plane(sole: &SoleProblem, value: impl Fn(usize) -> f64) -> Vector3<f64> {
     let k = sole.vertices.len();
     let mean = (0..k).map(&value).sum::<f64>() / k as f64;

@@ -27,11 +27,11 @@ pub enum Level {
 /// The tolerances of a scenario, `contact.md` section 4.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Tolerances {
-    /// d, m.
+    /// Distance tolerance d, m.
     pub distance: f64,
-    /// v_t, m/s.
+    /// Velocity tolerance v_t, m/s.
     pub velocity: f64,
-    /// a_t, m/s^2.
+    /// Acceleration tolerance a_t, m/s^2.
     pub acceleration: f64,
     /// Speed below which a sliding vertex counts as at rest, m/s: what the integrator cannot
     /// resolve.
@@ -44,15 +44,16 @@ impl Default for Tolerances {
     }
 }
 
-/// Height up to which a vertex touches the floor, m: rounding of positions of a few metres, far below any tolerance.
+/// Height up to which a vertex touches the floor, m: above rounding of positions of a few metres,
+/// far below any tolerance.
 pub const TOUCHING: f64 = 1e-10;
 
-/// Most that an unclamped touching vertex may accelerate into the floor where events are located, m/s^2.
+/// Greatest acceleration of an unclamped touching vertex into the floor with located events, m/s^2.
 const SINKING: f64 = 1e-3;
 
 impl Tolerances {
-    /// The tolerances of methods whose events are located. Every vertex meets the floor in an event of its own, so none has
-    /// to be clamped above it. What a vertex may accelerate downwards only covers rounding.
+    /// Tolerances of methods with located events. Every vertex meets the floor in its own event, so
+    /// none is clamped above it. The downward acceleration covers rounding alone.
     pub fn with_located_events(self) -> Self {
         Tolerances { distance: self.distance.min(TOUCHING), acceleration: self.acceleration.min(SINKING), ..self }
     }
@@ -84,17 +85,18 @@ pub struct Vertex {
 }
 
 impl Vertex {
-    /// Is it no higher above the floor than d?
+    /// Whether it is at most d above the floor.
     pub fn is_near(&self, tol: &Tolerances) -> bool {
         self.height <= tol.distance
     }
 
-    /// Is it in the tolerance band, near the floor and with a normal velocity of at most v_t?
+    /// Whether it is in the tolerance band: near the floor, with a normal velocity of at most v_t.
     pub fn is_in_band(&self, tol: &Tolerances) -> bool {
         self.is_near(tol) && self.velocity.z.abs() <= tol.velocity
     }
 
-    /// Does it meet the floor at the problem's level: touch it, or come near it in this impact or step?
+    /// Whether it meets the floor at the problem's level: touches it, or comes near it in this
+    /// impact or step.
     pub fn meets_floor(&self, level: Level) -> bool {
         match level {
             Level::Velocity => self.near,

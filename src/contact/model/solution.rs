@@ -13,8 +13,8 @@ pub struct Solution {
     pub motion: Vec<f64>,
     /// Normal force of each vertex, by sole (N or N s).
     pub normal: Vec<Vec<f64>>,
-    /// Tangential force of each vertex, by sole, x and y in floor axes. Within a static pattern the split is a rule
-    /// (proportional to the normal forces), only the resultant is physics.
+    /// Tangential force of each vertex, by sole, x and y in floor axes. Within a static pattern the
+    /// split is a rule (proportional to the normal forces), only the resultant is physics.
     pub tangent: Vec<Vec<Vector2<f64>>>,
     /// Did the pressure rule of every face find a centre of pressure inside its polygon?
     pub inside: [bool; MAX_SOLES],
