@@ -49,8 +49,8 @@ pub struct Spring {
     corners: Vec<f64>,
     /// True while it is attached, as last reported.
     held: bool,
-    /// True if it must be attached anew: it has replaced one that was attached elsewhere.
-    anew: bool,
+    /// True if it must be attached again: it has replaced one that was attached elsewhere.
+    reattach: bool,
 }
 
 impl Spring {
@@ -61,11 +61,11 @@ impl Spring {
         let mut corners = span.corners().to_vec();
         corners.extend(anchor.corners());
         let end = start + duration;
-        Spring { hold, anchor, from_point, start, end, span, corners, held: false, anew: false }
+        Spring { hold, anchor, from_point, start, end, span, corners, held: false, reattach: false }
     }
 
     /// True if the other spring has the same anchor and point.
-    fn is_where(&self, other: &Spring) -> bool {
+    fn has_same_ends(&self, other: &Spring) -> bool {
         let (a, b) = (&self.anchor, &other.anchor);
         let origin = self.from_point || (a.origin, a.start) == (b.origin, b.start);
         let point = (self.hold.link, self.hold.point) == (other.hold.link, other.hold.point);
@@ -82,15 +82,15 @@ impl Force for Spring {
     fn continue_from(&mut self, former: &dyn Any, _time: f64) {
         let Some(former) = former.downcast_ref::<Spring>().filter(|former| former.held) else { return };
         self.held = true;
-        self.anew = !self.is_where(former);
-        if !self.anew {
+        self.reattach = !self.has_same_ends(former);
+        if !self.reattach {
             self.anchor.clone_from(&former.anchor);
         }
     }
 
     fn pass(&mut self, context: &ForceContext, report: &mut ReportEvent) {
         let holds = (self.start..self.end).contains(&context.time);
-        if holds && (!self.held || self.anew) {
+        if holds && (!self.held || self.reattach) {
             if self.from_point {
                 (self.anchor.origin, self.anchor.start) = (self.point(context), context.time);
             }
@@ -99,7 +99,7 @@ impl Force for Spring {
         } else if self.held && !holds {
             report("spring", &self.hold.name, "released".into());
         }
-        (self.held, self.anew) = (holds, false);
+        (self.held, self.reattach) = (holds, false);
     }
 
     fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {

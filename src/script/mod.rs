@@ -1,6 +1,6 @@
 //! Scripts in Luau: tasks and force models in files of their own.
 //!
-//! Each script of each run has its own interpreter ([`sandbox`]). Before a call the numbers that it
+//! Each script of each run has its own interpreter (`sandbox`). Before a call the numbers that it
 //! reads ([`fields`]) are written to a buffer, which `prelude.luau` unpacks into the table `robot`;
 //! joint commands return through another buffer. Every failure is a [`ScriptError`] with file, line
 //! and message. [`script_task`] and [`script_force`] implement the traits of tasks and force

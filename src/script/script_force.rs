@@ -45,18 +45,18 @@ pub struct Schedule {
 
 impl ScriptForce {
     /// A force model called `name`.
-    pub fn new(name: String, script: Script, names: RobotNames, plan: Schedule) -> Self {
-        let mut corners = plan.corners;
-        corners.extend(plan.span.corners());
-        corners.extend(plan.changes.iter().map(|(at, _)| *at));
+    pub fn new(name: String, script: Script, names: RobotNames, schedule: Schedule) -> Self {
+        let mut corners = schedule.corners;
+        corners.extend(schedule.span.corners());
+        corners.extend(schedule.changes.iter().map(|(at, _)| *at));
         ScriptForce {
             name,
             script,
             names,
-            span: plan.span,
+            span: schedule.span,
             corners,
-            params: plan.params,
-            changes: plan.changes,
+            params: schedule.params,
+            changes: schedule.changes,
             changed: 0,
             effects: Vec::new(),
             repeated: Vec::new(),

@@ -5,10 +5,10 @@
 //!   lasts. The base layer beneath holds those set by the robot or a script; each tick starts from
 //!   it.
 //! - **Efforts** that such a task leaves on a joint that follows positions or velocities decay to
-//!   those of the base layer within [`RETURN`] seconds. On other joints the effort of the base
+//!   those of the base layer within [`RELEASE_TIME`] seconds. On other joints the effort of the base
 //!   layer holds at once.
 //! - **Positions**: where a task that ends releases a joint to an earlier task that is still
-//!   running, their difference decays within [`RETURN`] seconds on top of the commanded position.
+//!   running, their difference decays within [`RELEASE_TIME`] seconds on top of the commanded position.
 //!
 //! Both decay along the quintic of [`super::blend_in`].
 
@@ -18,22 +18,23 @@ use crate::motion::spline::{TrajectoryPoint, quintic};
 use crate::robot::DriveMode;
 
 /// Time in which what an ended task leaves decays, s.
-pub const RETURN: f64 = 0.5;
+pub const RELEASE_TIME: f64 = 0.5;
 
 /// A difference that decays.
 #[derive(Clone, Copy, Debug)]
-struct Fading {
+struct ReleaseOffset {
     from: TrajectoryPoint,
     since: f64,
 }
 
-impl Fading {
-    const NONE: Fading = Fading { from: TrajectoryPoint { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY };
+impl ReleaseOffset {
+    const NONE: ReleaseOffset =
+        ReleaseOffset { from: TrajectoryPoint { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY };
 
     /// The remaining difference; none once it is over.
     fn at(&self, time: f64) -> Option<TrajectoryPoint> {
         let t = time - self.since;
-        (!has_elapsed(t, RETURN)).then(|| quintic(&self.from, &TrajectoryPoint::default(), RETURN, t))
+        (!has_elapsed(t, RELEASE_TIME)).then(|| quintic(&self.from, &TrajectoryPoint::default(), RELEASE_TIME, t))
     }
 }
 
@@ -54,7 +55,7 @@ impl TemporaryEfforts {
 /// Position and velocity without a task that has just ended, and the offset that the task had from
 /// them.
 #[derive(Clone, Copy, Debug)]
-struct Returned {
+struct Released {
     beneath: (f64, f64),
     apart: TrajectoryPoint,
 }
@@ -64,15 +65,15 @@ struct Returned {
 pub struct Handover {
     mode: Vec<DriveMode>,
     effort: Vec<f64>,
-    efforts: Vec<Fading>,
-    positions: Vec<Fading>,
+    efforts: Vec<ReleaseOffset>,
+    positions: Vec<ReleaseOffset>,
     /// Position and velocity without decaying differences, where there are any.
     plain: Vec<Option<(f64, f64)>>,
     /// The command before the current task was called.
     before: Command,
     /// Joints that a task of this tick has moved.
     moved: Vec<bool>,
-    returned: Vec<Option<Returned>>,
+    released: Vec<Option<Released>>,
     /// Time at which all differences have decayed, s.
     until: f64,
 }
@@ -84,12 +85,12 @@ impl Handover {
         Handover {
             mode: command.mode.clone(),
             effort: command.effort.clone(),
-            efforts: vec![Fading::NONE; n],
-            positions: vec![Fading::NONE; n],
+            efforts: vec![ReleaseOffset::NONE; n],
+            positions: vec![ReleaseOffset::NONE; n],
             plain: vec![None; n],
             before: command.clone(),
             moved: vec![false; n],
-            returned: vec![None; n],
+            released: vec![None; n],
             until: f64::NEG_INFINITY,
         }
     }
@@ -125,7 +126,7 @@ impl Handover {
     pub fn after(&mut self, temporary: Option<&mut TemporaryEfforts>, ended: bool, time: f64, command: &mut Command) {
         match temporary {
             None => self.keep(command),
-            Some(temporary) => self.lend(temporary, ended, time, command),
+            Some(temporary) => self.keep_temporary(temporary, ended, time, command),
         }
         for j in 0..self.mode.len() {
             let before = (self.before.position[j], self.before.velocity[j]);
@@ -134,7 +135,7 @@ impl Handover {
                 continue;
             }
             let apart = TrajectoryPoint { q: now.0 - before.0, v: now.1 - before.1, a: 0.0 };
-            self.returned[j] = (ended && self.moved[j]).then_some(Returned { beneath: before, apart });
+            self.released[j] = (ended && self.moved[j]).then_some(Released { beneath: before, apart });
             self.moved[j] = true;
         }
     }
@@ -146,12 +147,12 @@ impl Handover {
             }
             if command.effort[j] != self.before.effort[j] {
                 self.effort[j] = command.effort[j];
-                self.efforts[j] = Fading::NONE;
+                self.efforts[j] = ReleaseOffset::NONE;
             }
         }
     }
 
-    fn lend(&mut self, temporary: &mut TemporaryEfforts, ended: bool, time: f64, command: &mut Command) {
+    fn keep_temporary(&mut self, temporary: &mut TemporaryEfforts, ended: bool, time: f64, command: &mut Command) {
         for j in 0..self.mode.len() {
             let set = command.effort[j] != self.before.effort[j] || command.mode[j] != self.before.mode[j];
             if set {
@@ -160,12 +161,12 @@ impl Handover {
             let Some(last) = temporary.efforts[j].filter(|_| ended) else { continue };
             // True where no earlier running task sets the joint beneath this one.
             let bottom = self.before.mode[j] == self.mode[j] && self.before.effort[j] == self.beneath(j, time);
-            let fades = matches!(self.mode[j], DriveMode::Position | DriveMode::Velocity);
-            self.efforts[j] = Fading::NONE;
-            if fades {
+            let decays = matches!(self.mode[j], DriveMode::Position | DriveMode::Velocity);
+            self.efforts[j] = ReleaseOffset::NONE;
+            if decays {
                 self.efforts[j] =
-                    Fading { from: TrajectoryPoint { q: last - self.effort[j], v: 0.0, a: 0.0 }, since: time };
-                self.until = time + RETURN;
+                    ReleaseOffset { from: TrajectoryPoint { q: last - self.effort[j], v: 0.0, a: 0.0 }, since: time };
+                self.until = time + RELEASE_TIME;
             }
             if bottom {
                 command.effort[j] = self.beneath(j, time);
@@ -176,13 +177,13 @@ impl Handover {
     /// Ends a tick.
     pub fn end(&mut self, time: f64, command: &mut Command) {
         for j in 0..self.mode.len() {
-            let fading = self.positions[j].at(time);
-            if let Some(Returned { beneath, apart }) = self.returned[j].take() {
+            let offset = self.positions[j].at(time);
+            if let Some(Released { beneath, apart }) = self.released[j].take() {
                 (command.position[j], command.velocity[j]) = beneath;
-                let e = fading.unwrap_or_default();
+                let e = offset.unwrap_or_default();
                 self.positions[j] =
-                    Fading { from: TrajectoryPoint { q: e.q + apart.q, v: e.v + apart.v, a: e.a }, since: time };
-                self.until = time + RETURN;
+                    ReleaseOffset { from: TrajectoryPoint { q: e.q + apart.q, v: e.v + apart.v, a: e.a }, since: time };
+                self.until = time + RELEASE_TIME;
             }
             if let Some(e) = self.positions[j].at(time) {
                 self.plain[j] = Some((command.position[j], command.velocity[j]));

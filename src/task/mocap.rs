@@ -19,14 +19,14 @@ pub struct Mocap {
     start: f64,
     /// Time of the first sample: the first tick.
     first: f64,
-    fade: BlendIn,
+    offsets: BlendIn,
 }
 
 impl Mocap {
     /// Follows samples taken `rate` times a second from the first tick on; `blend`: time to blend
     /// in from the command, s.
     pub fn new(joints: Vec<(JointId, Vec<f64>)>, rate: f64, blend: f64) -> Self {
-        Mocap { fade: BlendIn::new(blend, joints.len()), joints, rate, start: 0.0, first: 0.0 }
+        Mocap { offsets: BlendIn::new(blend, joints.len()), joints, rate, start: 0.0, first: 0.0 }
     }
 
     fn point(&self, i: usize, at: usize) -> TrajectoryPoint {
@@ -42,7 +42,7 @@ impl Task for Mocap {
         (self.start, self.first) = (context.start, context.time);
         for i in 0..self.joints.len() {
             let point = self.point(i, 0);
-            self.fade.begin(i, self.joints[i].0, command, &point);
+            self.offsets.begin(i, self.joints[i].0, command, &point);
         }
         Ok(Status::Running)
     }
@@ -51,10 +51,10 @@ impl Task for Mocap {
         let t = context.time - self.start;
         let at = ((context.time - self.first) * self.rate).round() as usize;
         let last = self.joints.first().map_or(0, |(_, samples)| samples.len() - 1);
-        let over = at >= last && self.fade.is_over(t);
+        let over = at >= last && self.offsets.is_over(t);
         for i in 0..self.joints.len() {
             let joint = self.joints[i].0;
-            self.fade.apply(i, joint, t, &self.point(i, at), command);
+            self.offsets.apply(i, joint, t, &self.point(i, at), command);
             if over {
                 command.velocity[joint.0] = 0.0;
             }

@@ -29,7 +29,7 @@ pub struct Playback {
     speed: SmoothTransition,
     /// The motion's time at the last change of speed, s.
     passed: f64,
-    fade: BlendIn,
+    offsets: BlendIn,
 }
 
 impl Playback {
@@ -45,7 +45,7 @@ impl Playback {
             cursors: vec![0; joints.len()],
             span: (first, last),
             repeat: repeat && last > first,
-            fade: BlendIn::new(blend, joints.len()),
+            offsets: BlendIn::new(blend, joints.len()),
             joints,
             blend,
             times,
@@ -76,7 +76,7 @@ impl Task for Playback {
         self.speed = SmoothTransition::constant(self.speed.value(0.0), self.start);
         for i in 0..self.joints.len() {
             let point = self.point(i, 0.0, self.start);
-            self.fade.begin(i, self.joints[i].0, command, &point);
+            self.offsets.begin(i, self.joints[i].0, command, &point);
         }
         Ok(Status::Running)
     }
@@ -84,11 +84,11 @@ impl Task for Playback {
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
         let s = self.motion_time(context.time);
-        let over = !self.repeat && has_elapsed(s, self.span.1) && self.fade.is_over(t);
+        let over = !self.repeat && has_elapsed(s, self.span.1) && self.offsets.is_over(t);
         for i in 0..self.joints.len() {
             let joint = self.joints[i].0;
             let point = self.point(i, if over { self.span.1 } else { s }, context.time);
-            self.fade.apply(i, joint, t, &point, command);
+            self.offsets.apply(i, joint, t, &point, command);
             if over {
                 command.velocity[joint.0] = 0.0;
             }

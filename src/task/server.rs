@@ -158,8 +158,8 @@ impl TaskServer {
             earliest.max(self.tick) as f64 / self.rate
         };
         let next = self.tick as f64 / self.rate;
-        let fades = (next < self.handover.until() + self.period()).then_some(next);
-        self.slots.iter().filter(|s| !s.ended).map(due).chain(fades).min_by(f64::total_cmp)
+        let decays = (next < self.handover.until() + self.period()).then_some(next);
+        self.slots.iter().filter(|s| !s.ended).map(due).chain(decays).min_by(f64::total_cmp)
     }
 
     /// Parts of the augmented data that the tasks read at a tick at `time`.

@@ -58,7 +58,7 @@ pub struct Augmented {
     /// counter-clockwise, m; one or two for a point or a line, none in flight ([`Needs::SUPPORT`]).
     pub support_polygon: Vec<Vector3<f64>>,
     /// Point of optimal stability of the support polygon, on the floor plane, m
-    /// ([`Needs::STABLE_POINT`]); see [`crate::geometry::stable_point`].
+    /// ([`Needs::STABLE_POINT`]); see [`mod@crate::geometry::stable_point`].
     pub stable_point: Option<Vector3<f64>>,
     /// Radius of the largest disc in the support polygon, m ([`Needs::STABLE_POINT`]).
     pub stable_radius: f64,

@@ -41,17 +41,17 @@ pub struct Settings {
     pub duration: f64,
     /// k_p, m per m.
     pub proportional: f64,
-    /// k_d, s; none: 0.1, or [`DAMPING`] times h/g if that is more.
+    /// k_d, s; none: 0.1, or `DAMPING` times h/g if that is more.
     pub damping: Option<f64>,
     /// k_i, 1/s.
     pub integral: f64,
-    /// k_z, 1/s; none: 2, or [`LEANING`] times sqrt(g/h) if that is less.
+    /// k_z, 1/s; none: 2, or `LEANING` times sqrt(g/h) if that is less.
     pub leaning: Option<f64>,
     /// Greatest displacement u per axis, m.
     pub reach: f64,
     /// k_q, 1/s.
     pub posture: f64,
-    /// Time in which the control fades in, s.
+    /// Time in which the control takes full effect, s.
     pub approach: f64,
     /// Displacement of r from its default, world axes, m.
     pub offset: Vector2<f64>,
@@ -105,7 +105,7 @@ pub struct PositionBalance {
     changes: Vec<Change>,
     /// True if it ever reads the zero-moment point.
     leans: bool,
-    /// Time in which the control fades in, s.
+    /// Time in which the control takes full effect, s.
     rise: f64,
     /// w.
     memory: Vector2<f64>,
