@@ -5,6 +5,8 @@ use std::error::Error;
 use std::io::ErrorKind;
 use std::process::{ExitCode, Termination};
 
+use stiction::batch::Report;
+
 /// How the program ends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Exit {
@@ -55,6 +57,35 @@ impl Exit {
     }
 }
 
+/// How a batch ended, as far as its exit code depends on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Ending {
+    /// The code of the signal that interrupted it, if one did.
+    pub interrupted: Option<Exit>,
+    /// A run or a reference run did not finish, other than as expected.
+    pub unfinished: bool,
+    /// An expectation did not hold.
+    pub failed: bool,
+}
+
+impl Exit {
+    /// The exit code of a batch: the first that applies of interrupted, unfinished, failed.
+    pub fn of_ending(ending: Ending) -> Self {
+        match ending {
+            Ending { interrupted: Some(exit), .. } => exit,
+            Ending { unfinished: true, .. } => Exit::Unfinished,
+            Ending { failed: true, .. } => Exit::Failed,
+            _ => Exit::Success,
+        }
+    }
+
+    /// The exit code of a batch by its report; `signal` is that of an interruption.
+    pub fn of_batch(report: &Report, signal: Exit) -> Self {
+        let interrupted = report.interrupted.then_some(signal);
+        Self::of_ending(Ending { interrupted, unfinished: report.has_unfinished(), failed: report.has_failed() })
+    }
+}
+
 /// Codes of a command, with what they mean there.
 pub type Codes = [(Exit, &'static str)];
 
@@ -85,7 +116,7 @@ pub fn codes(command: &str) -> &'static Codes {
         ],
         "report" => &[
             (Exit::Success, "written"),
-            (Exit::Invalid, "wrong usage, no such run, no records in the folder, or a place that cannot be written"),
+            (Exit::Invalid, "wrong usage, no such run, no records in the folder, or a path that cannot be written"),
             (Exit::Unfinished, FILE),
         ],
         "merge" => &[
@@ -112,8 +143,8 @@ pub fn codes(command: &str) -> &'static Codes {
             (Exit::Nothing, NOTHING),
         ],
         "compare" => &[
-            (Exit::Success, "all values within what is allowed, the same runs in both"),
-            (Exit::Failed, "a value beyond, an outcome changed, or a run that only one of them has"),
+            (Exit::Success, "all values within their tolerances, the same runs in both"),
+            (Exit::Failed, "a value beyond its tolerance, an outcome changed, or a run that only one of them has"),
             (Exit::Invalid, "wrong usage, or results that cannot be read"),
             (Exit::Unfinished, STDOUT),
             (Exit::Nothing, "no runs in either"),
@@ -122,14 +153,14 @@ pub fn codes(command: &str) -> &'static Codes {
             (Exit::Success, "written"),
             (
                 Exit::Invalid,
-                "wrong usage, a log that cannot be read, nothing to export, or a place that cannot be written",
+                "wrong usage, a log that cannot be read, nothing to export, or a path that cannot be written",
             ),
             (Exit::Unfinished, FILE),
         ],
         "replay" => &[
-            (Exit::Success, "every run gave the same bits again"),
-            (Exit::Failed, "a run differs from what it left"),
-            (Exit::Invalid, "wrong usage, no such run, or a run that cannot be made again"),
+            (Exit::Success, "every run gave the same bits"),
+            (Exit::Failed, "a run differs from its record or log"),
+            (Exit::Invalid, "wrong usage, no such run, or a run that cannot be repeated"),
             (Exit::Unfinished, "--timeout ended a run, or a file or standard output could not be written to the end"),
             (Exit::Nothing, "nothing selected: no runs in the folder"),
             (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT)"),
@@ -145,29 +176,29 @@ pub fn codes(command: &str) -> &'static Codes {
             ),
             (
                 Exit::Unfinished,
-                "the run did not finish, the address could not be bound, or the tasks left or went silent",
+                "the run did not finish, the address could not be bound, or the task side left or went silent",
             ),
             (Exit::Nothing, NOTHING),
             (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT)"),
             (Exit::Terminated, "interrupted by SIGTERM"),
         ],
         "console" => &[
-            (Exit::Success, "the lines were done and every `expect` held"),
-            (Exit::Failed, "an `expect` did not hold, or what `run until` waited for did not come"),
+            (Exit::Success, "all lines were executed and every `expect` held"),
+            (Exit::Failed, "an `expect` did not hold, or the condition of `run until` was not met"),
             (
                 Exit::Invalid,
-                "wrong usage, an invalid scenario, not one run, or a line of a script that is wrong or names a file that cannot be read or written",
+                "wrong usage, an invalid scenario, not one run, or an invalid line of a script, such as one with a file that cannot be read or written",
             ),
             (Exit::Unfinished, "the run broke down, or a file could not be written to its end"),
             (Exit::Nothing, NOTHING),
-            (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT); for a person at a terminal Ctrl-C holds the run"),
+            (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT); in an interactive session Ctrl-C pauses the run"),
             (Exit::Terminated, "interrupted by SIGTERM"),
         ],
         "view" => &[
             (Exit::Success, "shown until Ctrl-C or SIGTERM, or the file is written"),
             (
                 Exit::Invalid,
-                "wrong usage, no such log, a log that cannot be shown, a port that is taken, or a place that cannot be \
+                "wrong usage, no such log, a log that cannot be shown, a port that is taken, or a path that cannot be \
                  written",
             ),
             (Exit::Unfinished, FILE),
@@ -231,6 +262,23 @@ mod tests {
     #[derive(Debug, thiserror::Error)]
     #[error("outer")]
     struct Outer(#[source] io::Error);
+
+    #[test]
+    fn the_exit_code_of_a_batch() {
+        let cases = [
+            (None, false, false, Exit::Success),
+            (None, false, true, Exit::Failed),
+            (None, true, false, Exit::Unfinished),
+            (None, true, true, Exit::Unfinished),
+            (Some(Exit::Interrupted), false, false, Exit::Interrupted),
+            (Some(Exit::Interrupted), true, true, Exit::Interrupted),
+            (Some(Exit::Terminated), false, true, Exit::Terminated),
+        ];
+        for (interrupted, unfinished, failed, exit) in cases {
+            let ending = Ending { interrupted, unfinished, failed };
+            assert_eq!(Exit::of_ending(ending), exit, "{ending:?}");
+        }
+    }
 
     #[test]
     fn a_place_that_is_wrong_and_a_disk_that_is_full() {

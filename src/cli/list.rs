@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
-use stiction::batch::{Plan, Severity};
+use stiction::batch::Plan;
 use stiction::results::ParamValue;
 use stiction::text::visible::visible;
 
@@ -35,7 +35,7 @@ enum Format {
 impl List {
     /// Prints the runs in the order in which they would start.
     pub fn execute(self) -> Result<Exit, Exit> {
-        let plan = self.scenarios.prepare(Severity::Warning, MessageFormat::Human)?;
+        let plan = self.scenarios.prepare(0, MessageFormat::Human)?;
         if plan.references() > 0 {
             complain(&counted(plan.runs(), plan.references()));
         }

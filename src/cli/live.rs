@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use clap::Args;
-use stiction::batch::{Audience, Plan};
+use stiction::batch::{LiveClients, Plan};
 
 use super::motor_server::address;
 use super::numbers::seconds;
@@ -24,7 +24,7 @@ pub struct Live {
 
 impl Live {
     /// Shows the one run of a plan, if it is to be shown, at so many simulated seconds per second.
-    pub fn start(&self, plan: &Plan, pace: Option<f64>) -> Result<Option<Box<dyn Audience>>, Refused> {
+    pub fn start(&self, plan: &Plan, pace: Option<f64>) -> Result<Option<Box<dyn LiveClients>>, Refused> {
         let Some(address) = self.live else { return Ok(None) };
         if plan.runs() != 1 {
             let runs = counted(plan.runs(), plan.references());
@@ -36,14 +36,14 @@ impl Live {
     }
 
     #[cfg(feature = "live")]
-    fn listen(&self, address: SocketAddr, pace: Option<f64>) -> Result<Box<dyn Audience>, Refused> {
+    fn listen(&self, address: SocketAddr, pace: Option<f64>) -> Result<Box<dyn LiveClients>, Refused> {
         let server = stiction::live::Live::start(address).map_err(|error| Refused(error.to_string()))?;
         complain(&format!("live at ws://{}", server.address()));
         Ok(Box::new(Stage { server, pace, patience: self.live_wait, told: std::sync::Mutex::default() }))
     }
 
     #[cfg(not(feature = "live"))]
-    fn listen(&self, _: SocketAddr, _: Option<f64>) -> Result<Box<dyn Audience>, Refused> {
+    fn listen(&self, _: SocketAddr, _: Option<f64>) -> Result<Box<dyn LiveClients>, Refused> {
         let _ = self.live_wait;
         Err(Refused(
             "this program was built without --live; `cargo build --release --features live` builds it with".into(),
@@ -52,7 +52,7 @@ impl Live {
 }
 
 /// Says what there is to say of whoever looked on.
-pub fn tell(audience: Option<&dyn Audience>) {
+pub fn tell(audience: Option<&dyn LiveClients>) {
     audience.iter().flat_map(|audience| audience.told()).for_each(|line| complain(&line));
 }
 
@@ -71,7 +71,7 @@ struct Stage {
 }
 
 #[cfg(feature = "live")]
-impl Audience for Stage {
+impl LiveClients for Stage {
     fn outlet(&self) -> Box<dyn stiction::log::MessageSink> {
         self.server.outlet()
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
-use stiction::batch::{BatchError, DiagnosticMessage, Findings, Junit, Message, Options, Plan, Severity};
+use stiction::batch::{BatchError, DiagnosticMessage, Findings, Junit, Message, Options, Plan};
 
 use super::Exit;
 use super::terminal::print;
@@ -26,14 +26,13 @@ impl MessageFormat {
         }
     }
 
-    /// Prints findings of at least this severity as messages, if messages are wanted.
-    pub fn tell_findings(self, findings: &Findings, least: Severity) -> Result<(), Exit> {
+    /// Prints findings as messages, if messages are requested.
+    pub fn tell_findings(self, findings: &Findings) -> Result<(), Exit> {
         // Making them may take long.
         if self == MessageFormat::Human {
             return Ok(());
         }
-        let told = findings.iter().filter(|finding| finding.severity() >= least);
-        told.map(DiagnosticMessage::from).try_for_each(|told| self.tell(Message::Diagnostic(told)))
+        findings.iter().map(DiagnosticMessage::from).try_for_each(|finding| self.tell(Message::Diagnostic(finding)))
     }
 }
 

@@ -4,17 +4,16 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use stiction::batch::marks_implausible;
 use stiction::files::names;
 use stiction::report::write_report_of_found;
 use stiction::results::merge::{MergeError, Merged, Shards};
-use stiction::results::table;
+use stiction::results::{endings, overview};
 use stiction::text::visible::visible_path;
 
 use super::Exit;
-use super::terminal::{complain, complain_of, plural, print};
-
-/// Runs that are shown line by line.
-const MOST_SHOWN: usize = 1000;
+use super::exit::Ending;
+use super::terminal::{complain, complain_of, print, width};
 
 /// Arguments of `merge`.
 #[derive(Args, Debug)]
@@ -53,27 +52,23 @@ impl Merge {
         let runs = (merged.runs.as_slice(), &merged.statistics);
         write_report_of_found(&page, &self.output, runs, &merged.references).map_err(|error| refused(error.into()))?;
         print(&summary(&merged, &page))?;
-        Ok(match () {
-            () if merged.unfinished > 0 => Exit::Unfinished,
-            () if merged.failed > 0 => Exit::Failed,
-            () => Exit::Success,
-        })
+        Ok(Exit::of_ending(Ending { interrupted: None, unfinished: merged.unfinished > 0, failed: merged.failed > 0 }))
     }
 }
 
+/// As `run` shows it, but for notes and times.
 fn summary(merged: &Merged, page: &Path) -> String {
     let rows: Vec<_> = merged.runs.iter().map(|run| run.record.summary_row()).collect();
-    let mut out = if rows.len() <= MOST_SHOWN { table(&rows) + "\n" } else { String::new() };
-    let outcomes = merged.statistics.outcomes().into_iter().map(|(outcome, count)| format!("{count} {outcome}"));
-    let words: Vec<String> = outcomes.collect();
-    // A String takes every write.
-    let _ = write!(out, "{}: {}", plural(merged.statistics.runs(), "run"), words.join(", "));
-    let (held, expected) = merged.statistics.expectations();
-    if expected > 0 {
-        let _ = write!(out, "; {held} of {expected} expectations held");
+    let marked = merged.runs.iter().filter(|run| run.record.notes.iter().any(|note| marks_implausible(note)));
+    let marked = marked.map(|run| run.record.scenario.as_str()).collect();
+    let mut out = overview(&merged.statistics, &marked, width());
+    let failed = endings(&rows, false);
+    if !failed.is_empty() {
+        out += &format!("\n{failed}");
     }
     out += "\nwritten:\n";
     for path in [&*merged.summary.csv, &merged.summary.parquet, &merged.runs_log, page] {
+        // A String takes every write.
         let _ = writeln!(out, "  {}", visible_path(path));
     }
     out

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use clap::{Args, ValueHint};
-use stiction::batch::{Batch, Nobody, Options, Progress, Severity, simulate_for};
+use stiction::batch::{Batch, NoListener, Options, Progress, simulate_with_commander};
 use stiction::remote::{Address, Impairment, MotorServer, Pace, read_key};
 use stiction::sim::commander::Commander;
 use stiction::sim::{Problems, Stop};
@@ -16,7 +16,7 @@ use super::live::{Live, tell};
 use super::machine::MessageFormat;
 use super::numbers::seconds;
 use super::prepare::{Scenarios, only};
-use super::run::{exit, summary};
+use super::run::{Shows, summary};
 use super::signals::when_asked_to_end;
 use super::terminal::{complain, complain_of, print};
 
@@ -72,7 +72,7 @@ pub fn pace(text: &str) -> Result<Pace, String> {
 impl Server {
     /// Listens, simulates, records.
     pub fn execute(self) -> Result<Exit, Exit> {
-        let plan = self.scenarios.prepare(Severity::Note, MessageFormat::Human)?;
+        let plan = self.scenarios.prepare(usize::MAX, MessageFormat::Human)?;
         only(&plan)?;
         let refuse = |error: &dyn std::error::Error| {
             complain_of(error);
@@ -97,8 +97,8 @@ impl Server {
         let interrupter = batch.interrupter();
         // A run that somebody else drives has no end of its own: asked once, it ends.
         let asked = when_asked_to_end(move |_| (0..2).for_each(|_| interrupter.interrupt()));
-        let report = batch.run_told(Progress::on_stderr(0), &mut Nobody, &|job, wanted, cancel| {
-            simulate_for(job, wanted, cancel, audience.as_deref(), |setup, cancelled| {
+        let report = batch.run_with_listener(Progress::on_stderr(0, false), &mut NoListener, &|job, wanted, cancel| {
+            simulate_with_commander(job, wanted, cancel, audience.as_deref(), |setup, cancelled| {
                 let rate = job.run.scenario.control.rate;
                 let mut server = MotorServer::bind(
                     &address,
@@ -120,7 +120,7 @@ impl Server {
             refuse(&error);
             Exit::Unfinished
         })?;
-        print(&summary(&report, None, None, None))?;
-        Ok(exit(&report, &asked))
+        print(&summary(&report, Shows::default()))?;
+        Ok(Exit::of_batch(&report, asked.exit()))
     }
 }

@@ -80,8 +80,8 @@ impl Asked {
 impl Scenarios {
     /// Loads, expands and checks everything; shows what there is to say from this severity on, as messages too if
     /// these are wanted.
-    pub fn prepare(&self, least: Severity, format: MessageFormat) -> Result<Plan, Exit> {
-        let mut plan = self.selection.prepare(least, format)?;
+    pub fn prepare(&self, notes: usize, format: MessageFormat) -> Result<Plan, Exit> {
+        let mut plan = self.selection.prepare(notes, format)?;
         if let Some(Asked { shard, by_array }) = self.shard {
             let all = plan.runs();
             plan.take_shard(shard);
@@ -109,10 +109,10 @@ pub fn only(plan: &Plan) -> Result<(), Exit> {
 
 impl Selection {
     /// See [`Scenarios::prepare`]: of all parts.
-    pub fn prepare(&self, least: Severity, format: MessageFormat) -> Result<Plan, Exit> {
+    pub fn prepare(&self, notes: usize, format: MessageFormat) -> Result<Plan, Exit> {
         let say = |findings: &Findings| {
-            terminal::show(findings, least);
-            format.tell_findings(findings, least)
+            terminal::show(findings, Severity::Note, notes);
+            format.tell_findings(findings)
         };
         let refused = |wrong: Box<Diagnostic>| {
             let mut findings = Findings::default();

@@ -134,7 +134,7 @@ fn refuse(why: impl Into<Refusal>) -> Exit {
         }
         Refusal::Replay(error) => {
             if let ReplayError::Invalid { findings, .. } = &error {
-                show(findings, Severity::Error);
+                show(findings, Severity::Error, 0);
             }
             complain_of(&error);
             // Folder and threads are looked at before anything runs; what comes later is the disk.

@@ -10,7 +10,7 @@ use stiction::results::{FoundRun, Listing, SampledRuns, SummaryRow, list_records
 use stiction::text::visible::visible_path;
 
 use super::Exit;
-use super::terminal::{complain, complain_of, plural, print};
+use super::terminal::{complain, complain_of, plural, print, width};
 
 /// Arguments of `report`.
 #[derive(Args, Debug)]
@@ -56,7 +56,7 @@ impl Report {
         let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
         let page = self.output.unwrap_or_else(|| self.results.join(names::REPORT));
         write_report_of(&page, &self.results, (&shown, &statistics), &references, &pictured).map_err(unwritten)?;
-        let accuracy = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>());
+        let accuracy = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>(), width());
         let air = if accuracy.is_empty() { "" } else { "\n" };
         let written: Vec<String> =
             [&files.csv, &files.parquet, &page].iter().map(|path| format!("  {}\n", visible_path(path))).collect();

@@ -1,5 +1,6 @@
 //! `runner run`: simulate, judge, record.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -7,12 +8,12 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum, ValueHint};
 use stiction::batch::{
-    Batch, BatchFinished, BatchStarted, Junit, Listener, Message, Options, Progress, Report, Resumed, Severity, Teller,
-    is_slow, simulate_before,
+    Batch, BatchFinished, BatchStarted, Finished, Junit, Listener, Message, MessageWriter, Options, Progress, Report,
+    Resumed, is_slow, marks_implausible, simulate_with_clients,
 };
 use stiction::remote::Pace;
 use stiction::results::pareto::{Work, pareto_table};
-use stiction::results::{Shown, SummaryRow, table, verdicts};
+use stiction::results::{Shown, endings, overview, table, verdicts};
 use stiction::text::visible::{visible, visible_path};
 
 use super::each::Each;
@@ -20,17 +21,17 @@ use super::live::{Live, tell};
 use super::machine::{Format, MessageFormat, TestResults};
 use super::motor_server::pace;
 use super::prepare::Scenarios;
-use super::signals::{Asked, when_asked_to_end};
+use super::signals::when_asked_to_end;
 use super::terminal::{complain, complain_of, counted, plural, print};
-use super::{Exit, numbers};
+use super::{Exit, numbers, terminal};
 
-/// Runs whose files are named one by one below the table.
-const MOST_NAMED: usize = 20;
+/// Lines of one kind, such as notes, that are shown without `--verbose`.
+const MOST_LINES: usize = 20;
 
-/// Verdicts shown line by line when nothing is said about them; of more only those that did not hold.
-const MOST_VERDICTS: usize = 2000;
+/// Notes about robots and scenarios that are shown without `--verbose`.
+const MOST_NOTES: usize = 3;
 
-/// Which verdicts are shown.
+/// Which verdicts a table shows.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum Verdicts {
     /// Those that did not hold
@@ -66,9 +67,12 @@ pub struct Run {
     /// Make all runs, whatever is in the folder: the default, for scripts that wish to say so
     #[arg(long, conflicts_with = "resume")]
     fresh: bool,
-    /// Expectations to show, with measured value, wanted value and error [default: values, failed when there are too many]
+    /// Show a table of expectations with measured value, expected value and error
     #[arg(long, value_name = "WHICH")]
     verdicts: Option<Verdicts>,
+    /// Show a line per run, errors against cost, expected values, all notes and all files
+    #[arg(short, long)]
+    verbose: bool,
     #[command(flatten)]
     junit: TestResults,
     #[command(flatten)]
@@ -94,7 +98,8 @@ impl Run {
     /// Does all of this, and leaves what there is to tell of it at the end.
     fn batch(self, last: &mut BatchFinished) -> Result<Exit, Exit> {
         let format = self.format.message_format;
-        let plan = self.scenarios.prepare(Severity::Note, format)?;
+        let notes = if self.verbose { usize::MAX } else { MOST_NOTES };
+        let plan = self.scenarios.prepare(notes, format)?;
         let (runs, references) = (plan.runs(), plan.references());
         let pace = if let Pace::Times(times) = self.pace { Some(times) } else { None };
         let audience = self.live.start(&plan, pace).map_err(|error| refuse(&error, last, Exit::Invalid))?;
@@ -114,7 +119,7 @@ impl Run {
         let started = BatchStarted { jobs: side_by_side, ..BatchStarted::new(&plan, &options) };
         let mut junit = self.junit.listener(&plan, &options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
         // Runs are made even if nobody can be told of them: a line that was not taken is an error of the last one.
-        let mut teller = Teller::new(&options, |line| {
+        let mut teller = MessageWriter::new(&options, |line| {
             let _ = print(&line);
         });
         let batch = Batch::new(plan, options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
@@ -134,9 +139,11 @@ impl Run {
             listeners.push(&mut teller);
         }
         listeners.extend(junit.as_mut().map(|junit| junit as &mut dyn Listener));
-        let report = batch.run_told(Progress::on_stderr(runs + references), &mut listeners, &|job, wanted, cancel| {
-            simulate_before(job, wanted, cancel, audience.as_deref())
-        });
+        let report = batch.run_with_listener(
+            Progress::on_stderr(runs + references, self.verbose),
+            &mut listeners,
+            &|job, wanted, cancel| simulate_with_clients(job, wanted, cancel, audience.as_deref()),
+        );
         tell(audience.as_deref());
         // Also when the batch came to a bad end: what finished is known.
         let junit = junit.map(Junit::write);
@@ -160,11 +167,12 @@ impl Run {
         };
         *last = BatchFinished::new(&report, junit.as_deref());
         if format == MessageFormat::Human {
-            print(&summary(&report, self.verdicts, self.each.slow, junit.as_deref()))?;
+            let (verdicts, verbose, slow) = (self.verdicts, self.verbose, self.each.slow);
+            print(&summary(&report, Shows { verdicts, verbose, slow, junit: junit.as_deref() }))?;
         }
         match unwritten {
             Some(error) => Err(refuse(&error, last, Exit::Unfinished)),
-            None => Ok(exit(&report, &asked)),
+            None => Ok(Exit::of_batch(&report, asked.exit())),
         }
     }
 }
@@ -185,12 +193,12 @@ fn resumed(resumed: &Resumed) {
             "  {runs} of these by another build of this version: what it computes may have changed since"
         ));
     }
-    for again in resumed.again().iter().take(MOST_NAMED) {
+    for again in resumed.again().iter().take(MOST_LINES) {
         let example =
             if again.runs > 1 { format!(", such as {}", again.example) } else { format!(", {}", again.example) };
         complain(&format!("  {} again: {}{example}", plural(again.runs, "run"), again.why));
     }
-    let more: usize = resumed.again().iter().skip(MOST_NAMED).map(|again| again.runs).sum();
+    let more: usize = resumed.again().iter().skip(MOST_LINES).map(|again| again.runs).sum();
     if more > 0 {
         complain(&format!("  {} again for other reasons", plural(more, "run")));
     }
@@ -199,99 +207,99 @@ fn resumed(resumed: &Resumed) {
     }
 }
 
-/// The table, the verdicts and the paths written.
-pub(super) fn summary(
-    report: &Report,
-    wanted: Option<Verdicts>,
-    slow: Option<Duration>,
-    junit: Option<&Path>,
-) -> String {
-    let all = report.rows();
-    // Of more runs than can be kept those are shown that went wrong.
-    let is_whole = report.statistics.runs() == all.len();
-    let rows: Vec<_> = if is_whole { all } else { all.into_iter().filter(SummaryRow::is_refused).collect() };
-    let mut out = if is_whole || !rows.is_empty() { table(&rows) } else { String::new() };
-    if !is_whole {
-        let outcomes = report.statistics.outcomes().into_iter().map(|(outcome, count)| format!("{count} {outcome}"));
-        let words: Vec<String> = outcomes.collect();
-        let (held, expected) = report.statistics.expectations();
-        // A String takes every write.
-        let _ = writeln!(out, "{}: {}", plural(report.statistics.runs(), "run"), words.join(", "));
-        if expected > 0 {
-            let _ = writeln!(out, "{held} of {expected} expectations held");
-        }
+/// What a summary on standard output shows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Shows<'a> {
+    /// The table of verdicts; none: only those that did not hold, in the lines of their runs.
+    pub verdicts: Option<Verdicts>,
+    /// Everything, run by run.
+    pub verbose: bool,
+    /// Runs that took longer are named.
+    pub slow: Option<Duration>,
+    /// Where test results were written.
+    pub junit: Option<&'a Path>,
+}
+
+/// One line per scenario, everything that failed, and where the results are.
+pub(super) fn summary(report: &Report, shows: Shows) -> String {
+    let width = terminal::width();
+    let mut out = overview(&report.statistics, &marked(report), width);
+    let rows = report.rows();
+    let part = |text: String| if text.is_empty() { text } else { format!("\n{text}") };
+    if shows.verbose {
+        // Where not all rows are in memory, the table shows failures.
+        let is_whole = report.statistics.runs() == rows.len();
+        let lines: Vec<_> = rows.iter().filter(|row| is_whole || row.is_refused()).cloned().collect();
+        out += &part(if lines.is_empty() { String::new() } else { table(&lines, width) });
+        out += &part(pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>(), width));
     }
-    let works: Vec<Work> = rows.iter().map(Work::of).collect();
-    let accuracy = pareto_table(&works);
-    if !accuracy.is_empty() {
-        out += &format!("\n{accuracy}");
+    out += &part(endings(&rows, shows.verbose));
+    if let Some(shown) = shown(shows) {
+        out += &part(verdicts(&rows, shown, width));
     }
-    let judged = verdicts(&rows, shown(wanted, Shown::Values.count(&rows)));
-    if !judged.is_empty() {
-        out += &format!("\n{judged}");
-    }
-    if report.not_started > 0 {
-        // A String takes every write.
-        let _ = writeln!(out, "{} not started", plural(report.not_started, "run"));
-    }
-    for run in report.references.iter().chain(&report.finished).filter(|r| is_slow(slow, r.row.wall_s)) {
-        let row = &run.row;
-        let _ = writeln!(out, "slow: {} {} took {:.3} s", visible(&row.scenario), row.key, row.wall_s);
-    }
-    for run in report.references.iter().filter(|r| !r.accepted) {
-        let (row, name) = (&run.row, run.row.outcome.name());
-        let _ = writeln!(out, "{name} {} reference {}: {}", visible(&row.scenario), row.key, visible(&row.message));
-    }
-    for run in &report.finished {
-        for note in &run.notes {
-            let _ = writeln!(out, "{} {}: {}", visible(&run.row.scenario), run.row.key, visible(note));
-        }
-    }
-    for reference in &report.references {
-        for note in &reference.notes {
-            let _ = writeln!(
-                out,
-                "{} reference {}: {}",
-                visible(&reference.row.scenario),
-                reference.row.key,
-                visible(note)
-            );
-        }
-    }
+    out += &remarks(report, shows);
     let Some(files) = &report.summary else { return out };
     out += "\nwritten:\n";
-    let own = [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page).map(PathBuf::as_path);
-    for path in own.chain(junit) {
+    let batch = [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page).map(PathBuf::as_path);
+    let runs = report.references.iter().chain(&report.finished).filter(|_| shows.verbose).flat_map(|f| &f.files);
+    for path in batch.chain(shows.junit).chain(runs.map(PathBuf::as_path)) {
+        // A String takes every write.
         let _ = writeln!(out, "  {}", visible_path(path));
     }
-    for file in report.references.iter().take(MOST_NAMED).flat_map(|f| &f.files) {
-        let _ = writeln!(out, "  {}", visible_path(file));
-    }
-    for file in report.finished.iter().take(MOST_NAMED).flat_map(|f| &f.files) {
-        let _ = writeln!(out, "  {}", visible_path(file));
-    }
-    if let more @ 1.. = report.statistics.runs().saturating_sub(MOST_NAMED) {
-        let _ = writeln!(out, "  and the same for {}", plural(more, "more run"));
+    if !shows.verbose {
+        out += "-v shows each run, --verdicts values each expected value\n";
     }
     out
 }
 
-/// What was asked for; else all that name a value, unless there are too many of them.
-fn shown(wanted: Option<Verdicts>, values: usize) -> Shown {
-    match wanted {
-        Some(Verdicts::Failed) => Shown::Failed,
-        Some(Verdicts::Values) => Shown::Values,
-        Some(Verdicts::All) => Shown::All,
-        None if values > MOST_VERDICTS => Shown::Failed,
-        None => Shown::Values,
-    }
+/// Scenarios with runs that are marked as implausible.
+fn marked(report: &Report) -> BTreeSet<&str> {
+    let marked = report.finished.iter().filter(|run| run.notes.iter().any(|note| marks_implausible(note)));
+    marked.map(|run| run.row.scenario.as_str()).collect()
 }
 
-pub(super) fn exit(report: &Report, asked: &Asked) -> Exit {
-    match () {
-        () if report.interrupted => asked.exit(),
-        () if report.has_unfinished() => Exit::Unfinished,
-        () if report.has_failed() => Exit::Failed,
-        () => Exit::Success,
+/// Runs that were not started, slow runs, reference runs that failed, and notes.
+fn remarks(report: &Report, shows: Shows) -> String {
+    let mut lines = Vec::new();
+    if report.not_started > 0 {
+        lines.push(format!("{} not started", plural(report.not_started, "run")));
+    }
+    for run in report.references.iter().chain(&report.finished).filter(|r| is_slow(shows.slow, r.row.wall_s)) {
+        let row = &run.row;
+        lines.push(format!("slow: {} {} took {:.3} s", visible(&row.scenario), row.key, row.wall_s));
+    }
+    for run in report.references.iter().filter(|r| !r.accepted) {
+        let (row, name) = (&run.row, run.row.outcome.name());
+        lines.push(format!("{name} {} reference {}: {}", visible(&row.scenario), row.key, visible(&row.message)));
+    }
+    let notes = |runs: &[Finished], role: &str| -> Vec<(bool, String)> {
+        let of_run = |run: &Finished| {
+            let name = format!("{}{role} {}", visible(&run.row.scenario), run.row.key);
+            run.notes
+                .iter()
+                .map(move |note| (marks_implausible(note), format!("{name}: {}", visible(note))))
+                .collect::<Vec<_>>()
+        };
+        runs.iter().flat_map(of_run).collect()
+    };
+    let mut notes = [notes(&report.finished, ""), notes(&report.references, " reference")].concat();
+    // Marked runs come first, so that no other note hides them.
+    notes.sort_by_key(|(is_mark, _)| !is_mark);
+    let most = if shows.verbose { notes.len() } else { MOST_LINES };
+    let more = notes.len().saturating_sub(most);
+    lines.extend(notes.into_iter().take(most).map(|(_, line)| line));
+    if more > 0 {
+        lines.push(format!("and {}: see -v or the report", plural(more, "more note")));
+    }
+    lines.iter().map(|line| format!("{line}\n")).collect()
+}
+
+/// The verdicts in the table, if there is one.
+fn shown(shows: Shows) -> Option<Shown> {
+    match shows.verdicts {
+        Some(Verdicts::Failed) => Some(Shown::Failed),
+        Some(Verdicts::Values) => Some(Shown::Values),
+        Some(Verdicts::All) => Some(Shown::All),
+        None => shows.verbose.then_some(Shown::Values),
     }
 }

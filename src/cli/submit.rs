@@ -4,7 +4,6 @@ use std::num::NonZero;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
-use stiction::batch::Severity;
 use stiction::submit::slurm::{Options, Submission, Submitted};
 use stiction::submit::{SubmitError, Sweep};
 
@@ -83,7 +82,7 @@ impl Submit {
             complain_of(error);
             Exit::Invalid
         };
-        let plan = self.scenarios.prepare(Severity::Note, MessageFormat::Human)?;
+        let plan = self.scenarios.prepare(usize::MAX, MessageFormat::Human)?;
         let sweep = Sweep {
             runner: program()?,
             arguments: [self.each.words(), self.scenarios.words()?].concat(),

@@ -10,6 +10,9 @@ use stiction::text::visible::visible_lines;
 
 use super::{Exit, colour};
 
+/// Width of tables where there is no terminal, in characters.
+const WIDTH: usize = 120;
+
 /// Has standard output failed to take something? What comes after a gap would mislead whoever reads it.
 static GAP: AtomicBool = AtomicBool::new(false);
 
@@ -51,13 +54,23 @@ pub fn complain_of(wrong: impl Display) {
     complain_drawn(&Diagnostic::bare(&visible_lines(&wrong.to_string()), colour::on_stderr()));
 }
 
-/// Says all findings of at least this severity, and below them how many errors and warnings there are, if any.
-pub fn show(findings: &Findings, least: Severity) {
+/// Writes findings of at least this severity, of notes at most so many, then the numbers of errors and warnings.
+pub fn show(findings: &Findings, least: Severity, mut notes: usize) {
     let colour = colour::on_stderr();
+    let hidden = if notes == 0 { 0 } else { findings.count(Severity::Note).saturating_sub(notes) };
     for finding in findings.iter().filter(|f| f.severity() >= least) {
-        // Diagnostics with a piece of source need air between them.
-        let air = if finding.is_block() { "\n" } else { "" };
-        complain_drawn(&format!("{}{air}", finding.render(colour)));
+        if finding.severity() == Severity::Note {
+            if notes == 0 {
+                continue;
+            }
+            notes -= 1;
+        }
+        // A blank line follows a diagnostic with an excerpt.
+        let end = if finding.is_block() { "\n" } else { "" };
+        complain_drawn(&format!("{}{end}", finding.render(colour)));
+    }
+    if hidden > 0 {
+        complain(&format!("{}: `runner check` shows all", plural(hidden, "more note")));
     }
     let counts =
         [(Severity::Error, "error"), (Severity::Warning, "warning")].map(|(s, word)| (findings.count(s), word));
@@ -65,6 +78,12 @@ pub fn show(findings: &Findings, least: Severity) {
     if !words.is_empty() {
         complain(&words.join(", "));
     }
+}
+
+/// Columns that a table may take: of the variable COLUMNS, else of the terminal, else enough for a wide table in a file.
+pub fn width() -> usize {
+    let set = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok()).filter(|columns| *columns > 0);
+    set.or_else(|| terminal_size::terminal_size().map(|(width, _)| usize::from(width.0))).unwrap_or(WIDTH)
 }
 
 /// `1 run`, `2 runs`

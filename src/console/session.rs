@@ -10,7 +10,7 @@ use std::time::Instant;
 use tempfile::TempDir;
 
 use crate::assemble::setup;
-use crate::batch::{Audience, Job};
+use crate::batch::{Job, LiveClients};
 use crate::console::commands::{COMMANDS, find};
 use crate::console::cursor::Cursor;
 use crate::console::document::Document;
@@ -56,7 +56,7 @@ pub struct Session {
     /// Raised to end the run between two steps.
     pub(super) cancel: Option<Arc<AtomicBool>>,
     /// People who look on, and how many have come.
-    audience: Option<Box<dyn Audience>>,
+    audience: Option<Box<dyn LiveClients>>,
     arrivals: u64,
     /// Notes told so far.
     told: BTreeSet<String>,
@@ -113,7 +113,7 @@ impl Session {
     ///
     /// # Errors
     /// What is shown cannot be opened.
-    pub fn show_to(&mut self, audience: Box<dyn Audience>, cancel: &AtomicBool) -> Result<(), ConsoleError> {
+    pub fn show_to(&mut self, audience: Box<dyn LiveClients>, cancel: &AtomicBool) -> Result<(), ConsoleError> {
         self.audience = Some(audience);
         self.open_stage()?;
         self.audience.iter().for_each(|audience| audience.wait(cancel));

@@ -63,7 +63,7 @@ pub fn prepare(
     if plan.runs() == 0 {
         return Err(invalid(Findings::default()));
     }
-    plan.tell_as_swept(&record.parameters);
+    plan.set_swept_parameters(&record.parameters);
     let path = plan.folder(0, output).join(names::RUN_RECORD);
     let options = Options {
         output: output.to_owned(),

@@ -20,6 +20,7 @@ mod discovery;
 mod junit;
 mod log_fingerprint;
 pub mod merge;
+mod overview;
 pub mod pareto;
 mod record;
 mod reference_motion;
@@ -28,11 +29,13 @@ mod shard_list;
 mod summary;
 pub(crate) mod table;
 pub(crate) mod verdict;
+mod verdict_table;
 
 pub use crate::metrics::{Measure, NUMERIC_COLUMNS};
 pub use discovery::{FoundRun, ListedRows, Listing, Records, SampledRuns, list_records, read_records};
 pub use junit::{JunitCase, JunitStatus, write_junit};
 pub use log_fingerprint::{LogFingerprint, log_fault};
+pub use overview::overview;
 pub use record::{
     BUILD, Comparison, InputHash, Machine, PROGRAM, ParamValue, RUN_SCHEMA, Repeats, RunRecord, Timing, TruthError,
     hash_input, is_truth,
@@ -45,5 +48,6 @@ pub use summary::{
     BoundedSample, Rows, RunStatistics, SAMPLE_SIZE, SummaryFiles, SummaryRow, measure, metric, summary_frame,
     truth_columns, write_summary, write_summary_of,
 };
-pub use table::table;
-pub use verdict::{Shown, Verdict, verdicts};
+pub use table::{endings, table};
+pub use verdict::Verdict;
+pub use verdict_table::{Shown, verdicts};

@@ -1,84 +1,80 @@
-//! The table a person sees at the end of a batch.
+//! Table of runs for a terminal.
+
+use std::fmt::Write;
 
 use crate::results::SummaryRow;
 use crate::results::is_truth;
 use crate::results::summary::{parameter, parameter_names};
+use crate::results::verdict_table::brief_parameters;
 use crate::sim::Outcome;
+use crate::text::text_table::{self, Side, TextTable};
 use crate::text::visible::visible;
-use std::fmt::Write;
 
 /// Longest cell of text; longer ones end in an ellipsis.
 const WIDEST: usize = 32;
 
-/// One aligned line per run: what it was, how it ended, how long it took, how hard the contact was, where the base came
-/// to rest; scenarios that sweep other parameters stand under a header of their own. Below, a line for each run that did
-/// not simply pass and says why.
-pub fn table(rows: &[SummaryRow]) -> String {
+/// One aligned line per run: parameters, outcome, times, contact states tested, final height of the base. Scenarios that
+/// sweep other parameters have a header of their own.
+pub fn table(rows: &[SummaryRow], width: usize) -> String {
     let swept = |row: &SummaryRow| row.parameters.iter().map(|(n, _)| n.clone()).collect::<Vec<_>>();
+    let blocks = rows.chunk_by(|a, b| a.scenario == b.scenario || swept(a) == swept(b));
+    blocks.map(|block| lines(block, width)).collect::<Vec<_>>().join("\n")
+}
+
+/// A line with the reason for each run that did not simply pass; `all`: also for those that ended as expected.
+pub fn endings(rows: &[SummaryRow], all: bool) -> String {
     let mut out = String::new();
-    for block in rows.chunk_by(|a, b| a.scenario == b.scenario || swept(a) == swept(b)) {
-        if !out.is_empty() {
-            out.push('\n');
-        }
-        out += &lines(block);
-    }
-    for row in rows.iter().filter(|r| r.outcome != Outcome::Passed && !r.message.is_empty()) {
+    let other = |r: &&SummaryRow| r.outcome != Outcome::Passed && !r.message.is_empty() && (all || r.is_refused());
+    for row in rows.iter().filter(other) {
+        let parameters = brief_parameters(row, |_| true);
+        let parameters = if parameters.is_empty() { parameters } else { format!(" ({parameters})") };
+        let (scenario, reason) = (visible(&row.scenario), one_line(&row.message));
         // A String takes every write.
-        let (scenario, words) = (visible(&row.scenario), one_line(&row.message));
-        let _ = writeln!(out, "{} {scenario} {}: {}", row.outcome.name(), row.key, visible(&words));
+        let _ = writeln!(out, "{} {scenario} {}{parameters}: {}", row.outcome.name(), row.key, visible(&reason));
     }
     out
 }
 
-fn lines(rows: &[SummaryRow]) -> String {
+/// A column for each swept parameter where there is room, else one for all of them.
+fn lines(rows: &[SummaryRow], width: usize) -> String {
     let mut names = parameter_names(rows);
-    // Swept truths are told with their verdicts.
+    // The table of verdicts shows swept true values.
     names.retain(|name| !is_truth(name));
-    let mut header: Vec<String> = vec!["scenario".into()];
-    header.extend(names.iter().map(|n| clip(n)));
-    header
-        .extend(["method", "outcome", "sim s", "wall s", "x real time", "states/test", "final z m"].map(String::from));
-    let lines: Vec<Vec<String>> = std::iter::once(header).chain(rows.iter().map(|r| cells(r, &names))).collect();
-    // Words to the left, numbers to the right.
-    let numeric_from = names.len() + 3;
-    align(&lines, numeric_from)
-}
-
-/// Pads cells to columns two spaces apart, those from `numeric_from` on to the right.
-pub(crate) fn align(lines: &[Vec<String>], numeric_from: usize) -> String {
-    let widths: Vec<usize> =
-        (0..lines[0].len()).map(|c| lines.iter().map(|l| l[c].chars().count()).max().unwrap_or(0)).collect();
-    let mut out = String::new();
-    for line in lines {
-        let padded: Vec<String> = line
-            .iter()
-            .zip(&widths)
-            .enumerate()
-            .map(|(c, (cell, &w))| if c < numeric_from { format!("{cell:<w$}") } else { format!("{cell:>w$}") })
-            .collect();
-        out.push_str(padded.join("  ").trim_end());
-        out.push('\n');
+    let value = |row: &SummaryRow, name: &&str| parameter(row, name).map_or_else(String::new, |v| clip(&v.to_string()));
+    let wide = of_columns(rows, names.iter().map(|n| clip(n)), |row| names.iter().map(|n| value(row, n)).collect());
+    if names.is_empty() || wide.natural_width() <= width {
+        return wide.render(width);
     }
-    out
+    of_columns(rows, ["parameters".to_owned()], |row| vec![brief_parameters(row, |_| true)]).render(width)
 }
 
-fn cells(row: &SummaryRow, names: &[&str]) -> Vec<String> {
-    let m = &row.metrics;
-    let mut cells = vec![clip(&row.scenario)];
-    cells.extend(names.iter().map(|n| parameter(row, n).map_or_else(String::new, |v| clip(&v.to_string()))));
-    cells.push(clip(&row.method));
-    cells.push(row.outcome.name().to_owned());
-    cells.push(format!("{:.3}", m.duration_s));
-    cells.push(format!("{:.3}", row.wall_s));
-    cells.push(format!("{:.1}", row.real_time_factor));
-    cells.push(m.states_tested_mean().map_or("-".to_owned(), |mean| format!("{mean:.2}")));
-    cells.push(format!("{:.4}", m.final_base_position[2]));
-    cells
+fn of_columns(
+    rows: &[SummaryRow],
+    parameters: impl IntoIterator<Item = String>,
+    cells_of: impl Fn(&SummaryRow) -> Vec<String>,
+) -> TextTable {
+    let text = ["method", "outcome"].map(|name| (name.to_owned(), Side::Left));
+    let numbers = ["sim s", "wall s", "x real time", "states/test", "final z m"].map(|n| (n.to_owned(), Side::Right));
+    let parameters = parameters.into_iter().map(|name| (name, Side::Left));
+    let header = [("scenario".to_owned(), Side::Left)].into_iter().chain(parameters).chain(text).chain(numbers);
+    let mut table = TextTable::new(header);
+    for row in rows {
+        let m = &row.metrics;
+        let mut cells = vec![clip(&row.scenario)];
+        cells.extend(cells_of(row));
+        cells.extend([clip(&row.method), row.outcome.name().to_owned()]);
+        cells.push(format!("{:.3}", m.duration_s));
+        cells.push(format!("{:.3}", row.wall_s));
+        cells.push(format!("{:.1}", row.real_time_factor));
+        cells.push(m.states_tested_mean().map_or("-".to_owned(), |mean| format!("{mean:.2}")));
+        cells.push(format!("{:.4}", m.final_base_position[2]));
+        table.push(cells);
+    }
+    table
 }
 
 pub(crate) fn clip(text: &str) -> String {
-    let text = one_line(&visible(text));
-    if text.chars().count() <= WIDEST { text } else { text.chars().take(WIDEST - 1).chain(['…']).collect() }
+    text_table::clip(&one_line(&visible(text)), WIDEST)
 }
 
 fn one_line(text: &str) -> String {

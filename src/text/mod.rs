@@ -14,6 +14,7 @@ pub(crate) mod excerpt;
 pub(crate) mod pattern;
 pub mod source;
 pub mod suggest;
+pub mod text_table;
 pub(crate) mod toml_syntax;
 pub(crate) mod toml_tree;
 pub mod visible;

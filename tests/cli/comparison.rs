@@ -267,7 +267,7 @@ reference = { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\"
 fn references_are_made_once_for_all_who_need_them() {
     let place = Place::new();
     place.block("a.toml", &format!("{THROWN}{SHARED}")).block("b.toml", &format!("{THROWN}{SHARED}"));
-    let done = place.runner(&["a.toml", "b.toml", "--set", "duration=0.2", "-j", "1", "--no-log"]).exits(0);
+    let done = place.runner(&["a.toml", "b.toml", "--set", "duration=0.2", "-j", "1", "--no-log", "-v"]).exits(0);
     assert!(done.stderr.contains("16 runs and 2 reference runs, 1 side by side"), "{}", done.stderr);
     assert!(done.stderr.contains("[18/18] "), "{}", done.stderr);
     let kept = references(&place, "results", "a");

@@ -160,7 +160,7 @@ fn a_session_that_waits_for_a_line_ends() {
     place.shell("mkfifo pipe").exits(0);
     for (signalled, code) in [("INT", 130), ("TERM", 143)] {
         let arguments = ["console", "s.toml", "-c", "run 0.01", "-c", "save session begun.toml"];
-        // Nobody opens the pipe to write; and standard input that is open and says nothing.
+        // NoListener opens the pipe to write; and standard input that is open and says nothing.
         for more in [["--file", "pipe"].as_slice(), &[]] {
             let _ = std::fs::remove_file(place.path("begun.toml"));
             let stderr = File::create(place.path("stderr")).unwrap();

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use stiction::batch::{Batch, End, Job, Options, Plan, Progress, Report, Role, Wanted, prepare, simulate};
+use stiction::batch::{Batch, Job, Options, Plan, Progress, Report, Role, RunEnd, RunOutputs, prepare, simulate};
 use stiction::log::{AttachedText, LogHeader, LogWriter, TopicGroups};
 use stiction::results::RunRecord;
 use stiction::sim::{Outcome, Problems};
@@ -35,7 +35,7 @@ fn run(place: &Place, plan: Plan, jobs: usize, body: &stiction::batch::Body<'_>)
 }
 
 /// Opens a log as a run does and then breaks.
-fn break_down(job: &Job, log: &Path) -> End {
+fn break_down(job: &Job, log: &Path) -> RunEnd {
     let header = LogHeader {
         scenario_name: &job.run.name,
         key: &job.key,
@@ -51,14 +51,14 @@ fn break_down(job: &Job, log: &Path) -> End {
     let _writer = LogWriter::create(log, &job.robot.model, &header).unwrap();
     let nothing: Vec<f64> = Vec::new();
     let missing = job.index + nothing.len();
-    End { message: format!("{}", nothing[missing]), ..End::of(Outcome::Passed) }
+    RunEnd { message: format!("{}", nothing[missing]), ..RunEnd::of(Outcome::Passed) }
 }
 
 #[test]
 fn a_panic_is_an_outcome_with_words_and_place_and_the_others_go_on() {
     let place = Place::new();
     let plan = plan(&place, "[sweep]\nrepeat = 8\n");
-    let body = |job: &Job, wanted: &Wanted, cancel: &AtomicBool| match job.index % 4 {
+    let body = |job: &Job, wanted: &RunOutputs, cancel: &AtomicBool| match job.index % 4 {
         1 => break_down(job, wanted.log.as_ref().unwrap()),
         _ => simulate(job, wanted, cancel),
     };
@@ -90,13 +90,13 @@ fn rows_stand_in_the_order_of_the_plan_whatever_ends_first() {
     let (sender, receiver) = std::sync::mpsc::channel::<()>();
     let (sender, receiver) = (std::sync::Mutex::new(sender), std::sync::Mutex::new(receiver));
     // The first run waits for a word from the last, which starts when the others have ended.
-    let body = |job: &Job, _: &Wanted, _: &AtomicBool| {
+    let body = |job: &Job, _: &RunOutputs, _: &AtomicBool| {
         match job.index {
             0 => receiver.lock().unwrap().recv().unwrap(),
             5 => sender.lock().unwrap().send(()).unwrap(),
             _ => {}
         }
-        End::of(Outcome::Passed)
+        RunEnd::of(Outcome::Passed)
     };
     let report = run(&place, plan, 2, &body);
     let seeds: Vec<u64> = report.finished.iter().map(|f| f.row.seed).collect();
@@ -126,8 +126,8 @@ fn a_panic_in_a_reference_leaves_its_runs_without_one() {
     let plan = plan(&place, "[compare]\nreference = { seed = 9 }\n[sweep]\nrepeat = 6\n");
     assert_eq!(plan.references(), 1);
     let nothing: Vec<f64> = Vec::new();
-    let body = |job: &Job, wanted: &Wanted, cancel: &AtomicBool| match job.role {
-        Role::Reference => End::error(format!("{}", nothing[job.index])),
+    let body = |job: &Job, wanted: &RunOutputs, cancel: &AtomicBool| match job.role {
+        Role::Reference => RunEnd::error(format!("{}", nothing[job.index])),
         Role::Run { .. } => simulate(job, wanted, cancel),
     };
     let report = run(&place, plan, 2, &body);
@@ -151,7 +151,7 @@ fn no_run_starts_before_its_reference_has_ended_and_others_do_not_wait() {
     let (sender, receiver) = std::sync::mpsc::channel::<()>();
     let (sender, receiver) = (std::sync::Mutex::new(sender), std::sync::Mutex::new(receiver));
     let order = std::sync::Mutex::new(Vec::new());
-    let body = |job: &Job, wanted: &Wanted, cancel: &AtomicBool| {
+    let body = |job: &Job, wanted: &RunOutputs, cancel: &AtomicBool| {
         let is_reference = job.role == Role::Reference;
         match (is_reference, job.index) {
             (true, 0) => receiver.lock().unwrap().recv().unwrap(),

@@ -20,6 +20,7 @@ mod replaced;
 mod report;
 mod results;
 mod schemas;
+mod screen;
 mod shells;
 mod snapshots;
 mod unwritten;

@@ -27,7 +27,7 @@ fn people_are_shown_what_a_terminal_would_obey() {
     let (place, [a, b]) = scenarios("[[expect]]\nmetric = \"duration_s\"\nmax = 0.001\n");
     let short = ["--set", "duration=0.01"];
     let run = |more: &[&str], code| place.runner(&[&[a.as_str(), &b][..], &short, more].concat()).exits(code);
-    let Done { stdout, stderr, .. } = run(&["--slow", "1e-9", "--junit", "junit.xml"], 1);
+    let Done { stdout, stderr, .. } = run(&["--slow", "1e-9", "--junit", "junit.xml", "-v"], 1);
     is_shown(&stdout);
     is_shown(&stderr);
     for words in ["failed e\\u", "slow: e\\u", "failed two\\n", "slow: two\\n", "  results/two\\nlines/"] {

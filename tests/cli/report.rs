@@ -112,7 +112,7 @@ fn references_are_no_rows_and_errors_end_in_a_pareto_table() {
          { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\", \"integrator.step\" = 1e-3 }\ntiming_repeats = 2\n[sweep]\ngrid = \
          { \"floor.friction\" = [0.5, 0.9], \"integrator.step\" = [1e-2, 1e-3] }\n",
     );
-    let done = place.runner(&["slide.toml", "--set", "duration=0.3"]).exits(0);
+    let done = place.runner(&["slide.toml", "--set", "duration=0.3", "-v"]).exits(0);
     for group in ["slide  floor.friction=0.5\n", "slide  floor.friction=0.9\n"] {
         assert!(done.stdout.contains(group), "{}", done.stdout);
     }

@@ -14,7 +14,7 @@ fn a_batch_leaves_its_files_and_names_them() {
         "base = { linear_velocity = [1, 0, 0] }\n[sweep]\ngrid = { \"floor.friction\" = [0.5, 0.25] }\n",
     );
     place.block("rest.toml", "[log]\nrate = 0\n");
-    let done = place.runner(&["slide.toml", "rest.toml", "--set", "duration=0.5", "-o", "deep/out"]).exits(0);
+    let done = place.runner(&["slide.toml", "rest.toml", "--set", "duration=0.5", "-o", "deep/out", "-v"]).exits(0);
     let summary = place.summary("deep/out");
     assert_eq!(summary.column("scenario"), ["slide", "slide", "rest"]);
     assert_eq!(summary.column("floor.friction"), ["0.5", "0.25", ""]);
@@ -125,7 +125,7 @@ fn contact_problems_are_written_when_asked_for() {
         place.path(results).join("s").join(key).join("problems")
     };
     let set = ["s.toml", "--set", "duration=0.2", "--no-log", "-o"];
-    let run = |results: &str, more: &[&str]| place.runner(&[&set[..], &[results], more].concat()).exits(0);
+    let run = |results: &str, more: &[&str]| place.runner(&[&set[..], &[results, "-v"], more].concat()).exits(0);
 
     run("plain", &[]);
     assert!(!folder("plain").exists());
@@ -163,12 +163,17 @@ fn verdicts_are_printed_and_recorded() {
         lines.take_while(|l| !l.contains("expectations held")).map(str::to_owned).collect()
     };
     // 0.05 is right, 0.07 is not; the limits hold.
-    let values = shown(&[]);
-    assert_eq!(values.len(), 2, "{values:?}");
-    assert!(values[0].contains("duration=0.1") && values[0].ends_with("yes"), "{values:?}");
-    assert!(values[1].contains("0.07  -2.00e-2   2.86e-1") && values[1].ends_with("NO"), "{values:?}");
-    assert_eq!(shown(&["--verdicts", "failed"]).len(), 1);
-    assert_eq!(shown(&["--verdicts", "all"]).len(), 4);
+    let values = shown(&["--verdicts", "values"]);
+    assert_eq!(values, shown(&["--verbose"]));
+    assert_eq!(values.len(), 4, "two runs with a line each: {values:?}");
+    assert!(values[0] == "rest duration=0.1" && values[1].ends_with("yes"), "{values:?}");
+    assert!(values[3].contains("0.07  -2.0e-2    2.9e-1") && values[3].ends_with("NO"), "{values:?}");
+    assert_eq!(shown(&["--verdicts", "failed"]).len(), 2);
+    assert_eq!(shown(&["--verdicts", "all"]).len(), 6);
+    let done = place.runner(&["rest.toml"]).exits(1);
+    let failed: Vec<&str> = done.stdout.lines().filter(|line| line.starts_with("failed rest ")).collect();
+    assert!(failed.len() == 1 && failed[0].contains("(duration=0.2): final_base_z is 0.05"), "{}", done.stdout);
+    assert!(!done.stdout.contains("measured"), "no table: {}", done.stdout);
     let (summary, log) = (place.summary("results"), fs::read_to_string(place.path("results/runs.jsonl")).unwrap());
     let lines: Vec<serde_json::Value> = log.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
     for (key, held) in summary.column("key").into_iter().zip([true, false]) {

@@ -185,7 +185,7 @@ fn the_table_is_sorted_by_cost_and_marks_the_front() {
         run("penalty", &step(1e-2), 0.25, None),
     ];
     rows[4].outcome = Outcome::Diverged;
-    let text = pareto_table(&works(&rows));
+    let text = pareto_table(&works(&rows), 120);
     let lines: Vec<Vec<&str>> =
         text.lines().map(|l| l.split("  ").map(str::trim).filter(|w| !w.is_empty()).collect()).collect();
     assert_eq!(lines[0], ["work"]);
@@ -199,8 +199,8 @@ fn the_table_is_sorted_by_cost_and_marks_the_front() {
     assert_eq!(lines[5], ["ncp", "semi-implicit", "step=0.001", "2.00e-3", "2.00e0", "0.3"]);
     assert_eq!(lines[6], ["1 left out: it ended as diverged"]);
     assert!(text.ends_with("more accurate\n"), "{text}");
-    assert_eq!(pareto_table(&works(&rows[4..])), "", "nothing to hold against anything");
-    assert_eq!(pareto_table(&[]), "");
+    assert_eq!(pareto_table(&works(&rows[4..]), 120), "", "nothing to hold against anything");
+    assert_eq!(pareto_table(&[], 120), "");
 }
 
 #[test]
@@ -210,7 +210,7 @@ fn a_long_table_keeps_fronts_and_the_best_of_each_method() {
         .collect();
     rows.push(run("ncp", &[("integrator.step", 3.5.into())], 60.0, Some(0.75)));
     rows.push(run("exact", &[("integrator.relative_tolerance", 1e-6.into())], 50.5, Some(0.25)));
-    let text = pareto_table(&works(&rows));
+    let text = pareto_table(&works(&rows), 120);
     let shown = |word: &str| text.lines().filter(|l| l.starts_with(word)).count();
     assert_eq!((shown("lcp"), shown("ncp"), shown("exact")), (1, 1, 1), "{text}");
     assert!(text.contains("\n49 more are in the report and the summary\n"), "{text}");

@@ -7,7 +7,8 @@ use polars_io::csv::read::CsvReadOptions;
 use polars_io::parquet::read::ParquetReader;
 use std::fs::File;
 use stiction::results::{
-    Comparison, NUMERIC_COLUMNS, ParamValue, Shown, SummaryRow, metric, table, verdicts, write_summary,
+    Comparison, NUMERIC_COLUMNS, ParamValue, Shown, SummaryRow, Verdict, endings, metric, table, verdicts,
+    write_summary,
 };
 use stiction::sim::Outcome;
 
@@ -302,36 +303,40 @@ fn every_column_has_its_own_metric() {
 
 #[test]
 fn the_table_is_aligned_and_says_what_went_wrong() {
-    let text = table(&rows());
+    let text = table(&rows(), 120) + &endings(&rows(), true);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 6, "header, three runs, two reasons\n{text}");
+    assert_eq!(endings(&rows(), false), "", "a fall that no expectation excludes is no failure");
     let end = |line: &str, cell: &str| line.find(cell).map(|at| line[..at].chars().count() + cell.len());
     assert_eq!(end(lines[0], "wall s"), end(lines[1], "0.700"));
     assert_eq!(lines[0].find("mu"), lines[1].find("0.3"));
     assert_eq!(lines[0].find("outcome"), lines[3].find("passed"));
     assert!(lines[3].contains("one-step"));
-    assert_eq!(lines[4], "fallen push 0123abcd: base below 0.2 m at 1.5 s, \"left\" foot first");
+    assert_eq!(lines[4], "fallen push 0123abcd (mu=0.3 n=1): base below 0.2 m at 1.5 s, \"left\" foot first");
     assert!(lines.iter().all(|l| !l.ends_with(' ')));
+    // Without room for a column of each parameter there is one for all, and names are clipped.
+    let narrow = table(&rows(), 72);
+    assert!(narrow.lines().all(|line| line.chars().count() <= 72), "{narrow}");
+    assert!(narrow.contains("paramete") && narrow.contains("0.700"), "{narrow}");
 }
 
 #[test]
 fn scenarios_that_sweep_other_parameters_have_tables_of_their_own() {
     let mut other = row(&[("force.0.force", "[1, 0, 0]".into()), ("expect.0.value", 0.25.into())]);
     other.scenario = "pull".into();
-    let text = table(&[row(&[("mu", 0.3.into())]), row(&[("n", 1.into())]), other]);
+    let text = table(&[row(&[("mu", 0.3.into())]), row(&[("n", 1.into())]), other], 200);
     let headers: Vec<&str> = text.lines().filter(|l| l.starts_with("scenario")).collect();
     assert_eq!(headers.len(), 2, "{text}");
     assert!(headers[0].contains("mu") && headers[0].contains(" n ") && !headers[0].contains("force"), "{text}");
     assert!(headers[1].contains("force.0.force") && !headers[1].contains("mu"), "{text}");
-    assert!(!text.contains("expect.0.value"), "told with the verdicts: {text}");
+    assert!(!text.contains("expect.0.value"), "the table of verdicts has it: {text}");
 }
 
 #[test]
 fn verdicts_name_their_run_briefly() {
     let shown = |parameters: &[(&str, ParamValue)]| {
-        let text = verdicts(&[row(parameters)], Shown::All);
-        let line = text.lines().nth(1).unwrap().strip_prefix("push").unwrap().trim().to_owned();
-        line.split("  ").next().unwrap().to_owned()
+        let text = verdicts(&[row(parameters)], Shown::All, 120);
+        text.lines().nth(1).unwrap().strip_prefix("push ").unwrap().to_owned()
     };
     let robot = ("robot.model", "../../robots/block/block.toml".into());
     assert_eq!(shown(&[robot, ("expect.0.value", 0.5.into())]), "model=block.toml");
@@ -340,31 +345,36 @@ fn verdicts_name_their_run_briefly() {
 }
 
 #[test]
-fn verdicts_show_measured_wanted_and_error() {
+fn verdicts_show_measured_and_expected_value_and_error() {
     let rows =
         [row(&[("robot.base.rpy", "[0, 0, 1]".into()), ("floor.rpy", 2.into()), ("floor.friction", 0.5.into())])];
-    let words = |shown: Shown| -> Vec<Vec<String>> {
-        let text = verdicts(&rows, shown);
-        assert_eq!(shown.count(&rows) + 2, text.lines().count(), "a header and a count\n{text}");
+    let cells = |shown: Shown| -> Vec<Vec<String>> {
+        let text = verdicts(&rows, shown, 100);
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
         text.lines()
             .map(|l| l.split("  ").map(str::trim).filter(|w| !w.is_empty()).map(str::to_owned).collect())
             .collect()
     };
-    let value = words(Shown::Values);
-    // Names that end alike are written out.
-    let run = ["push", "robot.base.rpy=[0, 0, 1] floor.rpy=2 friction=0…"];
-    assert_eq!(value[1][..2], run);
-    assert_eq!(value[1][2..], ["final_base_x", "0.3333333333333333", "0.3", "3.33e-2", "1.11e-1", "1.00e-1", "yes"]);
-    assert_eq!(value[2], ["final_cop_offset_m", "inf", "<= 1e-9", "inf", "-", "-", "NO"], "the run is named once");
-    assert_eq!(value[3], ["first_stick_s", "-", ">= 0.5", "-", "-", "-", "NO"]);
-    assert_eq!(value[4], ["1 of 3 expectations held"]);
-    let failed = words(Shown::Failed);
-    assert_eq!(failed[1], [run[0], run[1], "final_cop_offset_m", "inf", "<= 1e-9", "inf", "-", "-", "NO"]);
-    assert_eq!(failed[3], ["1 of 3 expectations held; 1 not shown here, see --verdicts"]);
-    assert_eq!(words(Shown::All), value);
+    let value = cells(Shown::Values);
+    // Names that end alike are written out, and the run is named once.
+    assert_eq!(value[1], ["push robot.base.rpy=[0, 0, 1] floor.rpy=2 friction=0…"]);
+    assert_eq!(value[2], ["final_base_x", "0.333333", "0.3", "3.3e-2", "1.1e-1", "1.0e-1", "yes"]);
+    assert_eq!(value[3], ["final_cop_offset_m", "inf", "<= 1e-9", "inf", "-", "-", "NO"]);
+    assert_eq!(value[4], ["first_stick_s", "-", ">= 0.5", "-", "-", "-", "NO"]);
+    assert_eq!(value[5], ["1 of 3 expectations held"]);
+    let failed = cells(Shown::Failed);
+    assert_eq!(failed[1..3], [value[1].clone(), value[3].clone()]);
+    assert_eq!(failed[4], ["1 of 3 expectations held; 1 not shown here, see --verdicts"]);
+    assert_eq!(cells(Shown::All), value);
+    // An error far below the value is visible in it.
+    let mut close = rows[0].clone();
+    let near = Verdict { measured: Some(0.3 + 1e-9), error: Some(1e-9), held: false, ..close.verdicts[0].clone() };
+    close.verdicts = vec![near];
+    let text = verdicts(&[close], Shown::Failed, 100);
+    assert!(text.contains(" 0.300000001 ") && text.contains(" 0.3 "), "{text}");
     assert_eq!(
-        verdicts(&[SummaryRow { verdicts: Vec::new(), ..rows[0].clone() }], Shown::All),
+        verdicts(&[SummaryRow { verdicts: Vec::new(), ..rows[0].clone() }], Shown::All, 100),
         "",
-        "nothing was asked"
+        "nothing is expected"
     );
 }

@@ -18,7 +18,7 @@ fn lines(output: &Output) -> Vec<String> {
 #[test]
 fn it_exits_0_and_prints_measured_wanted_and_error_per_case() {
     let results = tempfile::tempdir().expect("a folder for results");
-    let output = runner(&[&folder(), "-o".as_ref(), results.path()]);
+    let output = runner(&[&folder(), "-o".as_ref(), results.path(), "--verdicts".as_ref(), "values".as_ref()]);
     let messages = lines(&output);
     let shown = messages.iter().skip_while(|l| !l.contains("measured")).skip(1).collect::<Vec<_>>();
     let failed: Vec<_> = shown.iter().filter(|l| l.ends_with(" NO")).collect();

@@ -21,7 +21,7 @@
 
 mod expression;
 mod parse;
-mod plan;
+mod plan_filter;
 mod select;
 mod value;
 

@@ -4,9 +4,10 @@
 //! meaning; fields and kinds of messages may be added without notice, so readers pass over what they do not know.
 
 mod diagnostic;
-mod tell;
+pub(in crate::batch) mod junit;
+mod writer;
 
-pub use tell::Teller;
+pub use writer::MessageWriter;
 
 use std::collections::BTreeMap;
 

@@ -10,7 +10,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueHint};
-use stiction::batch::Severity;
 use stiction::console::{ConsoleError, Session};
 use stiction::files::{Made, may_replace};
 use stiction::remote::Pace;
@@ -53,7 +52,7 @@ pub struct Console {
 impl Console {
     /// Reads lines and does what they say.
     pub fn execute(self) -> Result<Exit, Exit> {
-        let plan = self.scenarios.prepare(Severity::Note, MessageFormat::Human)?;
+        let plan = self.scenarios.prepare(usize::MAX, MessageFormat::Human)?;
         only(&plan)?;
         if let Some(path) = &self.save {
             // Before an hour is spent on what then cannot be kept.

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 
 use crate::results::compare::Changes;
-use crate::results::table::align;
+use crate::text::text_table::{Side, TextTable};
 use crate::text::visible::visible;
 
 /// Number of differences that are listed.
@@ -65,10 +65,11 @@ impl Display for Changes {
 }
 
 fn aligned(header: &[&str], lines: impl Iterator<Item = Vec<String>>) -> String {
-    let all: Vec<Vec<String>> =
-        std::iter::once(header.iter().map(|h| (*h).to_owned()).collect()).chain(lines).collect();
-    // Names to the left, numbers to the right.
-    align(&all, if header.contains(&"run") { 2 } else { 1 })
+    let text = if header.contains(&"run") { 2 } else { 1 };
+    let side = |column: usize| if column < text { Side::Left } else { Side::Right };
+    let mut table = TextTable::new(header.iter().enumerate().map(|(column, name)| (*name, side(column))));
+    lines.for_each(|line| table.push(line));
+    table.render(usize::MAX)
 }
 
 fn more(f: &mut Formatter<'_>, count: usize, what: &str) -> fmt::Result {

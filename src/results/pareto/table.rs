@@ -2,8 +2,9 @@
 
 use crate::results::is_truth;
 use crate::results::pareto::{Group, Work, error_columns, front_as_shown, groups};
-use crate::results::table::{align, clip};
-use crate::results::verdict::brief_parameters;
+use crate::results::table::clip;
+use crate::results::verdict_table::brief_parameters;
+use crate::text::text_table::{Side, TextTable};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -15,14 +16,14 @@ const MOST_GROUPS: usize = 12;
 
 /// Per group of comparable runs a block, sorted by cost: how it was computed, each error, the cost, and a mark at the
 /// errors that are on the Pareto front. Empty when no run has an error column.
-pub fn pareto_table(works: &[Work]) -> String {
+pub fn pareto_table(works: &[Work], width: usize) -> String {
     let mut out = String::new();
     let measured = |group: &Group| group.rows().any(|i| !works[i].errors.is_empty());
     let groups: Vec<Group> = groups(works).into_iter().filter(measured).collect();
     for group in groups.iter().take(MOST_GROUPS) {
         // A String takes every write.
         let _ = writeln!(out, "{}", group.name());
-        out += &block(works, group);
+        out += &block(works, group, width);
         out.push('\n');
     }
     if groups.is_empty() {
@@ -43,18 +44,18 @@ struct Line {
     errors: Vec<Option<(f64, bool)>>,
 }
 
-fn block(works: &[Work], group: &Group) -> String {
+fn block(works: &[Work], group: &Group, width: usize) -> String {
     let members: Vec<Work> = group.rows().map(|i| works[i].clone()).collect();
     let columns = error_columns(&members);
     let (lines, without) = lines(works, group, &columns);
     let shown = choose(&lines, group);
     let parameters = varying(works, group);
-    let mut header: Vec<String> = ["method", "integrator"].map(String::from).to_vec();
-    header.extend((!parameters.is_empty()).then(|| "parameters".to_owned()));
-    let text_columns = header.len();
-    // The mark stands behind the number, and its name before the space for it.
-    header.extend(columns.iter().map(|c| format!("{c} ")));
-    header.extend(["cpu s / sim s", "x real time"].map(String::from));
+    let text = ["method", "integrator"].into_iter().chain((!parameters.is_empty()).then_some("parameters"));
+    let text = text.map(|name| (name.to_owned(), Side::Left));
+    // A mark follows each error, and a space follows its name.
+    let errors = columns.iter().map(|c| format!("{c} "));
+    let numbers = errors.chain(["cpu s / sim s", "x real time"].map(String::from)).map(|name| (name, Side::Right));
+    let mut table = TextTable::new(text.chain(numbers));
     let cells = |line: &Line| -> Vec<String> {
         let row = works[line.row].row;
         let own = (!parameters.is_empty()).then(|| brief_parameters(row, |name| parameters.iter().any(|p| p == name)));
@@ -72,8 +73,8 @@ fn block(works: &[Work], group: &Group) -> String {
             .chain([format!("{:.2e}", line.cost), format!("{:.1}", works[line.row].real_time_factor)])
             .collect()
     };
-    let table: Vec<Vec<String>> = std::iter::once(header).chain(shown.iter().map(|line| cells(line))).collect();
-    let mut out = align(&table, text_columns);
+    shown.iter().for_each(|line| table.push(cells(line)));
+    let mut out = table.render(width);
     if let more @ 1.. = lines.len() - shown.len() {
         let _ = writeln!(out, "{more} more are in the report and the summary");
     }

@@ -1,0 +1,260 @@
+//! The one who is told everything: keeps the order, the clock of each run, and the only voice.
+
+use crate::files::names;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use crate::batch::dispatch::cancellation::Gate;
+use crate::batch::dispatch::event::{Event, Work};
+use crate::batch::dispatch::finished_runs::Store;
+use crate::batch::run::run_timer::{self, Lap};
+use crate::batch::{Cancellation, Finished, Job, Listener, Options, Plan, Progress, Reason, Resumed};
+use crate::files::RecordError;
+use crate::results::{RunRecord, RunsLog};
+use crate::sim::Outcome;
+
+/// A run that has started and not finished.
+struct Active {
+    /// None for a repetition.
+    job: Option<Arc<Job>>,
+    cancellation: Arc<Cancellation>,
+    /// When its time is up; none: never, or it has been told already.
+    deadline: Option<Instant>,
+    /// The same for telling that it is slow.
+    slow: Option<Instant>,
+}
+
+/// What was collected.
+pub(in crate::batch) struct Collected {
+    pub finished: Store,
+    pub references: Store,
+    pub interrupted: bool,
+}
+
+/// Linearises what happens in a batch.
+pub(in crate::batch) struct Dispatcher<'a> {
+    plan: &'a Plan,
+    options: &'a Options,
+    gate: &'a Gate,
+    runs_log: &'a mut RunsLog,
+    progress: Progress,
+    listener: &'a mut dyn Listener,
+    active: BTreeMap<Work, Active>,
+    finished: Store,
+    references: Store,
+    /// Runs to be repeated for timing.
+    again: Vec<usize>,
+    laps: BTreeMap<usize, Vec<Lap>>,
+    /// What there is to tell of repetitions.
+    notes: BTreeMap<usize, Vec<String>>,
+    interruptions: u32,
+    failure: Option<RecordError>,
+}
+
+impl<'a> Dispatcher<'a> {
+    pub fn new(
+        plan: &'a Plan,
+        options: &'a Options,
+        gate: &'a Gate,
+        runs_log: &'a mut RunsLog,
+        progress: Progress,
+        listener: &'a mut dyn Listener,
+        resumed: Resumed,
+    ) -> Self {
+        let Resumed { finished, references, again, .. } = resumed;
+        progress.skipped(finished.count + references.count);
+        Self {
+            plan,
+            options,
+            gate,
+            runs_log,
+            progress,
+            listener,
+            active: BTreeMap::new(),
+            finished,
+            references,
+            again,
+            laps: BTreeMap::new(),
+            notes: BTreeMap::new(),
+            interruptions: 0,
+            failure: None,
+        }
+    }
+
+    /// Listens until no thread works any more.
+    pub fn receive(&mut self, events: &Receiver<Event>) {
+        loop {
+            let event = match self.patience() {
+                Some(time) => events.recv_timeout(time),
+                None => events.recv().map_err(RecvTimeoutError::from),
+            };
+            match event {
+                Ok(Event::Started { work, job, at, cancellation }) => self.started(work, job, at, cancellation),
+                Ok(Event::Finished { work, finished }) => self.finished(work, *finished),
+                Ok(Event::Round { round, rounds, runs }) => self.progress.round(round, rounds, runs),
+                Ok(Event::Timed { index, lap }) => self.timed(index, lap),
+                Ok(Event::Interrupt) => self.interrupted(),
+                Ok(Event::Drained) | Err(RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Timeout) => self.progress.tick(),
+            }
+            self.end_overdue();
+            self.tell_slow();
+        }
+    }
+
+    /// The runs to be repeated for timing: those that ended by themselves, unless no more shall begin.
+    pub fn take_repeats(&mut self) -> Vec<usize> {
+        if self.gate.is_closed() || !self.options.timing {
+            return Vec::new();
+        }
+        self.again.sort_unstable();
+        std::mem::take(&mut self.again)
+    }
+
+    /// All finished runs in the order of the plan.
+    ///
+    /// # Errors
+    /// `runs.jsonl` could not be written, or a record with its timings.
+    pub fn collect(mut self) -> Result<Collected, RecordError> {
+        self.progress.end();
+        if let Some(error) = self.failure {
+            return Err(error);
+        }
+        for (index, laps) in &self.laps {
+            let path = self.plan.folder(*index, &self.options.output).join(names::RUN_RECORD);
+            let mut record = RunRecord::read(&path)?;
+            record.timing.repeats = run_timer::repeats(laps);
+            record.notes.extend(self.notes.remove(index).into_iter().flatten());
+            record.write(&path)?;
+            if let Some(finished) = self.finished.get_mut(*index) {
+                finished.row.repeats = record.timing.repeats;
+                finished.notes = record.notes;
+            }
+        }
+        for (index, notes) in self.notes {
+            self.finished.get_mut(index).into_iter().for_each(|finished| finished.notes.extend(notes.iter().cloned()));
+        }
+        Ok(Collected { finished: self.finished, references: self.references, interrupted: self.interruptions > 0 })
+    }
+
+    /// How long nothing needs to be done unless something happens.
+    fn patience(&self) -> Option<Duration> {
+        let now = Instant::now();
+        let deadlines = self.active.values().flat_map(|a| [a.deadline, a.slow]).flatten();
+        let next = deadlines.map(|at| at.saturating_duration_since(now)).min();
+        next.into_iter().chain(self.progress.tick_interval()).min()
+    }
+
+    fn started(&mut self, work: Work, job: Option<Arc<Job>>, at: Instant, cancellation: Arc<Cancellation>) {
+        if self.interruptions > 1 {
+            cancellation.cancel(Reason::Interrupted);
+        }
+        let after = |limit: Option<Duration>| limit.and_then(|limit| at.checked_add(limit));
+        let deadline = after(self.options.timeout);
+        // Repetitions have no job here, and are not told of.
+        let slow = after(self.options.slow.filter(|_| job.is_some()));
+        let told = job.clone();
+        self.active.insert(work, Active { job, cancellation, deadline, slow });
+        if let Some(job) = told {
+            self.progress.started(self.active.len());
+            self.listener.started(&job);
+        }
+    }
+
+    fn finished(&mut self, work: Work, finished: Finished) {
+        // What ends has begun.
+        let Some(job) = self.active.remove(&work).and_then(|active| active.job) else { return };
+        let is_run = matches!(work, Work::Run(_));
+        if is_run && let Err(error) = self.runs_log.push(&finished.row) {
+            // Results that leave no trace are not worth computing.
+            self.gate.close();
+            self.failure.get_or_insert(error);
+        }
+        if finished.row.outcome == Outcome::Error
+            && let Err(source) = writable(&self.options.output)
+        {
+            // The next run would fare no better.
+            self.gate.close();
+            let (what, folder) = (finished.row.message.clone(), self.options.output.clone());
+            self.failure.get_or_insert(RecordError::NoRoom { what, folder, source });
+        }
+        let done = self.finished.count + self.references.count + 1;
+        self.progress.finished(&job, &finished, done, self.plan.runs() + self.plan.references());
+        self.listener.finished(&job, &finished);
+        if is_run && is_to_repeat(&job, &finished) {
+            self.again.push(job.index);
+        }
+        if is_run { &mut self.finished } else { &mut self.references }.insert(job.index, finished);
+    }
+
+    fn timed(&mut self, index: usize, lap: Result<Lap, String>) {
+        self.active.remove(&Work::Repetition(index));
+        self.progress.timed();
+        match lap {
+            Ok(lap) => self.laps.entry(index).or_default().push(lap),
+            Err(reason) => {
+                let note = format!("a repetition for timing came to nothing: {reason}");
+                self.notes.entry(index).or_default().push(note);
+            }
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.interruptions += 1;
+        self.gate.close();
+        let running = self.active.len();
+        match self.interruptions {
+            1 => {
+                let plural = if running == 1 { "run" } else { "runs" };
+                self.progress.say(&format!(
+                    "interrupted: no more runs are started, {running} {plural} being finished; again to cancel them"
+                ));
+            }
+            2 => {
+                self.progress.say("interrupted again: running runs are cancelled");
+                self.active.values().for_each(|a| a.cancellation.cancel(Reason::Interrupted));
+            }
+            _ => {}
+        }
+    }
+
+    fn tell_slow(&mut self) {
+        let Some(limit) = self.options.slow else { return };
+        let now = Instant::now();
+        for active in self.active.values_mut().filter(|a| a.slow.is_some_and(|at| at <= now)) {
+            active.slow = None;
+            if let Some(job) = &active.job {
+                self.progress.slow(job, limit);
+                self.listener.slow(job, limit);
+            }
+        }
+    }
+
+    fn end_overdue(&mut self) {
+        let now = Instant::now();
+        for active in self.active.values_mut() {
+            if active.deadline.is_some_and(|at| at <= now) {
+                active.deadline = None;
+                active.cancellation.cancel(Reason::TimedOut);
+            }
+        }
+    }
+}
+
+/// Does a finished run want to be timed more often than it was?
+pub(in crate::batch) fn is_to_repeat(job: &Job, finished: &Finished) -> bool {
+    let whole = matches!(finished.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen);
+    whole && job.repetitions() > finished.row.repeats.map_or(0, |repeats| repeats.count)
+}
+
+/// More than a folder's entry, so that a disk on which nothing but that has room counts as full.
+const PROBE: usize = 64 << 10;
+
+/// Can results be written at all?
+fn writable(folder: &Path) -> std::io::Result<()> {
+    tempfile::tempfile_in(folder)?.write_all(&[0; PROBE])
+}

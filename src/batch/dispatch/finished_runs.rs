@@ -1,0 +1,126 @@
+//! What has finished, whatever its number: a few thousand runs in memory, the others in their records.
+
+use crate::files::names;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::batch::{Finished, Job, Plan};
+use crate::files::RecordError;
+use crate::results::{BoundedSample, Machine, PROGRAM, Rows, RunRecord, RunStatistics, SummaryRow};
+use crate::sim::Outcome;
+
+/// Finished runs by their positions in the plan.
+#[derive(Debug, Default)]
+pub(in crate::batch) struct Store {
+    kept: BoundedSample<Finished>,
+    /// Those without a record: nothing but memory has them.
+    unwritten: BTreeMap<usize, Finished>,
+    done: Vec<bool>,
+    /// How many are done.
+    pub count: usize,
+    /// How many did not end as they should, those apart of which an expectation did not hold.
+    pub unfinished: usize,
+    /// Of how many an expectation did not hold.
+    pub failed: usize,
+}
+
+impl Store {
+    /// Takes in a finished run.
+    pub fn insert(&mut self, index: usize, finished: Finished) {
+        if self.done.len() <= index {
+            self.done.resize(index + 1, false);
+        }
+        self.done[index] = true;
+        self.count += 1;
+        let is_written = finished.files.iter().any(|file| file.ends_with(names::RUN_RECORD));
+        match finished.row.outcome {
+            Outcome::Failed => self.failed += 1,
+            _ if !finished.accepted => self.unfinished += 1,
+            _ => {}
+        }
+        if is_written {
+            let is_refused = !finished.accepted;
+            self.kept.insert(index, finished, is_refused);
+        } else {
+            self.unwritten.insert(index, finished);
+        }
+    }
+
+    pub fn is_done(&self, index: usize) -> bool {
+        self.done.get(index).copied().unwrap_or(false)
+    }
+
+    /// Positions of all that are done.
+    pub fn positions(&self) -> impl Iterator<Item = usize> {
+        self.done.iter().enumerate().filter(|(_, done)| **done).map(|(index, _)| index)
+    }
+
+    /// If it is in memory.
+    pub fn get_mut(&mut self, index: usize) -> Option<&mut Finished> {
+        self.unwritten.get_mut(&index).or_else(|| self.kept.get_mut(index))
+    }
+
+    /// The row of a finished run, from memory or from its record.
+    ///
+    /// # Errors
+    /// The record cannot be read any more.
+    pub fn row(&self, index: usize, plan: &Plan, output: &Path) -> Result<SummaryRow, RecordError> {
+        match self.unwritten.get(&index).or_else(|| self.kept.get(index)) {
+            Some(finished) => Ok(finished.row.clone()),
+            None => Ok(RunRecord::read(&plan.folder(index, output).join(names::RUN_RECORD))?.summary_row()),
+        }
+    }
+
+    /// A finished run, from memory or from its record.
+    ///
+    /// # Errors
+    /// The record cannot be read any more.
+    pub fn finished(&self, job: &Job, output: &Path) -> Result<Finished, RecordError> {
+        if let Some(finished) = self.unwritten.get(&job.index).or_else(|| self.kept.get(job.index)) {
+            return Ok(finished.clone());
+        }
+        let path = job.folder(output).join(names::RUN_RECORD);
+        let record = RunRecord::read(&path)?;
+        let row = record.summary_row();
+        Ok(Finished { files: vec![path], notes: record.notes, accepted: !row.is_refused(), row })
+    }
+
+    /// What is in memory, in the order of the plan.
+    pub fn into_kept(self) -> Vec<Finished> {
+        let Store { mut kept, unwritten, .. } = self;
+        for (index, finished) in unwritten {
+            let is_refused = !finished.accepted;
+            kept.insert(index, finished, is_refused);
+        }
+        kept.into_sorted()
+    }
+}
+
+/// The rows of all finished runs, in the order of the plan.
+pub(in crate::batch) struct AllRows<'a> {
+    pub store: &'a Store,
+    pub plan: &'a Plan,
+    pub output: &'a Path,
+    /// Numbers of them; complete when they have been gone through. The order of sums is that of the plan.
+    pub statistics: RefCell<Option<RunStatistics>>,
+}
+
+impl Rows for AllRows<'_> {
+    fn for_each(&self, visit: &mut dyn FnMut(&SummaryRow) -> Result<(), RecordError>) -> Result<(), RecordError> {
+        let mut statistics = self.statistics.borrow().is_none().then(RunStatistics::default);
+        let machine = Machine::here();
+        for index in self.store.positions() {
+            let row = self.store.row(index, self.plan, self.output)?;
+            if let Some(statistics) = &mut statistics {
+                let record = self.plan.folder(index, self.output).join(names::RUN_RECORD);
+                statistics.add(&row, PROGRAM, &machine, Some(&record));
+            }
+            visit(&row)?;
+        }
+        if statistics.is_some() {
+            self.statistics.replace(statistics);
+        }
+        Ok(())
+    }
+}

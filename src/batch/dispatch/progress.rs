@@ -1,0 +1,187 @@
+//! Shows on standard error how far a batch is: a bar on a terminal, else lines.
+
+use std::cell::Cell;
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::batch::{Finished, Job};
+use crate::text::visible::visible;
+
+/// How often a bar is drawn again while nothing ends.
+const TICK: Duration = Duration::from_millis(200);
+
+/// Lines of progress of a batch, if all of its runs are accepted and fast.
+const LINES: usize = 10;
+/// After this time a line is written with the next run that ends.
+const SILENCE: Duration = Duration::from_secs(10);
+
+/// Where progress goes.
+pub enum Progress {
+    /// A bar, and a line for each run that was not accepted.
+    Bar(ProgressBar),
+    /// Lines for some of the finished runs.
+    Lines(Lines),
+    /// Nowhere.
+    Silent,
+}
+
+/// Chooses the finished runs that have a line: all of them; else those that were not accepted, and others so seldom that the
+/// lines of a large batch fit a screen.
+pub struct Lines {
+    all: bool,
+    /// When the last line was written.
+    last: Cell<Instant>,
+}
+
+impl Lines {
+    fn has(&self, accepted: bool, done: usize, runs: usize, now: Instant) -> bool {
+        let tenth = done * LINES / runs.max(1) > done.saturating_sub(1) * LINES / runs.max(1);
+        let has = self.all || !accepted || tenth || now.duration_since(self.last.get()) >= SILENCE;
+        if has {
+            self.last.set(now);
+        }
+        has
+    }
+}
+
+impl Progress {
+    /// A bar if standard error is a terminal that can move back, else lines; `all`: a line for each run.
+    pub fn on_stderr(runs: usize, all: bool) -> Self {
+        let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        if dumb || !std::io::stderr().is_terminal() {
+            return Progress::Lines(Lines { all, last: Cell::new(Instant::now()) });
+        }
+        let bar = ProgressBar::with_draw_target(Some(runs as u64), ProgressDrawTarget::stderr());
+        // A template without the keys it knows is refused; this one is fixed, and the default does as well.
+        if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} {wide_bar} {pos}/{len} runs  {msg}") {
+            bar.set_style(style);
+        }
+        Progress::Bar(bar)
+    }
+
+    /// How long the dispatcher may sleep before it calls [`Progress::tick`].
+    pub(in crate::batch) fn tick_interval(&self) -> Option<Duration> {
+        matches!(self, Progress::Bar(_)).then_some(TICK)
+    }
+
+    pub(in crate::batch) fn tick(&self) {
+        if let Progress::Bar(bar) = self {
+            bar.tick();
+        }
+    }
+
+    pub(in crate::batch) fn started(&self, running: usize) {
+        if let Progress::Bar(bar) = self {
+            bar.set_message(format!("{running} running"));
+        }
+    }
+
+    pub(in crate::batch) fn finished(&self, job: &Job, finished: &Finished, done: usize, runs: usize) {
+        let line = line(job, finished, done, runs);
+        match self {
+            Progress::Bar(bar) => {
+                bar.inc(1);
+                if !finished.accepted {
+                    bar.println(line);
+                }
+            }
+            Progress::Lines(lines) if lines.has(finished.accepted, done, runs, Instant::now()) => say(&line),
+            Progress::Lines(_) | Progress::Silent => {}
+        }
+    }
+
+    /// A run has been going for longer than that and is not at its end.
+    pub(in crate::batch) fn slow(&self, job: &Job, limit: Duration) {
+        self.say(&format!("slow: {} has been running for {} s", named(job), limit.as_secs_f64()));
+    }
+
+    /// Runs that need not be made.
+    pub(in crate::batch) fn skipped(&self, runs: usize) {
+        if let Progress::Bar(bar) = self {
+            bar.inc(runs as u64);
+        }
+    }
+
+    /// A round of repetitions for timing begins.
+    pub(in crate::batch) fn round(&self, round: u32, rounds: u32, runs: usize) {
+        let line = format!("timing: repetition {round} of {rounds}, {runs} one at a time");
+        match self {
+            Progress::Bar(bar) => {
+                bar.inc_length(runs as u64);
+                bar.set_message(line);
+            }
+            Progress::Lines(_) => say(&line),
+            Progress::Silent => {}
+        }
+    }
+
+    /// A repetition ended.
+    pub(in crate::batch) fn timed(&self) {
+        if let Progress::Bar(bar) = self {
+            bar.inc(1);
+        }
+    }
+
+    /// Something else to say.
+    pub(in crate::batch) fn say(&self, line: &str) {
+        match self {
+            Progress::Bar(bar) => bar.println(line),
+            Progress::Lines(_) => say(line),
+            Progress::Silent => {}
+        }
+    }
+
+    pub(in crate::batch) fn end(&self) {
+        if let Progress::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// NoListener listening is no reason to stop.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// `push contact.method=exact`
+fn named(job: &Job) -> String {
+    let label = if job.label.is_empty() { String::new() } else { format!(" {}", job.label) };
+    visible(&format!("{}{label}", job.run.name)).into_owned()
+}
+
+/// `[ 3/25] push contact.method=exact: passed, 5.000 s in 0.812 s`
+fn line(job: &Job, finished: &Finished, done: usize, runs: usize) -> String {
+    let row = &finished.row;
+    let width = runs.to_string().len();
+    let name = format!("[{done:>width$}/{runs}] {}", named(job));
+    let times = format!("{:.3} s in {:.3} s", row.metrics.duration_s, row.wall_s);
+    let words = row.message.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = visible(&words);
+    let message = if words.is_empty() { String::new() } else { format!(": {words}") };
+    format!("{name}: {}, {times}{message}", row.outcome.name())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_batch_has_few_lines_and_a_small_one_a_line_per_run() {
+        let start = Instant::now();
+        let lines = |all: bool, runs: usize, accepted: fn(usize) -> bool| {
+            let lines = Lines { all, last: Cell::new(start) };
+            (1..=runs).filter(|done| lines.has(accepted(*done), *done, runs, start)).count()
+        };
+        for runs in 0..=10 {
+            assert_eq!(lines(false, runs, |_| true), runs);
+        }
+        assert_eq!(lines(false, 421, |_| true), 10);
+        assert_eq!(lines(true, 421, |_| true), 421);
+        assert_eq!(lines(false, 1000, |done| done % 100 != 7), 20);
+        let seldom = Lines { all: false, last: Cell::new(start) };
+        assert!(!seldom.has(true, 3, 100, start + SILENCE / 2) && seldom.has(true, 4, 100, start + SILENCE));
+        assert!(!seldom.has(true, 5, 100, start + SILENCE * 3 / 2), "the time counts from the last line");
+    }
+}

@@ -1,0 +1,105 @@
+//! Timing: finished runs once more, one at a time, nothing else at work.
+//!
+//! Rounds are interleaved: every run once, then every run again, so that a slow minute of the machine falls on all of them.
+//! Timed is the simulation from its first decision to its last step. Building it, logs, comparisons and files are not.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::Sender;
+use std::time::Instant;
+
+use crate::assemble::setup;
+use crate::batch::dispatch::cancellation::Gate;
+use crate::batch::dispatch::event::{Event, Work};
+use crate::batch::dispatch::workers::Drained;
+use crate::batch::run::panic_capture;
+use crate::batch::run::run_timer::{Clock, Lap};
+use crate::batch::{Cancellation, Job, Plan, Reason};
+use crate::script::interruptible;
+use crate::sim::{Blind, Outcome, Setup, Simulation};
+
+/// Repeats each of these runs as often as it asks for and tells `events` of it.
+pub(in crate::batch) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events: &Sender<Event>) {
+    let _drained = Drained(events);
+    let rounds = runs.iter().map(|run| plan.repetitions_of(*run)).max().unwrap_or(0);
+    for round in 1..=rounds {
+        let due = || runs.iter().filter(|run| plan.repetitions_of(**run) >= round);
+        let _ = events.send(Event::Round { round, rounds, runs: due().count() });
+        for &index in due() {
+            if gate.is_closed() {
+                return;
+            }
+            let cancellation = Arc::new(Cancellation::default());
+            let (work, job) = (Work::Repetition(index), plan.job(index));
+            let at = Instant::now();
+            let _ = events.send(Event::Started { work, job: None, at, cancellation: cancellation.clone() });
+            let lap = panic_capture::catch_panic(|| time(&job, &cancellation)).unwrap_or_else(Err);
+            let _ = events.send(Event::Timed { index, lap });
+        }
+    }
+}
+
+/// The times of one repetition; words when it did not come to its end, as when it was cancelled.
+fn time(job: &Job, cancellation: &Cancellation) -> Result<Lap, String> {
+    let done = interruptible(cancellation.shared(), || advance(job, cancellation.flag()));
+    // What is ended from outside may fail in any way.
+    done.map_err(|message| match cancellation.reason() {
+        Some(Reason::TimedOut) => format!("{}: it used up its wall-clock time", Outcome::TimedOut.name()),
+        Some(Reason::Interrupted) => format!("{}: interrupted", Outcome::Cancelled.name()),
+        None => message,
+    })
+}
+
+fn advance(job: &Job, cancel: &AtomicBool) -> Result<Lap, String> {
+    let setup = setup(&job.run, &job.robot).map_err(|errors| errors.to_string())?;
+    let mut simulation = Simulation::new(Setup { log_rate: 0.0, ..setup }).map_err(|stop| stop.message)?;
+    let clock = Clock::start();
+    let (outcome, message) = simulation.run(&mut Blind, cancel);
+    let lap = clock.lap();
+    match outcome {
+        Outcome::Passed | Outcome::Fallen => Ok(lap),
+        _ => Err(format!("{}: {message}", outcome.name())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::prepare;
+
+    /// A block whose script goes through nine tenths of its budget while it is loaded.
+    fn slow_to_load(folder: &std::path::Path) -> Plan {
+        let robots = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/block/block.toml");
+        let scenario = format!(
+            "duration = 0.01\n[robot]\nmodel = {robots:?}\n[[force]]\ntype = \"script\"\nfile = \"slow.luau\"\n"
+        );
+        std::fs::write(folder.join("slow.luau"), "for i = 1, 9e5 do end\nfunction run() return {} end\n").unwrap();
+        std::fs::write(folder.join("s.toml"), &scenario).unwrap();
+        let Ok((plan, _)) = prepare(&[folder.join("s.toml")], &[], 10) else { panic!("refused:\n{scenario}") };
+        plan
+    }
+
+    #[test]
+    fn a_repetition_that_is_ended_ends_its_scripts_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let job = slow_to_load(folder.path()).job(0);
+        let cost = |cancellation: &Cancellation| {
+            let clock = Clock::start();
+            let result = time(&job, cancellation);
+            (result.map(|_| ()), clock.lap().cpu_s)
+        };
+        let (whole, full) = cost(&Cancellation::default());
+        assert_eq!(whole, Ok(()));
+        for (reason, words) in [
+            (Reason::TimedOut, "timed-out: it used up its wall-clock time"),
+            (Reason::Interrupted, "cancelled: interrupted"),
+        ] {
+            let cancellation = Cancellation::default();
+            cancellation.cancel(reason);
+            let (ended, cpu) = cost(&cancellation);
+            assert_eq!(ended, Err(words.to_owned()));
+            // The script alone takes most of `full`; without the flag all of that is spent before the first step.
+            assert!(cpu < 0.5 * full, "{cpu} s of processor time, {full} s when it is let go on");
+        }
+    }
+}

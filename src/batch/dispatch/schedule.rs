@@ -1,0 +1,122 @@
+//! Which work comes next: every reference just before the first run that needs it, and no run before its reference.
+//!
+//! A thread takes the first work that is ready, so it waits only when all that is left needs references that other threads
+//! are at. A reference needs nothing, so there is always one to wait for: also a single thread never waits for itself.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+use crate::batch::dispatch::cancellation::Gate;
+use crate::batch::dispatch::event::Work;
+use crate::batch::{Plan, Resumed};
+use crate::results::ReferenceMotion;
+
+/// The reference run that a run is compared with.
+#[derive(Clone, Debug)]
+pub(in crate::batch) struct AwaitedReference {
+    /// Its key.
+    pub key: String,
+    /// Its trajectory, or why there is none.
+    pub result: Result<Arc<ReferenceMotion>, String>,
+}
+
+/// The work of a batch, taken by several threads.
+pub(in crate::batch) struct Schedule<'a> {
+    plan: &'a Plan,
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+struct State {
+    waiting: VecDeque<Work>,
+    references: Vec<Reference>,
+}
+
+/// A reference run.
+struct Reference {
+    /// None until it has ended, and when nobody needs it any more.
+    result: Option<Result<Arc<ReferenceMotion>, String>>,
+    /// Runs that still need it.
+    needed: usize,
+}
+
+impl<'a> Schedule<'a> {
+    /// All of a plan but what is done already.
+    pub fn new(plan: &'a Plan, resumed: &Resumed) -> Self {
+        let mut waiting = VecDeque::with_capacity(plan.runs() + plan.references());
+        let mut references: Vec<Reference> =
+            (0..plan.references()).map(|_| Reference { result: None, needed: 0 }).collect();
+        for index in (0..plan.runs()).filter(|index| !resumed.finished.is_done(*index)) {
+            if let Some(i) = plan.reference_of(index) {
+                if references[i].needed == 0 {
+                    waiting.push_back(Work::Reference(i));
+                }
+                references[i].needed += 1;
+            }
+            waiting.push_back(Work::Run(index));
+        }
+        // A run that is done left its reference behind, unless somebody removed that.
+        let lost = (0..references.len()).filter(|i| references[*i].needed == 0 && !resumed.references.is_done(*i));
+        waiting.extend(lost.map(Work::Reference));
+        Schedule { plan, state: Mutex::new(State { waiting, references }), changed: Condvar::new() }
+    }
+
+    /// The next work that is ready and what it is compared with; none when there is no more, or none shall begin.
+    pub fn take(&self, gate: &Gate) -> Option<(Work, Option<AwaitedReference>)> {
+        let mut state = self.lock();
+        loop {
+            if gate.is_closed() {
+                return None;
+            }
+            let ready = state.waiting.iter().position(|work| self.needs(*work).is_none_or(|i| state.ended(i)));
+            if let Some(work) = ready.and_then(|at| state.waiting.remove(at)) {
+                let against = self.needs(work).and_then(|i| {
+                    let key = self.plan.reference_key(i);
+                    state.hand_out(i).map(|result| AwaitedReference { key, result })
+                });
+                return Some((work, against));
+            }
+            if state.waiting.is_empty() {
+                return None;
+            }
+            // Some reference is being computed: its end is told.
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// A reference has ended, with a trajectory or without.
+    pub fn ended(&self, reference: usize, result: Result<ReferenceMotion, String>) {
+        let mut state = self.lock();
+        let entry = &mut state.references[reference];
+        if entry.result.is_none() && entry.needed > 0 {
+            entry.result = Some(result.map(Arc::new));
+        }
+        self.changed.notify_all();
+    }
+
+    /// The reference that a work needs.
+    fn needs(&self, work: Work) -> Option<usize> {
+        match work {
+            Work::Run(index) => self.plan.reference_of(index),
+            Work::Reference(_) | Work::Repetition(_) => None,
+        }
+    }
+
+    /// A panic of another thread leaves nothing half done here.
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State {
+    fn ended(&self, reference: usize) -> bool {
+        self.references[reference].result.is_some()
+    }
+
+    /// Its trajectory is kept only while runs need it.
+    fn hand_out(&mut self, reference: usize) -> Option<Result<Arc<ReferenceMotion>, String>> {
+        let entry = &mut self.references[reference];
+        entry.needed -= 1;
+        if entry.needed == 0 { entry.result.take() } else { entry.result.clone() }
+    }
+}

@@ -1,0 +1,172 @@
+//! A batch as JUnit XML.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use crate::batch::{BatchError, Finished, Job, Listener, Plan, Role};
+use crate::files::names::BATCH_FILES;
+use crate::files::{Made, RecordError, may_replace};
+use crate::results::{JunitCase, JunitStatus, Verdict, write_junit};
+use crate::sim::Outcome;
+
+/// Listens to a batch, and writes what became of every run of the plan.
+pub struct Junit {
+    path: PathBuf,
+    output: PathBuf,
+    slow: Option<Duration>,
+    since: Instant,
+    runs: Vec<JunitCase>,
+    references: Vec<JunitCase>,
+}
+
+impl Junit {
+    /// Makes sure that the file can be written; all runs are skipped ones so far. `output` is the folder of the results,
+    /// and runs that take longer than `slow` are marked.
+    ///
+    /// # Errors
+    /// The file's folder cannot be created or written.
+    pub fn new(path: &Path, plan: &Plan, output: &Path, slow: Option<Duration>) -> Result<Self, BatchError> {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder).map_err(RecordError::io(folder))?;
+        tempfile::tempfile_in(folder).map_err(RecordError::io(folder))?;
+        if path.is_dir() || becomes_folder(path, plan, output) {
+            let source = std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a folder; test results need a file");
+            return Err(RecordError::io(path)(source).into());
+        }
+        if is_at(path, output)
+            && path.file_name().is_some_and(|name| BATCH_FILES.iter().any(|reserved| name == *reserved))
+        {
+            let source =
+                std::io::Error::new(std::io::ErrorKind::InvalidInput, "is a file of the results: choose another");
+            return Err(RecordError::io(path)(source).into());
+        }
+        may_replace(path, Made::Junit)?;
+        let mut names = HashMap::new();
+        for job in plan.jobs() {
+            *names.entry((job.run.name.clone(), name(&job))).or_insert(0) += 1;
+        }
+        let case = |job: Job| {
+            let plain = name(&job);
+            let shared = names.get(&(job.run.name.clone(), plain.clone())).is_some_and(|count| *count > 1);
+            JunitCase {
+                suite: job.run.name.clone(),
+                // A name that stays when the key changes lets a case be followed from one batch to the next.
+                name: if shared { format!("{plain} {}", job.key) } else { plain },
+                time: None,
+                status: JunitStatus::Skipped { message: "not started".into() },
+                properties: vec![("key", job.key.clone()), ("file", job.run.file.display().to_string())],
+                output: Vec::new(),
+            }
+        };
+        Ok(Junit {
+            path: path.to_owned(),
+            output: output.to_owned(),
+            slow,
+            since: Instant::now(),
+            runs: plan.jobs().map(&case).collect(),
+            references: (0..plan.references()).map(|index| case(plan.reference(index))).collect(),
+        })
+    }
+
+    /// Writes the file, whole or not at all: suites and runs in the order of the plan, reference runs first in their suites.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(self) -> Result<PathBuf, RecordError> {
+        let mut order = HashMap::new();
+        for case in &self.runs {
+            let next = order.len();
+            order.entry(case.suite.clone()).or_insert(next);
+        }
+        let mut cases: Vec<JunitCase> = self.references.into_iter().chain(self.runs).collect();
+        cases.sort_by_key(|case| order.get(&case.suite).copied());
+        write_junit(&self.path, &cases, self.since.elapsed())?;
+        Ok(self.path)
+    }
+}
+
+impl Listener for Junit {
+    fn kept(&mut self, job: &Job, finished: &Finished) {
+        self.finished(job, finished);
+        let cases = if job.role == Role::Reference { &mut self.references } else { &mut self.runs };
+        cases.iter_mut().skip(job.index).take(1).for_each(|case| case.properties.push(("resumed", "true".into())));
+    }
+
+    fn finished(&mut self, job: &Job, finished: &Finished) {
+        let cases = if job.role == Role::Reference { &mut self.references } else { &mut self.runs };
+        let Some(case) = cases.get_mut(job.index) else { return };
+        let row = &finished.row;
+        case.time = Duration::try_from_secs_f64(row.wall_s).ok();
+        case.status = status(finished);
+        case.properties.push(("outcome", row.outcome.name().into()));
+        case.properties.push(("folder", job.folder(&self.output).display().to_string()));
+        if is_slow(self.slow, row.wall_s) {
+            case.properties.push(("slow", "true".into()));
+        }
+        case.output.clone_from(&finished.notes);
+        if finished.accepted && !row.message.is_empty() {
+            case.output.push(row.message.clone());
+        }
+    }
+}
+
+/// Will the batch make a folder of it: of the results, on the way there, or of a scenario?
+fn becomes_folder(path: &Path, plan: &Plan, output: &Path) -> bool {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let (path, output) = (absolute(path), absolute(output));
+    output.starts_with(&path) || plan.scenarios().any(|name| output.join(name) == path)
+}
+
+/// Does a file stand directly in a folder?
+fn is_at(path: &Path, folder: &Path) -> bool {
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    matches!((parent.canonicalize(), folder.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Did a run take longer than is thought quick enough?
+pub fn is_slow(limit: Option<Duration>, wall_s: f64) -> bool {
+    limit.is_some_and(|limit| wall_s > limit.as_secs_f64())
+}
+
+/// What distinguishes it in its scenario, or the scenario's name if nothing does.
+fn name(job: &Job) -> String {
+    if job.label.is_empty() { job.run.name.clone() } else { job.label.clone() }
+}
+
+fn status(finished: &Finished) -> JunitStatus {
+    let row = &finished.row;
+    if finished.accepted {
+        return JunitStatus::Passed;
+    }
+    match row.outcome {
+        Outcome::Passed | Outcome::Failed | Outcome::Fallen => {
+            let broken: Vec<&Verdict> = row.verdicts.iter().filter(|v| !v.held).collect();
+            let plural = if broken.len() == 1 { "expectation" } else { "expectations" };
+            let message = format!("{} broken {plural} of {}: {}", broken.len(), row.verdicts.len(), row.message);
+            JunitStatus::Failed { message, detail: broken.into_iter().map(detail).collect::<Vec<_>>().join("\n") }
+        }
+        // Whoever cancels a run learns nothing about it.
+        Outcome::Cancelled => JunitStatus::Skipped { message: "interrupted".into() },
+        outcome => {
+            let said = Some(&row.message).filter(|message| !message.is_empty()).map(String::as_str);
+            let kind = outcome.name();
+            JunitStatus::Error { kind: kind.into(), message: said.unwrap_or(kind).into() }
+        }
+    }
+}
+
+/// `final_base_x: measured 0.4, wanted 0.5 +- 0.01, error -0.1`
+fn detail(verdict: &Verdict) -> String {
+    let number = |x: Option<f64>| x.map_or_else(|| "nothing".to_owned(), |x| format!("{x:?}"));
+    let wanted = match (verdict.truth, verdict.allowed, verdict.min, verdict.max) {
+        (Some(truth), allowed, ..) => format!("{truth:?} +- {:?}", allowed.unwrap_or(0.0)),
+        (None, _, Some(min), Some(max)) => format!("{min:?} to {max:?}"),
+        (None, _, Some(min), None) => format!("at least {min:?}"),
+        (None, _, None, Some(max)) => format!("at most {max:?}"),
+        // An outcome: its words say what was wanted.
+        (None, _, None, None) => return format!("{}: {}", verdict.metric, verdict.message),
+    };
+    let error = verdict.error.map_or_else(String::new, |e| format!(", error {e:?}"));
+    format!("{}: measured {}, wanted {wanted}{error}", verdict.metric, number(verdict.measured))
+}

@@ -1,0 +1,109 @@
+//! Jobs and what became of them as messages.
+
+use std::path::Path;
+use std::time::Duration;
+
+use super::{BatchFinished, BatchStarted, Message, RunFinished, RunMessage, RunSlow};
+use crate::batch::{Finished, Job, Listener, Options, Plan, Report, Role, is_slow};
+use crate::results::{NUMERIC_COLUMNS, PROGRAM, measure, truth_columns};
+
+/// Turns what it hears into lines and hands them on.
+pub struct MessageWriter<F: FnMut(String)> {
+    options: Options,
+    hand_on: F,
+}
+
+impl<F: FnMut(String)> MessageWriter<F> {
+    /// `options` are those of the batch.
+    pub fn new(options: &Options, hand_on: F) -> Self {
+        MessageWriter { options: options.clone(), hand_on }
+    }
+
+    fn tell(&mut self, message: Message) {
+        (self.hand_on)(message.line());
+    }
+}
+
+impl<F: FnMut(String)> Listener for MessageWriter<F> {
+    fn started(&mut self, job: &Job) {
+        self.tell(Message::RunStarted(job.into()));
+    }
+
+    fn slow(&mut self, job: &Job, after: Duration) {
+        self.tell(Message::RunSlow(RunSlow { run: job.into(), after_s: after.as_secs_f64() }));
+    }
+
+    fn kept(&mut self, job: &Job, finished: &Finished) {
+        self.tell_finished(job, finished, true);
+    }
+
+    fn finished(&mut self, job: &Job, finished: &Finished) {
+        self.tell_finished(job, finished, false);
+    }
+}
+
+impl<F: FnMut(String)> MessageWriter<F> {
+    fn tell_finished(&mut self, job: &Job, finished: &Finished, resumed: bool) {
+        let row = &finished.row;
+        let truths = truth_columns(std::slice::from_ref(row));
+        let columns = NUMERIC_COLUMNS.into_iter().chain(truths.iter().map(String::as_str));
+        let message = RunFinished {
+            run: job.into(),
+            outcome: row.outcome.name(),
+            accepted: finished.accepted,
+            message: row.message.clone(),
+            resumed,
+            slow: is_slow(self.options.slow, row.wall_s),
+            expectations: row.verdicts.clone(),
+            metrics: columns.map(|name| (name.to_owned(), measure(row, name))).collect(),
+            folder: job.folder(&self.options.output).display().to_string(),
+            files: finished.files.iter().map(|file| file.display().to_string()).collect(),
+            notes: finished.notes.clone(),
+        };
+        self.tell(Message::RunFinished(Box::new(message)));
+    }
+}
+
+impl From<&Job> for RunMessage {
+    fn from(job: &Job) -> Self {
+        RunMessage {
+            scenario: job.run.name.clone(),
+            file: job.run.file.display().to_string(),
+            key: job.key.clone(),
+            label: job.label.clone(),
+            reference: job.role == Role::Reference,
+            seed: job.run.scenario.seed,
+            parameters: job.parameters().into_iter().collect(),
+        }
+    }
+}
+
+impl BatchStarted {
+    /// About a plan that is about to be run.
+    pub fn new(plan: &Plan, options: &Options) -> Self {
+        BatchStarted {
+            program: PROGRAM,
+            files: plan.files.iter().map(|file| file.display().to_string()).collect(),
+            runs: plan.runs(),
+            references: plan.references(),
+            jobs: options.jobs,
+            output: options.output.display().to_string(),
+        }
+    }
+}
+
+impl BatchFinished {
+    /// About a batch that is over. `junit` was written beside the files it knows of.
+    pub fn new(report: &Report, junit: Option<&Path>) -> Self {
+        let mut finished = BatchFinished {
+            not_started: report.not_started,
+            interrupted: report.interrupted,
+            ..BatchFinished::default()
+        };
+        finished.outcomes.extend(report.statistics.outcomes());
+        let summary = report.summary.iter().flat_map(|files| [&files.csv, &files.parquet]);
+        let own = summary.chain(&report.page).chain([&report.runs_log]).map(|path| path.as_path());
+        finished.files = own.chain(junit).map(|path| path.display().to_string()).collect();
+        finished
+    }
+}

@@ -1,0 +1,288 @@
+//! What will be run, and each run when it is wanted.
+
+use crate::files::names;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::batch::plan::robot_cache::Robots;
+use crate::batch::{Options, Part};
+use crate::results::{ParamValue, is_truth};
+use crate::robot::Robot;
+use crate::scenario::{Expansion, Run};
+
+/// What will be run, in order. Runs are made from their numbers when they are wanted, so a plan of millions is small: 24
+/// bytes for each of them.
+#[derive(Clone)]
+pub struct Plan {
+    pub(in crate::batch) runs: Vec<Ticket>,
+    /// The runs that some of these are compared with, each once, in the order in which they are first needed.
+    pub(in crate::batch) references: Vec<Ticket>,
+    pub(in crate::batch) sources: Vec<Arc<Source>>,
+    pub(in crate::batch) robots: Arc<Mutex<Robots>>,
+    /// The scenario files they come from.
+    pub files: Vec<PathBuf>,
+    /// What it is a part of, if it is.
+    pub part: Option<Part>,
+    /// What its runs tell as swept, where that is known from elsewhere: from the record of a run that is made again.
+    pub(in crate::batch) swept: Option<Arc<[(String, toml::Value)]>>,
+}
+
+/// A run that has been checked, by the number from which it is made again.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::batch) struct Ticket {
+    pub key: u64,
+    /// Position of its file among the sources.
+    pub source: u32,
+    /// Its number among the runs of the file; of a reference, that of the first run that needs it.
+    pub number: u32,
+    /// Position of its reference, or [`NONE`].
+    pub reference: u32,
+    /// How often it is repeated to time it.
+    pub repetitions: u32,
+}
+
+pub(in crate::batch) const NONE: u32 = u32::MAX;
+
+/// A scenario file from which runs are made.
+pub(in crate::batch) struct Source {
+    pub expansion: Expansion,
+    pub name: String,
+    /// What its runs are, taken together.
+    pub kind: Traits,
+}
+
+/// What the runs of a file are, taken together.
+#[derive(Clone, Copy, Default)]
+pub(in crate::batch) struct Traits {
+    /// Do they have different seeds?
+    pub repeated: bool,
+    /// Is the robot of some of them somewhere else?
+    pub elsewhere: bool,
+}
+
+impl Plan {
+    /// How many runs.
+    pub fn runs(&self) -> usize {
+        self.runs.len()
+    }
+
+    /// How often robots that are somewhere else are asked: runs, references and repetitions of files that have such runs.
+    pub fn visits(&self) -> usize {
+        let all = self.runs.iter().chain(&self.references);
+        let visits = all.filter(|ticket| self.sources[ticket.source as usize].kind.elsewhere);
+        visits.map(|ticket| 1 + ticket.repetitions as usize).sum()
+    }
+
+    /// How many references.
+    pub fn references(&self) -> usize {
+        self.references.len()
+    }
+
+    /// Has its runs tell these values as the swept ones: a scenario that was written out sweeps nothing.
+    pub(crate) fn set_swept_parameters(&mut self, parameters: &[(String, ParamValue)]) {
+        self.swept = Some(parameters.iter().map(|(name, value)| (name.clone(), written_out(value))).collect());
+    }
+
+    /// Makes the run at a position.
+    pub fn job(&self, index: usize) -> Job {
+        let ticket = self.runs[index];
+        let reference = Some(ticket.reference).filter(|r| *r != NONE).map(|r| r as usize);
+        self.make(index, ticket, Role::Run { reference })
+    }
+
+    /// Makes the reference at a position.
+    pub fn reference(&self, index: usize) -> Job {
+        self.make(index, self.references[index], Role::Reference)
+    }
+
+    /// All runs in order, made one after the other.
+    pub fn jobs(&self) -> impl ExactSizeIterator<Item = Job> {
+        (0..self.runs.len()).map(|index| self.job(index))
+    }
+
+    /// The key of the run at a position.
+    pub fn key(&self, index: usize) -> String {
+        written(self.runs[index].key)
+    }
+
+    /// Names of the scenarios.
+    pub fn scenarios(&self) -> impl Iterator<Item = &str> {
+        self.sources.iter().map(|source| source.name.as_str())
+    }
+
+    /// The scenario of the run at a position.
+    pub fn scenario(&self, index: usize) -> &str {
+        &self.sources[self.runs[index].source as usize].name
+    }
+
+    /// The key of the reference at a position.
+    pub fn reference_key(&self, index: usize) -> String {
+        written(self.references[index].key)
+    }
+
+    /// Position of the reference that a run is compared with.
+    pub fn reference_of(&self, index: usize) -> Option<usize> {
+        Some(self.runs[index].reference).filter(|r| *r != NONE).map(|r| r as usize)
+    }
+
+    /// The folder of the records of the run at a position, below that of the results.
+    pub fn folder(&self, index: usize, results: &Path) -> PathBuf {
+        results.join(self.scenario(index)).join(self.key(index))
+    }
+
+    /// How many runs come from a file.
+    pub fn runs_of(&self, file: &Path) -> usize {
+        self.runs.iter().filter(|t| self.sources[t.source as usize].expansion.file().path == *file).count()
+    }
+
+    /// Repetitions for timing, over all runs.
+    pub fn repetitions(&self) -> usize {
+        self.runs.iter().map(|ticket| ticket.repetitions as usize).sum()
+    }
+
+    /// How often the run at a position is repeated to time it.
+    pub(in crate::batch) fn repetitions_of(&self, index: usize) -> u32 {
+        self.runs[index].repetitions
+    }
+
+    /// Keeps the runs at these positions, which ascend, and the references that they need.
+    pub(in crate::batch) fn keep(&mut self, positions: &[usize]) {
+        let (mut needed, mut known) = (Vec::new(), HashMap::new());
+        let mut runs = Vec::with_capacity(positions.len());
+        for &position in positions {
+            let mut ticket = self.runs[position];
+            if ticket.reference != NONE {
+                ticket.reference = *known.entry(ticket.reference).or_insert_with_key(|old| {
+                    needed.push(self.references[*old as usize]);
+                    needed.len() as u32 - 1
+                });
+            }
+            runs.push(ticket);
+        }
+        (self.runs, self.references) = (runs, needed);
+    }
+
+    fn make(&self, index: usize, ticket: Ticket, role: Role) -> Job {
+        let source = &self.sources[ticket.source as usize];
+        let run = source.expansion.run(ticket.number as usize);
+        let run = if role == Role::Reference { run.and_then(|run| run.reference).map(|run| *run) } else { run };
+        // It was made before, of the same text, values and files, and nothing was wrong with it.
+        let mut run = run.expect("a run that has been checked");
+        if let Some(swept) = &self.swept {
+            run.parameters = swept.to_vec();
+        }
+        let path = run.resolve(&run.scenario.robot.model);
+        let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
+        let robot = robots.get(&path, &run.scenario.robot).0.expect("a robot that has been loaded");
+        let key = written(ticket.key);
+        let label =
+            if role == Role::Reference { format!("reference {key}") } else { label(&run, source.kind.repeated) };
+        Job { index, run, robot, key, label, role }
+    }
+}
+
+impl std::fmt::Debug for Plan {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Plan").field("runs", &self.runs).field("references", &self.references).finish_non_exhaustive()
+    }
+}
+
+/// Keys are the first 64 bits of a hash, written out.
+fn written(key: u64) -> String {
+    format!("{key:016x}")
+}
+
+/// One run that is ready to go.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// Position in the plan, from 0.
+    pub index: usize,
+    /// The run.
+    pub run: Run,
+    /// Its robot.
+    pub robot: Arc<Robot>,
+    /// Its key.
+    pub key: String,
+    /// What distinguishes it from the other runs of its file, such as `contact.method=exact seed=2`; may be empty.
+    pub label: String,
+    /// Its part in comparisons.
+    pub role: Role,
+}
+
+/// A run's part in comparisons.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Role {
+    /// A run of its own.
+    Run {
+        /// Position among the references of the run that it is compared with.
+        reference: Option<usize>,
+    },
+    /// A run that others are compared with.
+    Reference,
+}
+
+impl Job {
+    /// The folder of its records, below that of the results.
+    pub fn folder(&self, results: &Path) -> PathBuf {
+        let scenario = results.join(&self.run.name);
+        match self.role {
+            Role::Run { .. } => scenario.join(&self.key),
+            // One level deeper: who lists the runs of a scenario does not find it.
+            Role::Reference => scenario.join(names::REFERENCES).join(&self.key),
+        }
+    }
+
+    /// Position among the references of the run that it is compared with.
+    pub fn reference(&self) -> Option<usize> {
+        match self.role {
+            Role::Run { reference } => reference,
+            Role::Reference => None,
+        }
+    }
+
+    /// Shall it leave a log?
+    pub(in crate::batch) fn wants_log(&self, options: &Options) -> bool {
+        options.log && self.run.scenario.log.rate > 0.0 && self.role != Role::Reference
+    }
+
+    /// How often it is repeated to time it.
+    pub fn repetitions(&self) -> u32 {
+        self.run.scenario.compare.as_ref().and_then(|c| c.timing_repeats).unwrap_or(0)
+    }
+
+    /// Swept parameters as the summary holds them. `seed` has a column of its own.
+    pub fn parameters(&self) -> Vec<(String, ParamValue)> {
+        let swept = self.run.parameters.iter().filter(|(name, _)| name != "seed");
+        swept.map(|(name, value)| (name.clone(), parameter(value))).collect()
+    }
+}
+
+/// What [`parameter`] makes the same of.
+fn written_out(value: &ParamValue) -> toml::Value {
+    match value {
+        ParamValue::Integer(i) => (*i).into(),
+        ParamValue::Number(x) => (*x).into(),
+        ParamValue::Flag(b) => (*b).into(),
+        ParamValue::Text(s) => s.clone().into(),
+    }
+}
+
+fn parameter(value: &toml::Value) -> ParamValue {
+    match value {
+        toml::Value::Integer(i) => ParamValue::Integer(*i),
+        toml::Value::Float(x) => ParamValue::Number(*x),
+        toml::Value::Boolean(b) => ParamValue::Flag(*b),
+        toml::Value::String(s) => ParamValue::Text(s.clone()),
+        other => ParamValue::Text(other.to_string()),
+    }
+}
+
+fn label(run: &Run, repeated: bool) -> String {
+    let named = run.parameters.iter().filter(|(name, _)| !is_truth(name));
+    let mut parts: Vec<String> = named.map(|(name, value)| format!("{name}={}", parameter(value))).collect();
+    if repeated && !run.parameters.iter().any(|(name, _)| name == "seed") {
+        parts.push(format!("seed={}", run.scenario.seed));
+    }
+    parts.join(" ")
+}

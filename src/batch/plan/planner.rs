@@ -1,0 +1,277 @@
+//! From scenario files to a plan, everything checked.
+
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use crate::assemble::setup;
+use crate::batch::plan::batch_plan::{NONE, Plan, Source, Ticket, Traits};
+use crate::batch::plan::robot_cache::Robots;
+use crate::batch::plan::run_key;
+use crate::batch::{Finding, Findings};
+use crate::files::input;
+use crate::files::names::BATCH_FILES;
+use crate::robot::{Robot, RobotError};
+use crate::scenario::{self, Diagnostic, Diagnostics, Expansion, Run, ScenarioFile, Severity};
+
+/// Errors after which checking gives up.
+const MAX_ERRORS: usize = 50;
+
+/// Loads scenario files and robots, makes every run of their sweeps and builds its setup once to see that it can be built.
+///
+/// `overrides` are values under dotted paths that replace those of every file. No more than `max_runs` runs are made.
+///
+/// # Errors
+/// All errors found, with what else there is to say; nothing has been written. `Ok` holds warnings and notes.
+pub fn prepare(
+    files: &[PathBuf],
+    overrides: &[(String, toml::Value)],
+    max_runs: usize,
+) -> Result<(Plan, Findings), Findings> {
+    let mut planner = Planner { max_runs, ..Planner::default() };
+    let files = distinct(files);
+    for path in &files {
+        planner.add(path, overrides);
+        if planner.findings.errors() >= MAX_ERRORS {
+            break;
+        }
+    }
+    planner.plan(files)
+}
+
+/// The same for one file whose text is at hand, such as that of a record.
+///
+/// # Errors
+/// See [`prepare`].
+pub fn prepare_file(file: &ScenarioFile) -> Result<(Plan, Findings), Findings> {
+    let mut planner = Planner { max_runs: scenario::DEFAULT_MAX_RUNS, ..Planner::default() };
+    planner.add_file(file, &[]);
+    planner.plan(vec![file.path.clone()])
+}
+
+/// A file named twice, by itself and by its folder, is one file.
+fn distinct(files: &[PathBuf]) -> Vec<PathBuf> {
+    let mut seen = BTreeSet::new();
+    let identity = |path: &PathBuf| path.canonicalize().unwrap_or_else(|_| path.clone());
+    files.iter().filter(|path| seen.insert(identity(path))).cloned().collect()
+}
+
+#[derive(Default)]
+struct Planner {
+    robots: Robots,
+    runs: Vec<Ticket>,
+    references: Vec<Ticket>,
+    sources: Vec<Arc<Source>>,
+    findings: Findings,
+    max_runs: usize,
+    /// Scenario names with their files: a name is a folder of the results.
+    names: HashMap<String, PathBuf>,
+    /// Files that were looked at for links.
+    looked_at: HashSet<PathBuf>,
+    /// References by key, with the shape of their robots.
+    known: HashMap<u64, (u32, Shape)>,
+}
+
+/// What of two robots must be equal for their runs to be compared: numbers of joints and of soles.
+type Shape = (usize, usize);
+
+impl Planner {
+    fn plan(self, files: Vec<PathBuf>) -> Result<(Plan, Findings), Findings> {
+        let Planner { robots, runs, references, sources, findings, .. } = self;
+        if findings.errors() > 0 {
+            return Err(findings);
+        }
+        let robots = Arc::new(Mutex::new(robots));
+        Ok((Plan { runs, references, sources, robots, files, part: None, swept: None }, findings))
+    }
+
+    fn add(&mut self, path: &Path, overrides: &[(String, toml::Value)]) {
+        match scenario::load(path) {
+            Ok(file) => self.add_file(&file, overrides),
+            Err(diagnostics) => self.findings.extend(diagnostics),
+        }
+    }
+
+    fn add_file(&mut self, file: &ScenarioFile, overrides: &[(String, toml::Value)]) {
+        let most = self.max_runs.min(scenario::MOST_RUNS_EVER);
+        match file.expansion(overrides, most).and_then(|e| self.check(e)) {
+            Ok((expansion, first, kind)) => self.add_runs(expansion, &first, kind),
+            Err(diagnostics) => self.findings.extend(diagnostics),
+        }
+    }
+
+    /// Makes all runs of a file once, so that everything that is wrong with them is told together; returns the first, and
+    /// what they are, taken together.
+    fn check(&mut self, expansion: Expansion) -> Result<(Expansion, Option<Run>, Traits), Diagnostics> {
+        let (mut first, mut kind): (Option<Run>, Traits) = (None, Traits::default());
+        let mut warnings = Diagnostics::default();
+        let idle = expansion.check(&mut |mut run| {
+            warnings.0.append(&mut run.warnings.0);
+            kind.elsewhere |= run.scenario.robot.backend.is_some();
+            match &first {
+                Some(first) => kind.repeated |= first.scenario.seed != run.scenario.seed,
+                None => first = Some(run),
+            }
+        })?;
+        self.findings.extend(warnings);
+        self.findings.extend(idle);
+        Ok((expansion, first, kind))
+    }
+
+    fn add_runs(&mut self, expansion: Expansion, first: &Option<Run>, kind: Traits) {
+        let file = expansion.file();
+        let name = file.name();
+        if let Some(other) = self.names.insert(name.clone(), file.path.clone()) {
+            let (a, b) = (other.display(), file.path.display());
+            let message = format!("{a} and {b} are both scenario `{name}`: their results would share one folder");
+            let help = "rename one of them, or run them apart, each with an --output of its own";
+            return self.refuse_file(file, message, help);
+        }
+        if BATCH_FILES.contains(&name.as_str()) {
+            let message = format!("`{name}` is a file of the results and no name for a folder");
+            return self.refuse_file(file, message, "rename the scenario");
+        }
+        let total = self.runs.len() + expansion.runs();
+        if total > self.max_runs {
+            let message = format!("with it there are {total} runs, {} are allowed", self.max_runs);
+            return self.refuse_file(file, message, "`--max-runs` raises the limit");
+        }
+        if let Some(run) = first
+            && run.parameters.iter().any(|(name, _)| name == "integrator")
+        {
+            let help = Some("sweep `integrator.method`".into());
+            let message = "`integrator` as a whole cannot be swept: the summary has a column of that name";
+            let error = run.error_at("integrator", message, help);
+            return self.findings.push(Finding::Scenario(Box::new(error)));
+        }
+        // Folders of the results that are taken.
+        let mut taken = HashMap::new();
+        for number in 0..expansion.runs() {
+            if self.findings.errors() >= MAX_ERRORS {
+                return;
+            }
+            // It was made before; nothing was wrong with it.
+            if let Some(run) = expansion.run(number) {
+                self.add_run(run, &mut taken);
+            }
+        }
+        self.sources.push(Arc::new(Source { expansion, name, kind }));
+    }
+
+    /// What is wrong with a scenario beside others, its text being sound.
+    fn refuse_file(&mut self, file: &ScenarioFile, message: String, help: &str) {
+        let wrong = Diagnostic::whole_file(file.path.display().to_string(), message);
+        self.findings.push(Finding::Scenario(Box::new(wrong.with_help(help))));
+    }
+
+    fn add_run(&mut self, mut run: Run, taken: &mut HashMap<u64, usize>) {
+        self.look_for_links(&run);
+        let Some(robot) = self.robot(&run) else { return };
+        let Some(shape) = self.build(&run, &robot) else { return };
+        let Some(key) = self.key(&run, &robot) else { return };
+        let reference = match run.reference.take() {
+            Some(reference) => {
+                let Some(index) = self.add_reference(&run, *reference, shape) else { return };
+                index
+            }
+            None => NONE,
+        };
+        if let Some(twin) = taken.insert(key, run.index) {
+            let message = format!("runs {} and {} of {} are the same", twin + 1, run.index + 1, run.file.display());
+            return self.findings.push(Finding::Plan(message));
+        }
+        let repetitions = run.scenario.compare.as_ref().and_then(|c| c.timing_repeats).unwrap_or(0);
+        self.runs.push(Ticket { repetitions, ..self.ticket(key, &run, reference) });
+    }
+
+    /// A ticket for a run of the file at hand.
+    fn ticket(&self, key: u64, run: &Run, reference: u32) -> Ticket {
+        Ticket { key, source: self.sources.len() as u32, number: run.index as u32, reference, repetitions: 0 }
+    }
+
+    /// The reference of a run, made when no other run has it already.
+    fn add_reference(&mut self, of: &Run, run: Run, shape: Shape) -> Option<u32> {
+        let robot = self.robot(&run)?;
+        let key = self.key(&run, &robot)?;
+        let (index, other) = match self.known.get(&key) {
+            Some(known) => *known,
+            None => {
+                let known = (self.references.len() as u32, self.build(&run, &robot)?);
+                self.known.insert(key, known);
+                self.references.push(self.ticket(key, of, NONE));
+                known
+            }
+        };
+        if other != shape {
+            let message = format!(
+                "the reference's robot has {} joints and {} soles, the run's {} and {}: they cannot be compared",
+                other.0, other.1, shape.0, shape.1
+            );
+            let error = of.error_at("compare.reference", message, None);
+            self.findings.push(Finding::Scenario(Box::new(error)));
+            return None;
+        }
+        Some(index)
+    }
+
+    /// Builds a run's setup to see that it can be built.
+    fn build(&mut self, run: &Run, robot: &Robot) -> Option<Shape> {
+        match setup(run, robot) {
+            Ok(setup) => Some((setup.model.nj(), setup.model.soles.len())),
+            Err(errors) => {
+                self.findings.extend(errors);
+                None
+            }
+        }
+    }
+
+    fn key(&mut self, run: &Run, robot: &Robot) -> Option<u64> {
+        let key = run_key::of(run, robot)
+            .and_then(|key| u64::from_str_radix(&key, 16).map_err(|e| format!("its key {key} is no hash: {e}")));
+        key.map_err(|message| self.findings.push(Finding::Plan(format!("{}: {message}", run.file.display())))).ok()
+    }
+
+    /// Tells of symbolic links by which the files that a run names lie elsewhere than their names say.
+    fn look_for_links(&mut self, run: &Run) {
+        let home = run.file.parent().unwrap_or(Path::new(""));
+        let robot = ("robot.model", run.resolve(&run.scenario.robot.model));
+        let inputs = run.inputs.iter().map(|input| (input.key.as_str(), input.path.clone()));
+        for (key, path) in std::iter::once(robot).chain(inputs) {
+            if !self.looked_at.insert(path.clone()) {
+                continue;
+            }
+            if let Some(real) = input::led_out(home, &path) {
+                let message = format!("a symbolic link leads elsewhere: {} is {}", path.display(), real.display());
+                let mut warning = run.error_at(key, message, None);
+                warning.severity = Severity::Warning;
+                self.findings.push(Finding::Scenario(Box::new(warning)));
+            }
+        }
+    }
+
+    fn robot(&mut self, run: &Run) -> Option<Arc<Robot>> {
+        let path = run.resolve(&run.scenario.robot.model);
+        let (robot, new) = self.robots.get(&path, &run.scenario.robot);
+        match robot {
+            Ok(robot) => {
+                if new {
+                    robot.notices.iter().for_each(|n| self.findings.push(Finding::Notice(n.clone())));
+                }
+                Some(robot)
+            }
+            // The mistake is in the scenario: there is no such file.
+            Err(error @ RobotError::Read { .. }) => {
+                let shown = run.error_at("robot.model", error.to_string(), None);
+                self.findings.push(Finding::Scenario(Box::new(shown)));
+                None
+            }
+            Err(error) => {
+                if new {
+                    let named_at = run.error_at("robot.model", "", None).location();
+                    self.findings.push(Finding::Robot { error: Box::new(error), named_at });
+                }
+                None
+            }
+        }
+    }
+}

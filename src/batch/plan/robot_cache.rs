@@ -1,0 +1,29 @@
+//! Each robot is loaded once for each way of reading it, however many runs use it.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::robot::{self, InertiaPolicy, Robot, RobotError};
+use crate::scenario::{InertiaSpec, RobotSpec};
+
+/// The robots of a batch.
+#[derive(Default)]
+pub(in crate::batch) struct Robots {
+    loaded: HashMap<(PathBuf, Option<InertiaPolicy>), Result<Arc<Robot>, RobotError>>,
+}
+
+impl Robots {
+    /// The robot at a path, read as a scenario asks, and whether it was loaded just now.
+    pub fn get(&mut self, path: &Path, spec: &RobotSpec) -> (Result<Arc<Robot>, RobotError>, bool) {
+        // Two ways to the same file lead to one robot; a file that is not there is the loader's to complain about.
+        let policy = spec.inertia.map(|word| match word {
+            InertiaSpec::Refuse => InertiaPolicy::Refuse,
+            InertiaSpec::Repair => InertiaPolicy::Repair,
+        });
+        let identity = (path.canonicalize().unwrap_or_else(|_| path.to_owned()), policy);
+        let new = !self.loaded.contains_key(&identity);
+        let entry = self.loaded.entry(identity).or_insert_with(|| robot::load_with(path, policy).map(Arc::new));
+        (entry.clone(), new)
+    }
+}

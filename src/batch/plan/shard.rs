@@ -1,0 +1,184 @@
+//! A part of a plan, so that several machines share it. Which runs are in a shard depends on their keys alone: another
+//! filter, another order or more scenarios beside it move no run from one shard to another.
+
+use std::num::NonZero;
+use std::str::FromStr;
+
+use crate::batch::Plan;
+use crate::results::{PlanHash, ShardHead, ShardRun};
+
+/// One of equal parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// From 1 to `of`.
+    number: u64,
+    of: NonZero<u64>,
+}
+
+/// Names of environment variables that say which part this is: the number, the first number, the step, how many.
+const SLURM: [&str; 4] =
+    ["SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP", "SLURM_ARRAY_TASK_COUNT"];
+
+/// The number, from 0, and how many. Kubernetes sets the first alone.
+const KUBERNETES: [&str; 2] = ["JOB_COMPLETION_INDEX", "JOB_COMPLETION_COUNT"];
+
+impl Shard {
+    /// Part `number`, from 1, of so many; none if there is no such part.
+    pub fn new(number: u64, of: u64) -> Option<Self> {
+        Some(Shard { number: Some(number).filter(|n| (1..=of).contains(n))?, of: NonZero::new(of)? })
+    }
+
+    /// The part that a job array of Slurm, or an indexed job of Kubernetes, says this process has.
+    ///
+    /// # Errors
+    /// In words: what is missing, is no number, or contradicts itself.
+    pub fn from_environment(variable: impl Fn(&str) -> Option<String>) -> Result<Self, String> {
+        let number = |name: &str| match variable(name) {
+            None => Ok(None),
+            Some(text) => text.trim().parse::<u64>().map(Some).map_err(|_| format!("{name}={text} is no whole number")),
+        };
+        let wanted = |name: &str, beside: &str| {
+            number(name)?.ok_or_else(|| format!("{beside} is set and {name} is not: it says how many parts there are"))
+        };
+        let (index, of, name) = match (number(SLURM[0])?, number(KUBERNETES[0])?) {
+            (Some(_), Some(_)) => return Err(format!("both {} and {} are set", SLURM[0], KUBERNETES[0])),
+            (Some(id), None) => {
+                // An array need not begin at 0 nor be without gaps: `--array=10-50:10` has 5 tasks.
+                let (first, step) = (number(SLURM[1])?.unwrap_or(0), number(SLURM[2])?.unwrap_or(1).max(1));
+                if id < first || !(id - first).is_multiple_of(step) {
+                    return Err(format!("{}={id} is not {first} and some steps of {step}", SLURM[0]));
+                }
+                ((id - first) / step, wanted(SLURM[3], SLURM[0])?, SLURM[0])
+            }
+            (None, Some(index)) => (index, wanted(KUBERNETES[1], KUBERNETES[0])?, KUBERNETES[0]),
+            (None, None) => {
+                return Err(format!("neither {} nor {} is set", SLURM[0], KUBERNETES[0]));
+            }
+        };
+        Shard::new(index.saturating_add(1), of).ok_or_else(|| format!("{name} says part {} of {of}", index + 1))
+    }
+
+    /// Is it all there is?
+    pub fn is_whole(&self) -> bool {
+        self.of.get() == 1
+    }
+
+    /// Is a run with this key in it?
+    pub fn takes(&self, key: &str) -> bool {
+        // Keys are the beginnings of hashes, spread evenly.
+        u64::from_str_radix(key, 16).is_ok_and(|hash| hash % self.of == self.number - 1)
+    }
+}
+
+impl std::fmt::Display for Shard {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    /// `I/N`, or `env` for what the environment says.
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "env" {
+            return Self::from_environment(|name| std::env::var(name).ok());
+        }
+        let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        let (number, of) = parts.ok_or("wanted is I/N, such as 3/8, or `env`")?;
+        Shard::new(number, of).ok_or_else(|| format!("there is no part {number} of {of}: they count from 1"))
+    }
+}
+
+/// What a plan is a part of.
+#[derive(Clone, Debug)]
+pub struct Part {
+    pub(in crate::batch) head: ShardHead,
+    /// Places of its runs in the whole plan.
+    pub(in crate::batch) places: Vec<usize>,
+}
+
+impl Part {
+    /// Runs of the whole plan.
+    pub fn whole(&self) -> usize {
+        self.head.runs
+    }
+}
+
+impl Plan {
+    /// A hash of its runs, by their scenarios and keys in order: the same for the same batch on any machine.
+    pub fn hash(&self) -> String {
+        let mut hash = PlanHash::default();
+        (0..self.runs()).for_each(|place| hash.add(self.scenario(place), &self.key(place)));
+        hash.end()
+    }
+
+    /// Keeps the runs of a shard, in their order, and the references that these need.
+    pub fn take_shard(&mut self, shard: Shard) {
+        let places: Vec<usize> = (0..self.runs()).filter(|place| shard.takes(&self.key(*place))).collect();
+        let head = ShardHead::new(shard.number, shard.of.get(), self.runs(), self.hash());
+        self.keep(&places);
+        self.part = Some(Part { head, places });
+    }
+
+    /// The runs of a shard as its list has them.
+    pub(in crate::batch) fn shard_runs(&self) -> impl Iterator<Item = ShardRun> {
+        let places = self.part.iter().flat_map(|part| &part.places).enumerate();
+        places.map(|(i, at)| ShardRun { at: *at, scenario: self.scenario(i).to_owned(), key: self.key(i) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn environment(pairs: &[(&str, &str)]) -> Result<String, String> {
+        let value = |name: &str| pairs.iter().find(|(n, _)| *n == name).map(|(_, v)| (*v).to_owned());
+        Shard::from_environment(value).map(|shard| shard.to_string())
+    }
+
+    #[test]
+    fn parts_are_written_as_they_are_read() {
+        for text in ["1/1", "3/8", "8/8", "1000000/1000000"] {
+            assert_eq!(text.parse::<Shard>().unwrap().to_string(), text);
+        }
+        for wrong in ["0/8", "9/8", "3", "3/", "/8", "a/b", "-1/3", "1/0", "", "3 / 8"] {
+            assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn every_key_is_in_one_part_and_parts_are_about_equal() {
+        let keys: Vec<String> = (0..8000u64).map(|i| crate::scenario::key(&[("i", &i.to_le_bytes())])).collect();
+        let parts: Vec<Shard> = (1..=8).map(|i| Shard::new(i, 8).unwrap()).collect();
+        for key in &keys {
+            assert_eq!(parts.iter().filter(|part| part.takes(key)).count(), 1, "{key}");
+        }
+        for part in parts {
+            let runs = keys.iter().filter(|key| part.takes(key)).count();
+            // Binomial: 1000 with a deviation of 30; these keys are what they are.
+            assert!((850..1150).contains(&runs), "{part}: {runs}");
+        }
+    }
+
+    #[test]
+    fn job_arrays_say_which_part_it_is() {
+        let slurm = |id: &'static str, min, step, count| {
+            let names = SLURM.into_iter().zip([id, min, step, count]);
+            environment(&names.filter(|(_, value)| !value.is_empty()).collect::<Vec<_>>())
+        };
+        assert_eq!(slurm("0", "0", "1", "4").unwrap(), "1/4");
+        assert_eq!(slurm("4", "1", "1", "4").unwrap(), "4/4");
+        assert_eq!(slurm("30", "10", "10", "5").unwrap(), "3/5");
+        assert_eq!(slurm("3", "", "", "4").unwrap(), "4/4");
+        assert!(slurm("4", "0", "1", "4").unwrap_err().contains("part 5 of 4"), "an array with gaps");
+        assert!(slurm("15", "10", "10", "5").is_err());
+        assert!(slurm("1", "", "", "").unwrap_err().contains("SLURM_ARRAY_TASK_COUNT"));
+        assert!(slurm("x", "", "", "4").unwrap_err().contains("SLURM_ARRAY_TASK_ID=x"));
+        let kubernetes = [("JOB_COMPLETION_INDEX", "2"), ("JOB_COMPLETION_COUNT", "3")];
+        assert_eq!(environment(&kubernetes).unwrap(), "3/3");
+        assert!(environment(&kubernetes[..1]).unwrap_err().contains("JOB_COMPLETION_COUNT"));
+        assert!(environment(&[]).unwrap_err().contains("neither"));
+        assert!(environment(&[kubernetes[0], ("SLURM_ARRAY_TASK_ID", "1")]).unwrap_err().contains("both"));
+    }
+}

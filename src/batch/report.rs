@@ -1,0 +1,64 @@
+//! Results of a batch.
+
+use std::path::PathBuf;
+
+use crate::results::{RunStatistics, SummaryFiles, SummaryRow};
+use crate::sim::Outcome;
+
+/// A finished run.
+#[derive(Clone, Debug)]
+pub struct Finished {
+    /// The files it left: `run.json`, and `log.mcap` and the folder `problems` if they are there.
+    pub files: Vec<PathBuf>,
+    /// What else there is to tell a person.
+    pub notes: Vec<String>,
+    /// Its row of the summary.
+    pub row: SummaryRow,
+    /// It ended as it should: `passed`, `fallen` with every expectation held, or in the way that an expectation names.
+    pub accepted: bool,
+}
+
+/// What a batch came to.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Numbers of all finished runs.
+    pub statistics: RunStatistics,
+    /// Finished runs in the order of the plan: all of them unless they are more than [`SAMPLE_SIZE`](crate::results::SAMPLE_SIZE),
+    /// else the first of those that went wrong and of the others.
+    pub finished: Vec<Finished>,
+    /// How many of all finished runs did not end as they should, those apart of which an expectation did not hold.
+    pub unfinished: usize,
+    /// Of how many an expectation did not hold.
+    pub failed: usize,
+    /// Finished reference runs, in the order in which they are first needed; they have no row in the summary.
+    pub references: Vec<Finished>,
+    /// Runs that were never started.
+    pub not_started: usize,
+    /// Was it interrupted?
+    pub interrupted: bool,
+    /// The summary's files; none when no run finished.
+    pub summary: Option<SummaryFiles>,
+    /// `report.html`; none when no run finished.
+    pub page: Option<PathBuf>,
+    /// `runs.jsonl`.
+    pub runs_log: PathBuf,
+}
+
+impl Report {
+    /// Did some run not reach its end, other than as expected?
+    pub fn has_unfinished(&self) -> bool {
+        let mut refused = self.references.iter().filter(|f| !f.accepted);
+        self.unfinished > 0
+            || refused.any(|f| !matches!(f.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen))
+    }
+
+    /// Did an expectation not hold?
+    pub fn has_failed(&self) -> bool {
+        self.failed > 0
+    }
+
+    /// The rows of the summary that are at hand.
+    pub fn rows(&self) -> Vec<SummaryRow> {
+        self.finished.iter().map(|f| f.row.clone()).collect()
+    }
+}

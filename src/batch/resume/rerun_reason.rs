@@ -1,0 +1,86 @@
+//! Why a run is not the run that was made before: which of the inputs of its key differ.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::batch::Job;
+use crate::batch::run::job_run::inputs;
+use crate::results::{InputHash, PROGRAM, RunRecord};
+
+/// Changes named; of more only the number.
+const MOST_NAMED: usize = 4;
+
+/// Values that are no part of a key.
+const NO_PART: [&str; 2] = ["robot.model", "compare.timing_repeats"];
+
+/// What changed since a record was made, in words; none when nothing did.
+pub(in crate::batch) fn why(job: &Job, record: &RunRecord) -> Option<String> {
+    let mut changes = Vec::new();
+    if record.program != PROGRAM {
+        changes.push(format!("the program was {}, is {PROGRAM}", record.program));
+    }
+    changes.extend(values(&record.resolved, &job.run.resolved_toml));
+    changes.extend(files(job, &record.inputs));
+    let more = changes.len().saturating_sub(MOST_NAMED);
+    changes.truncate(MOST_NAMED);
+    if more > 0 {
+        changes.push(format!("{more} more changes"));
+    }
+    (!changes.is_empty()).then(|| changes.join("; "))
+}
+
+/// Values of the scenario.
+fn values(before: &str, now: &str) -> Vec<String> {
+    let leaves = |text: &str| {
+        let mut leaves = BTreeMap::new();
+        if let Ok(table) = text.parse::<toml::Table>() {
+            gather("", &toml::Value::Table(table), &mut leaves);
+        }
+        leaves
+    };
+    let (before, now) = (leaves(before), leaves(now));
+    let changed = now.iter().filter_map(|(path, is)| match before.get(path) {
+        Some(was) if was == is => None,
+        Some(was) => Some(format!("`{path}` was {was}, is {is}")),
+        None => Some(format!("`{path}` = {is} is new")),
+    });
+    let gone = before.iter().filter(|(path, _)| !now.contains_key(*path));
+    changed.chain(gone.map(|(path, was)| format!("`{path}` = {was} is gone"))).collect()
+}
+
+/// Every value that is no table, under its dotted path.
+fn gather(path: &str, value: &toml::Value, leaves: &mut BTreeMap<String, String>) {
+    let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+    match value {
+        toml::Value::Table(table) => {
+            table.iter().for_each(|(name, value)| gather(&below(&crate::scenario::segment(name)), value, leaves));
+        }
+        toml::Value::Array(items) if items.iter().any(toml::Value::is_table) => {
+            items.iter().enumerate().for_each(|(i, value)| gather(&below(&i.to_string()), value, leaves));
+        }
+        _ if NO_PART.contains(&path) => {}
+        _ => {
+            leaves.insert(path.to_owned(), value.to_string());
+        }
+    }
+}
+
+/// What a file of a robot is.
+fn kind(path: &Path) -> String {
+    let describes = path.extension().is_some_and(|e| ["toml", "urdf", "xml"].iter().any(|x| e.eq_ignore_ascii_case(x)));
+    if describes { "robot file" } else { "mesh" }.to_owned()
+}
+
+/// Files of the robot and those that the scenario names.
+fn files(job: &Job, before: &[InputHash]) -> Vec<String> {
+    let now = inputs(job);
+    let robot = job.robot.files.iter().map(|(path, _)| kind(path));
+    let kinds = robot.chain(job.run.inputs.iter().map(|input| format!("`{}`, the file", input.key)));
+    let changed = now.iter().zip(kinds).filter_map(|(is, kind)| match before.iter().find(|was| was.name == is.name) {
+        Some(was) if was.blake3 == is.blake3 => None,
+        Some(_) => Some(format!("{kind} {} changed", is.name)),
+        None => Some(format!("{kind} {} is new", is.name)),
+    });
+    let gone = before.iter().filter(|was| !now.iter().any(|is| is.name == was.name));
+    changed.chain(gone.map(|was| format!("the file {} is gone", was.name))).collect()
+}

@@ -1,0 +1,216 @@
+//! One run from its job to its records.
+
+use std::path::Path;
+
+use crate::batch::dispatch::schedule::AwaitedReference;
+use crate::batch::run::expectations::evaluate;
+use crate::batch::run::panic_capture;
+use crate::batch::run::plausibility::implausible;
+use crate::batch::run::run_timer::Clock;
+use crate::batch::{Body, Cancellation, Finished, Job, Options, Reason, Role, RunOutputs, Track};
+use crate::files::{confined, names, remove_partial};
+use crate::results::{
+    Comparison, InputHash, LogFingerprint, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError,
+    hash_input, metric,
+};
+use crate::script::interruptible;
+use crate::sim::{AvoidanceTime, Metrics, Outcome, Problems};
+
+/// How the body of a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunEnd {
+    /// Before any expectation is looked at.
+    pub outcome: Outcome,
+    /// Why, when there is something to say.
+    pub message: String,
+    /// What was measured; none when nothing was.
+    pub metrics: Option<Metrics>,
+    /// What else there is to tell a person.
+    pub notes: Vec<String>,
+    /// How far it is from its reference.
+    pub comparison: Comparison,
+    /// Its motion, if it was to be kept.
+    pub trajectory: Option<ReferenceMotion>,
+    /// Processor time that avoidance of self-collision took.
+    pub avoidance: Option<AvoidanceTime>,
+}
+
+impl RunEnd {
+    /// The end of a run that something went wrong with.
+    pub fn error(message: impl Into<String>) -> Self {
+        Self { message: message.into(), ..Self::of(Outcome::Error) }
+    }
+
+    /// An end of which there is nothing more to say.
+    pub fn of(outcome: Outcome) -> Self {
+        let (message, notes) = (String::new(), Vec::new());
+        Self {
+            outcome,
+            message,
+            metrics: None,
+            notes,
+            comparison: Comparison::default(),
+            trajectory: None,
+            avoidance: None,
+        }
+    }
+}
+
+/// Runs a job: simulates, compares, judges, writes `run.json` last. Whatever goes wrong is the run's outcome. A reference
+/// leaves its trajectory, or words why there is none.
+pub(in crate::batch) fn run(
+    job: &Job,
+    options: &Options,
+    cancellation: &Cancellation,
+    body: &Body<'_>,
+    against: Option<&AwaitedReference>,
+) -> (Finished, Result<ReferenceMotion, String>) {
+    let folder = job.folder(&options.output);
+    let confined = confined::check(&options.output, &folder);
+    if confined.is_ok() {
+        clear(&folder);
+    }
+    let outputs = outputs(job, options, &folder, against);
+    let clock = Clock::start();
+    let mut end = match &confined {
+        Ok(()) => panic_capture::catch_panic(|| {
+            interruptible(cancellation.shared(), || body(job, &outputs, cancellation.flag()))
+        })
+        .unwrap_or_else(RunEnd::error),
+        // What it would leave could not be kept.
+        Err(error) => RunEnd::error(error.to_string()),
+    };
+    let timing = Timing { avoidance: end.avoidance, ..clock.read() };
+    if end.outcome == Outcome::Cancelled && cancellation.reason() == Some(Reason::TimedOut) {
+        end.outcome = Outcome::TimedOut;
+        end.message = timed_out(options);
+    }
+    let trajectory = keep(&mut end);
+    let mut notes = end.notes.clone();
+    let mut record = record(job, end, timing);
+    record.comparison.reference = against.map(|a| a.key.clone());
+    let gap = against.and_then(|a| not_compared(&record, a));
+    record.comparison.whole = against.is_some() && gap.is_none();
+    notes.extend(gap);
+    notes.extend(doubtful(job, &record.metrics));
+    notes.extend(implausible(job, record.outcome, &record.metrics));
+    record.notes.clone_from(&notes);
+    record.comparison.truth = truths(job, &record);
+    let (row, accepted) = evaluate(record.summary_row(), &job.run.scenario.expect);
+    (record.outcome, record.message) = (row.outcome, row.message.clone());
+    record.verdicts.clone_from(&row.verdicts);
+    // What cannot be read now cannot be taken for whole later.
+    record.log = outputs.log.as_deref().and_then(|log| LogFingerprint::of(log).ok());
+    let path = folder.join(names::RUN_RECORD);
+    let left = [outputs.log, outputs.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
+    let finished = match confined.and_then(|()| record.write(&path)) {
+        Ok(()) => Finished { files: [path].into_iter().chain(left).collect(), notes, row, accepted },
+        Err(error) => {
+            (record.outcome, record.message) = (Outcome::Error, error.to_string());
+            Finished { files: left.collect(), notes, row: record.summary_row(), accepted: false }
+        }
+    };
+    (finished, trajectory)
+}
+
+/// While a run goes on there is no record of it: one that is there tells of the files that lie beside it.
+fn clear(folder: &Path) {
+    remove_partial(folder);
+    for name in [names::RUN_RECORD, names::LOG] {
+        // What is in the way and cannot be removed is told when it is written anew.
+        let _ = std::fs::remove_file(folder.join(name));
+    }
+}
+
+/// A reference leaves its motion and its record, other runs what the options ask for.
+fn outputs(job: &Job, options: &Options, folder: &Path, against: Option<&AwaitedReference>) -> RunOutputs {
+    if job.role == Role::Reference {
+        return RunOutputs { track: Track::Keep(job.run.scenario.log.rate), ..RunOutputs::default() };
+    }
+    RunOutputs {
+        log: job.wants_log(options).then(|| folder.join(names::LOG)),
+        problems: (options.problems != Problems::None).then(|| (folder.join(names::PROBLEMS), options.problems)),
+        track: against.and_then(|a| a.result.clone().ok()).map_or(Track::Nothing, Track::Compare),
+    }
+}
+
+/// The trajectory of a reference that ended as a run should.
+fn keep(end: &mut RunEnd) -> Result<ReferenceMotion, String> {
+    match (end.outcome, end.trajectory.take()) {
+        (Outcome::Passed | Outcome::Fallen, Some(trajectory)) => Ok(trajectory),
+        _ if end.message.is_empty() => Err(end.outcome.name().into()),
+        _ => Err(format!("{}: {}", end.outcome.name(), end.message)),
+    }
+}
+
+/// Why a run was not compared with its reference, or not to its end.
+fn not_compared(record: &RunRecord, against: &AwaitedReference) -> Option<String> {
+    let trajectory = match &against.result {
+        Ok(trajectory) => trajectory,
+        Err(reason) => return Some(format!("not compared: its reference {} {reason}", against.key)),
+    };
+    match record.comparison.until_s {
+        Some(until) if until < record.metrics.duration_s || until < trajectory.end() => {
+            Some(format!("compared up to {until} s, the last instant that it and its reference both reached"))
+        }
+        Some(_) => None,
+        None => Some("not compared: it has no instant in common with its reference".into()),
+    }
+}
+
+/// What makes a reference doubtful.
+fn doubtful(job: &Job, metrics: &Metrics) -> Option<String> {
+    let count = metrics.inconsistent;
+    let plural = if count == 1 { "selection" } else { "selections" };
+    (job.role == Role::Reference && count > 0)
+        .then(|| format!("a reference with {count} {plural} of a contact state without a valid one (`inconsistent`)"))
+}
+
+/// Distances of what was measured from what is known to be true.
+fn truths(job: &Job, record: &RunRecord) -> Vec<TruthError> {
+    let row = record.summary_row();
+    let known = job.run.scenario.compare.iter().flat_map(|compare| &compare.truth);
+    let error = |name: &str, truth: f64| metric(&row, name).map(|measured| (measured - truth).abs());
+    known.map(|(name, truth)| TruthError { metric: name.0.clone(), error: error(&name.0, *truth) }).collect()
+}
+
+fn timed_out(options: &Options) -> String {
+    let limit = options.timeout.unwrap_or_default().as_secs_f64();
+    format!("not at its end after {limit} s of wall-clock time")
+}
+
+fn record(job: &Job, end: RunEnd, timing: Timing) -> RunRecord {
+    let scenario = &job.run.scenario;
+    RunRecord {
+        schema: RUN_SCHEMA,
+        scenario: job.run.name.clone(),
+        key: job.key.clone(),
+        outcome: end.outcome,
+        message: end.message,
+        method: scenario.contact.method.name().to_owned(),
+        integrator: scenario.integrator.method.name().to_owned(),
+        seed: scenario.seed,
+        parameters: job.parameters(),
+        verdicts: Vec::new(),
+        metrics: end.metrics.unwrap_or_default(),
+        comparison: end.comparison,
+        notes: end.notes,
+        program: PROGRAM.to_owned(),
+        inputs: inputs(job),
+        resolved: job.run.resolved_toml.clone(),
+        log: None,
+        timing: Timing { file: Some(job.run.file.display().to_string()), ..timing },
+    }
+}
+
+/// Files of the robot under their names from its folder, so that moving all of them changes nothing, and those that the
+/// scenario names.
+pub(in crate::batch) fn inputs(job: &Job) -> Vec<InputHash> {
+    let home = job.robot.files.first().and_then(|(path, _)| path.parent()).unwrap_or(Path::new(""));
+    let name = |path: &Path| match path.strip_prefix(home) {
+        Ok(below) => below.display().to_string(),
+        Err(_) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+    };
+    let robot = job.robot.files.iter().map(|(path, bytes)| hash_input(&name(path), bytes));
+    robot.chain(job.run.inputs.iter().map(|input| hash_input(&input.name(), &input.bytes))).collect()
+}

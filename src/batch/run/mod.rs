@@ -1,0 +1,13 @@
+//! One run from its job to its record.
+//!
+//! [`job_run`] calls [`simulate`] under [`panic_capture`], evaluates [`expectations`], checks [`plausibility`] and writes the
+//! record. [`outputs`] says what else the run leaves, [`live_clients`] who watches it.
+
+pub(in crate::batch) mod expectations;
+pub(in crate::batch) mod job_run;
+pub(in crate::batch) mod live_clients;
+pub(in crate::batch) mod outputs;
+pub(in crate::batch) mod panic_capture;
+pub(in crate::batch) mod plausibility;
+pub(in crate::batch) mod run_timer;
+pub(in crate::batch) mod simulate;

@@ -1,0 +1,90 @@
+//! What a run costs. A run lives on one thread, so that thread's processor time is the run's.
+
+use std::time::Instant;
+
+use cpu_time::ThreadTime;
+
+use crate::results::{BUILD, Machine, Repeats, Timing};
+
+/// Started with a run, on its thread.
+pub(in crate::batch) struct Clock {
+    wall: Instant,
+    cpu: Option<ThreadTime>,
+}
+
+impl Clock {
+    pub fn start() -> Self {
+        // Not every system has a clock per thread; NaN says so.
+        Self { wall: Instant::now(), cpu: ThreadTime::try_now().ok() }
+    }
+
+    /// Time since the start; to be called on the same thread.
+    pub fn lap(&self) -> Lap {
+        let cpu_s = self.cpu.and_then(|c| c.try_elapsed().ok()).map_or(f64::NAN, |d| d.as_secs_f64());
+        Lap { wall_s: self.wall.elapsed().as_secs_f64(), cpu_s }
+    }
+
+    /// The same with the machine.
+    pub fn read(&self) -> Timing {
+        let Lap { wall_s, cpu_s } = self.lap();
+        Timing {
+            wall_s,
+            cpu_s,
+            machine: Machine::here(),
+            file: None,
+            build: Some(BUILD.into()),
+            repeats: None,
+            avoidance: None,
+        }
+    }
+}
+
+/// Times of one repetition, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::batch) struct Lap {
+    /// Wall-clock time.
+    pub wall_s: f64,
+    /// Processor time.
+    pub cpu_s: f64,
+}
+
+/// Least and median of repeated timings; none without any.
+pub(in crate::batch) fn repeats(laps: &[Lap]) -> Option<Repeats> {
+    let (wall, cpu) = (sorted(laps, |l| l.wall_s), sorted(laps, |l| l.cpu_s));
+    Some(Repeats {
+        count: laps.len() as u32,
+        wall_min_s: *wall.first()?,
+        wall_median_s: median(&wall),
+        cpu_min_s: *cpu.first()?,
+        cpu_median_s: median(&cpu),
+    })
+}
+
+fn sorted(laps: &[Lap], of: fn(&Lap) -> f64) -> Vec<f64> {
+    let mut times: Vec<f64> = laps.iter().map(of).collect();
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+/// Of sorted values, at least one.
+fn median(sorted: &[f64]) -> f64 {
+    let (low, high) = (sorted[(sorted.len() - 1) / 2], sorted[sorted.len() / 2]);
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_and_the_median_of_each_time() {
+        let laps =
+            |times: &[(f64, f64)]| -> Vec<Lap> { times.iter().map(|&(wall_s, cpu_s)| Lap { wall_s, cpu_s }).collect() };
+        let times = |r: Repeats| [r.wall_min_s, r.wall_median_s, r.cpu_min_s, r.cpu_median_s];
+        assert_eq!(repeats(&[]), None);
+        assert_eq!(times(repeats(&laps(&[(2.0, 1.0)])).unwrap()), [2.0, 2.0, 1.0, 1.0]);
+        let three = repeats(&laps(&[(5.0, 0.5), (2.0, 0.75), (3.0, 0.25)])).unwrap();
+        assert_eq!((three.count, times(three)), (3, [2.0, 3.0, 0.25, 0.5]));
+        assert_eq!(times(repeats(&laps(&[(5.0, 1.0), (2.0, 4.0)])).unwrap()), [2.0, 3.5, 1.0, 2.5]);
+    }
+}

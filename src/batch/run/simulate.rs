@@ -1,0 +1,307 @@
+//! The body of a run: builds it, simulates it, writes its log and its contact problems.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
+
+use crate::assemble::setup;
+use crate::batch::run::live_clients::{LiveClients, Pacer, RATE};
+use crate::batch::{Job, Role, RunEnd, RunOutputs, Track};
+use crate::contact::selection_record::SelectionRecord;
+use crate::files::RecordError;
+use crate::log::{AttachedText, LogHeader, LogWriter, MessageSink, ProblemWriter, TopicGroups};
+use crate::remote::{Address, Remote};
+use crate::results::{Comparator, ReferenceMotion};
+use crate::robot::{Model, Robot};
+use crate::scenario::{LogTopic, Run, host_and_port};
+use crate::script::interruption_flag;
+use crate::sim::commander::Commander;
+use crate::sim::estimate::EstimatorSetup;
+use crate::sim::remote::RemoteRun;
+use crate::sim::setup::Floor;
+use crate::sim::{Observer, Outcome, Problems, Sample, Setup, SimEvent, Simulation, Snapshot, Stop};
+
+/// Simulates a job. Ends at the next step once `cancel` is set; scripts that are being loaded end too, if the caller made
+/// them [`interruptible`](crate::script::interruptible) by it.
+///
+/// Where the scenario names a robot somewhere else, that one is driven instead of a simulated one.
+pub fn simulate(job: &Job, wanted: &RunOutputs, cancel: &AtomicBool) -> RunEnd {
+    simulate_with_clients(job, wanted, cancel, None)
+}
+
+/// The same with somebody who looks on, unless it is a reference, which is no more than a means.
+pub fn simulate_with_clients(
+    job: &Job,
+    wanted: &RunOutputs,
+    cancel: &AtomicBool,
+    audience: Option<&dyn LiveClients>,
+) -> RunEnd {
+    let audience = audience.filter(|_| job.role != Role::Reference);
+    match job.run.scenario.robot.backend {
+        Some(_) => {
+            drive(job, wanted, cancel, audience, |setup, observer, cancel| elsewhere(job, setup, observer, cancel))
+        }
+        None => drive(job, wanted, cancel, audience, here),
+    }
+}
+
+/// Simulates a job whose robot does what somebody else says instead of its tasks. `make` finds who, and may wait for it until the
+/// flag is raised.
+pub fn simulate_with_commander(
+    job: &Job,
+    wanted: &RunOutputs,
+    cancel: &AtomicBool,
+    audience: Option<&dyn LiveClients>,
+    make: impl FnOnce(&Setup, Option<Arc<AtomicBool>>) -> Result<Box<dyn Commander>, Stop>,
+) -> RunEnd {
+    drive(job, wanted, cancel, audience, |mut setup, observer, cancel| {
+        let commander = match make(&setup, interruption_flag()) {
+            Ok(commander) => commander,
+            Err(stop) => return RunEnd { outcome: stop.outcome, ..RunEnd::error(stop.message) },
+        };
+        setup.commander = Some(commander);
+        // Tasks estimate, and keep bodies apart, where they run.
+        setup.estimator = EstimatorSetup::Truth;
+        setup.self_contact.iter_mut().for_each(|own| own.avoid = None);
+        here(setup, observer, cancel)
+    })
+}
+
+/// Builds a run, has it driven and keeps what it tells.
+fn drive(
+    job: &Job,
+    wanted: &RunOutputs,
+    cancel: &AtomicBool,
+    audience: Option<&dyn LiveClients>,
+    driver: impl FnOnce(Setup, &mut dyn Observer, &AtomicBool) -> RunEnd,
+) -> RunEnd {
+    let setup = match setup(&job.run, &job.robot) {
+        Ok(setup) => setup,
+        // All of it was built once before anything ran: a script that was ended from outside fails, but not by its own fault.
+        Err(_) if cancel.load(Ordering::Relaxed) => {
+            return RunEnd { message: "interrupted".into(), ..RunEnd::of(Outcome::Cancelled) };
+        }
+        Err(errors) => return RunEnd::error(errors.to_string()),
+    };
+    let recorder = match Recorder::open(job, wanted, &setup, (audience, cancel)) {
+        Ok(recorder) => recorder,
+        Err(error) => return RunEnd::error(error.to_string()),
+    };
+    if let Some(audience) = audience {
+        audience.wait(cancel);
+    }
+    let end = recorded(setup, recorder, cancel, driver);
+    if let Some(audience) = audience {
+        audience.farewell();
+    }
+    end
+}
+
+/// Hears what a run tells, and writes what is wanted of it.
+struct Recorder<'a> {
+    log: Option<LogWriter>,
+    pacer: Option<Pacer>,
+    cancel: &'a AtomicBool,
+    problems: Option<ProblemWriter>,
+    kept: Option<ReferenceMotion>,
+    compared: Option<Comparator>,
+}
+
+impl<'a> Recorder<'a> {
+    fn open(
+        job: &Job,
+        wanted: &RunOutputs,
+        setup: &Setup,
+        (audience, cancel): (Option<&dyn LiveClients>, &'a AtomicBool),
+    ) -> Result<Self, RecordError> {
+        let problems = |(folder, which): &(PathBuf, Problems)| {
+            ProblemWriter::create(folder.clone(), &job.run.name, &job.key, *which)
+        };
+        let (kept, compared) = match &wanted.track {
+            Track::Nothing => (None, None),
+            Track::Keep(rate) => (Some(ReferenceMotion::new(*rate, setup.model.nj(), setup.model.soles.len())), None),
+            Track::Compare(reference) => (None, Some(Comparator::new(reference.clone()))),
+        };
+        Ok(Recorder {
+            kept,
+            compared,
+            log: (wanted.log.is_some() || audience.is_some())
+                .then(|| open_log(wanted.log.as_deref(), audience.map(LiveClients::outlet), job, setup))
+                .transpose()?,
+            pacer: audience.and_then(LiveClients::pace).map(Pacer::new),
+            cancel,
+            problems: wanted.problems.as_ref().map(problems).transpose()?,
+        })
+    }
+}
+
+impl Observer for Recorder<'_> {
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
+        self.pacer.iter_mut().for_each(|pacer| pacer.wait(snapshot.time, self.cancel));
+        self.log.as_mut().map_or(Ok(()), |log| log.snapshot(snapshot))
+    }
+
+    fn event(&mut self, event: &SimEvent) -> Result<(), String> {
+        self.log.as_mut().map_or(Ok(()), |log| log.event(event))
+    }
+
+    fn sample_rate(&self) -> f64 {
+        let kept = self.kept.as_ref().map(ReferenceMotion::rate);
+        kept.or(self.compared.as_ref().map(Comparator::rate)).unwrap_or(0.0)
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), String> {
+        self.kept.iter_mut().for_each(|trajectory| trajectory.push(sample));
+        self.compared.iter_mut().for_each(|comparator| comparator.take(sample));
+        Ok(())
+    }
+
+    fn problems(&self) -> Problems {
+        self.problems.as_ref().map_or(Problems::None, ProblemWriter::which)
+    }
+
+    fn problem(&mut self, frozen: &SelectionRecord) -> Result<(), String> {
+        self.problems.as_mut().map_or(Ok(()), |p| p.write(frozen).map_err(|e| e.to_string()))
+    }
+}
+
+fn recorded(
+    setup: Setup,
+    mut recorder: Recorder<'_>,
+    cancel: &AtomicBool,
+    driver: impl FnOnce(Setup, &mut dyn Observer, &AtomicBool) -> RunEnd,
+) -> RunEnd {
+    let log_rate = match recorder.log {
+        None => 0.0,
+        // Somebody looks on at a run without a log.
+        Some(_) if setup.log_rate <= 0.0 => RATE,
+        Some(_) => setup.log_rate,
+    };
+    let mut end = driver(Setup { log_rate, ..setup }, &mut recorder, cancel);
+    end.notes.extend(recorder.problems.and_then(|p| p.summary()));
+    end.comparison = recorder.compared.map(|c| c.comparison()).unwrap_or_default();
+    end.trajectory = recorder.kept;
+    // When cancelled, dropping it leaves a log that says of itself that it is not complete.
+    let log = recorder.log.filter(|_| end.outcome != Outcome::Cancelled);
+    match log.map_or(Ok(()), LogWriter::finish) {
+        Ok(()) => end,
+        // What went wrong first is told: after it nothing more could be written.
+        Err(_) if end.outcome == Outcome::Error => end,
+        Err(error) => RunEnd { outcome: Outcome::Error, message: error.to_string(), ..end },
+    }
+}
+
+fn here(mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> RunEnd {
+    let mut notes = std::mem::take(&mut setup.notes);
+    let mut simulation = match Simulation::new(setup) {
+        Ok(simulation) => simulation,
+        Err(stop) => return RunEnd { outcome: stop.outcome, ..RunEnd::error(stop.message) },
+    };
+    let (outcome, message) = simulation.run(observer, cancel);
+    notes.extend_from_slice(simulation.notes());
+    let avoidance = simulation.avoidance_time();
+    RunEnd { message, metrics: Some(simulation.metrics().clone()), notes, avoidance, ..RunEnd::of(outcome) }
+}
+
+/// Tasks here, the robot at the other end of a link.
+fn elsewhere(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> RunEnd {
+    let mut notes = std::mem::take(&mut setup.notes);
+    let rate = job.run.scenario.control.rate;
+    let spec = &job.run.scenario.robot;
+    let (host, port) = spec.backend.as_deref().and_then(host_and_port).unwrap_or_default();
+    let key = spec.backend_key.as_deref().map(|written| job.run.resolve(written));
+    let connected = Address::read(host, port, key.as_deref())
+        .and_then(|address| Remote::connect(&address, &setup.model, rate, None, interruption_flag()));
+    let mut robot = match connected {
+        Ok(robot) => robot,
+        Err(error) => {
+            let stop = Stop::from(error);
+            return RunEnd { outcome: stop.outcome, notes, ..RunEnd::error(stop.message) };
+        }
+    };
+    let mut run = RemoteRun::new(setup);
+    let (outcome, message) = run.run(&mut robot, observer, cancel);
+    notes.extend(crate::sim::remote::Robot::leave(&mut robot));
+    let avoidance = run.avoidance_time();
+    RunEnd { message, metrics: Some(run.metrics().clone()), notes, avoidance, ..RunEnd::of(outcome) }
+}
+
+fn open_log(
+    path: Option<&Path>,
+    outlet: Option<Box<dyn MessageSink>>,
+    job: &Job,
+    setup: &Setup,
+) -> Result<LogWriter, RecordError> {
+    let topics = topics(&job.run.scenario.log.topics);
+    open_log_of(
+        (path, outlet),
+        &job.run,
+        &job.key,
+        &job.robot,
+        (&setup.model, &setup.floor),
+        &setup.contact.method,
+        topics,
+    )
+}
+
+/// Opens the log of a run whose robot and floor are these.
+pub(crate) fn open_log_of(
+    (path, outlet): (Option<&Path>, Option<Box<dyn MessageSink>>),
+    run: &Run,
+    key: &str,
+    robot: &Robot,
+    (model, floor): (&Model, &Floor),
+    method: &str,
+    topics: TopicGroups,
+) -> Result<LogWriter, RecordError> {
+    let (robot_file, urdf) = documents(robot);
+    let scenario_name = format!("{}.toml", run.name);
+    // What is no text, such as a log that is played back, is only hashed.
+    let texts = run.inputs.iter().filter_map(|i| Some((i.name(), std::str::from_utf8(&i.bytes).ok()?)));
+    let texts: Vec<_> = texts.collect();
+    let inputs: Vec<_> = texts.iter().map(|(name, text)| AttachedText { name, text }).collect();
+    let patches: Vec<_> = floor.patches.iter().map(|p| floor.outline(p)).collect();
+    let header = LogHeader {
+        scenario_name: &run.name,
+        key,
+        method,
+        scenario: AttachedText { name: &scenario_name, text: &run.resolved_toml },
+        robot: robot_file.as_ref().map(|(name, text)| AttachedText { name, text }),
+        urdf: AttachedText { name: &urdf, text: &robot.urdf_text },
+        inputs: &inputs,
+        floor: pose(floor),
+        patches: &patches,
+        topics,
+    };
+    LogWriter::open(path, outlet, model, &header)
+}
+
+/// The robot file's name and text, if there is one, and the URDF's name. The URDF comes after the robot file.
+fn documents(robot: &Robot) -> (Option<(String, Cow<'_, str>)>, String) {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let is_toml = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    match robot.files.as_slice() {
+        [(file, bytes), (urdf, _), ..] if is_toml(file) => {
+            (Some((name(file), String::from_utf8_lossy(bytes))), name(urdf))
+        }
+        [(urdf, _), ..] => (None, name(urdf)),
+        [] => (None, "robot.urdf".into()),
+    }
+}
+
+fn pose(floor: &Floor) -> Isometry3<f64> {
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(floor.rotation));
+    Isometry3::from_parts(Translation3::from(floor.point), rotation)
+}
+
+/// The topics that a scenario wants.
+pub(crate) fn topics(wanted: &[LogTopic]) -> TopicGroups {
+    TopicGroups {
+        state: wanted.contains(&LogTopic::State),
+        contact: wanted.contains(&LogTopic::Contact),
+        scene: wanted.contains(&LogTopic::Scene),
+    }
+}

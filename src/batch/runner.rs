@@ -1,0 +1,185 @@
+//! Runs the jobs of a plan: workers simulate, the dispatcher orders what they report, then summary and report are written.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use crate::batch::dispatch::cancellation::Gate;
+use crate::batch::dispatch::dispatcher::{Collected, Dispatcher};
+use crate::batch::dispatch::event::Event;
+use crate::batch::dispatch::finished_runs::AllRows;
+use crate::batch::dispatch::schedule::Schedule;
+use crate::batch::dispatch::{repetitions, workers};
+use crate::batch::resume::resumed;
+use crate::batch::{BatchError, Body, Finished, Listener, NoListener, Options, Plan, Progress, Report, Resumed};
+use crate::files::{RecordError, confined, names, remove_partial};
+use crate::report::{Pictured, ReportRun, write_report_of};
+use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, write_summary_of};
+
+/// Interrupts a batch from anywhere, such as a signal handler. The first interruption lets running runs finish and
+/// starts no more; the second cancels them.
+#[derive(Clone)]
+pub struct Interrupter(Sender<Event>);
+
+impl Interrupter {
+    /// Interrupts.
+    pub fn interrupt(&self) {
+        // A batch that is over has nothing left to interrupt.
+        let _ = self.0.send(Event::Interrupt);
+    }
+}
+
+/// A plan that is about to run, its output folder at hand.
+pub struct Batch {
+    plan: Plan,
+    options: Options,
+    runs_log: RunsLog,
+    runs_log_path: PathBuf,
+    resumed: Resumed,
+    events: (Sender<Event>, Receiver<Event>),
+}
+
+impl Batch {
+    /// Makes sure of the output folder, and looks for what is done already if that is wanted. From here on no summary of an
+    /// earlier batch is there.
+    ///
+    /// # Errors
+    /// The folder cannot be created or written, or another program is writing there.
+    pub fn new(plan: Plan, options: Options) -> Result<Self, BatchError> {
+        if plan.visits() > 1 {
+            return Err(BatchError::Robots(plan.visits()));
+        }
+        let refused = |source| BatchError::Output { folder: options.output.clone(), source };
+        std::fs::create_dir_all(&options.output).map_err(refused)?;
+        // The summary is written at the end; that its folder takes files must be known now.
+        tempfile::tempfile_in(&options.output).map_err(refused)?;
+        let runs_log_path = options.output.join(names::RUNS_LOG);
+        let mut runs_log = RunsLog::append(&runs_log_path)?;
+        // Told now and not by each run.
+        for scenario in plan.scenarios() {
+            let folder = options.output.join(scenario);
+            confined::check(&options.output, &folder.join(names::REFERENCES))?;
+            // Where others may not write, all of its runs would fail.
+            if folder.is_dir() {
+                tempfile::tempfile_in(&folder).map_err(RecordError::io(&folder))?;
+            }
+        }
+        remove_partial(&options.output);
+        for name in names::BATCH_OUTPUTS {
+            let path = options.output.join(name);
+            match std::fs::remove_file(&path) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(RecordError::io(&path)(error).into());
+                }
+                _ => {}
+            }
+        }
+        if let Some(part) = &plan.part {
+            part.head.write(&options.output, plan.shard_runs())?;
+        }
+        let resumed = if options.resume { resumed::find_results(&plan, &options) } else { Resumed::default() };
+        if resumed.runs() > 0 {
+            // Between a run's record and its line the program may have been killed.
+            let told = RunsLog::logged(&runs_log_path)?;
+            for index in resumed.finished.positions() {
+                if !told.contains(plan.scenario(index), &plan.key(index)) {
+                    runs_log.push(&resumed.finished.row(index, &plan, &options.output)?)?;
+                }
+            }
+        }
+        Ok(Self { plan, options, runs_log, runs_log_path, resumed, events: channel() })
+    }
+
+    /// What is there already.
+    pub fn resumed(&self) -> &Resumed {
+        &self.resumed
+    }
+
+    /// A handle that interrupts this batch.
+    pub fn interrupter(&self) -> Interrupter {
+        Interrupter(self.events.0.clone())
+    }
+
+    /// Runs all jobs with `body`, which is [`simulate`] unless a test wants something else to happen, and writes the
+    /// summary of those that finished.
+    ///
+    /// # Errors
+    /// Threads cannot be started, or a file of the batch cannot be written. Runs that finished keep their records.
+    pub fn run(self, progress: Progress, body: &Body<'_>) -> Result<Report, BatchError> {
+        self.run_with_listener(progress, &mut NoListener, body)
+    }
+
+    /// The same, and `listener` is told what happens.
+    ///
+    /// # Errors
+    /// See [`Batch::run`].
+    pub fn run_with_listener(
+        mut self,
+        progress: Progress,
+        listener: &mut dyn Listener,
+        body: &Body<'_>,
+    ) -> Result<Report, BatchError> {
+        let gate = Gate::default();
+        let (sender, inbox) = self.events;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.options.jobs.clamp(1, (self.plan.runs() + self.plan.references()).max(1)))
+            .thread_name(|i| format!("run-{i}"))
+            .build()?;
+        let (plan, output) = (&self.plan, &self.options.output);
+        if listener.is_active() {
+            for (store, job) in self.resumed.all(plan) {
+                listener.kept(&job, &store.finished(&job, output)?);
+            }
+        }
+        let schedule = Schedule::new(plan, &self.resumed);
+        let (options, resumed) = (&self.options, self.resumed);
+        let mut dispatcher = Dispatcher::new(plan, options, &gate, &mut self.runs_log, progress, listener, resumed);
+        std::thread::scope(|scope| {
+            scope.spawn(|| workers::work(&pool, &self.plan, &self.options, &schedule, &gate, &sender, body));
+            dispatcher.receive(&inbox);
+            let again = dispatcher.take_repeats();
+            if !again.is_empty() {
+                let (plan, gate, sender) = (&self.plan, &gate, &sender);
+                scope.spawn(move || repetitions::repeat(plan, &again, gate, sender));
+                dispatcher.receive(&inbox);
+            }
+        });
+        let Collected { finished: store, references, interrupted } = dispatcher.collect()?;
+        let rows = AllRows { store: &store, plan, output, statistics: RefCell::default() };
+        let summary = if store.count == 0 { None } else { Some(write_summary_of(output, &rows)?) };
+        let (count, statistics) = (store.count, rows.statistics.into_inner().unwrap_or_default());
+        let (unfinished, failed) = (store.unfinished, store.failed);
+        let (finished, references) = (store.into_kept(), references.into_kept());
+        let page = if count == 0 { None } else { Some(write_page(output, &finished, &statistics, &references)?) };
+        Ok(Report {
+            not_started: self.plan.runs() - count,
+            statistics,
+            finished,
+            unfinished,
+            failed,
+            references,
+            interrupted,
+            summary,
+            page,
+            runs_log: self.runs_log_path,
+        })
+    }
+}
+
+/// Writes `report.html`.
+fn write_page(
+    output: &Path,
+    finished: &[Finished],
+    statistics: &RunStatistics,
+    references: &[Finished],
+) -> Result<PathBuf, RecordError> {
+    let (page, machine) = (output.join(names::REPORT), Machine::here());
+    let runs = as_reported(finished, &machine);
+    write_report_of(&page, output, (&runs, statistics), &as_reported(references, &machine), &Pictured::Few)?;
+    Ok(page)
+}
+
+fn as_reported<'a>(finished: &'a [Finished], machine: &'a Machine) -> Vec<ReportRun<'a>> {
+    let run = |f: &'a Finished| ReportRun { row: &f.row, program: PROGRAM, machine, notes: &f.notes, files: &f.files };
+    finished.iter().map(run).collect()
+}
