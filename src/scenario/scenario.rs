@@ -50,7 +50,7 @@ pub struct Scenario {
     pub robot: RobotSpec,
     /// The floor.
     pub floor: FloorSpec,
-    /// Contact.
+    /// Contact method and its parameters.
     pub contact: ContactSpec,
     /// Integration of the equations of motion.
     pub integrator: IntegratorSpec,
