@@ -8,9 +8,9 @@
 //!   workspace.
 //! - [`avoidance`]: [`Avoider`], which keeps joint commands free of collisions.
 //!
-//! Imports robot, motion and random. Called by sim, assemble and cli (`inspect`).
+//! Imports robot, geometry, motion and random. Called by sim, assemble and cli (`inspect`).
 //!
-//! Hulls come from `parry` (`robot::convex_hull`). Distances and depths do not, because `parry3d`
+//! Hulls come from `parry` (`geometry::convex_hull_3d`). Distances and depths do not, because `parry3d`
 //! 0.31 (read in its source)
 //! - stops GJK at a relative gap of the bounds of sqrt(10 eps) = 5e-8; here the bounds meet to
 //!   1e-12 m;
