@@ -48,7 +48,7 @@ pub fn is_shared(p: &Problem, states: &States, s: usize) -> bool {
     states[s].is_static() && members(p, states, s).nth(1).is_some()
 }
 
-/// Margin of the group of sole `s`; `None` for more points than [`MAX_POINTS`]. Needs the normal
+/// Margin of the group of sole `s`; `None` for more points than 128. Needs the normal
 /// forces of the vertices.
 pub fn group_margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Option<GroupMargin> {
     let mut points = [(0.0, Vector2::zeros()); MAX_POINTS];
