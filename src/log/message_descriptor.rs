@@ -1,23 +1,22 @@
-//! Describes [`crate::log::messages`] to readers that do not know us: a serialised `FileDescriptorSet`, which MCAP calls
-//! schema encoding `protobuf`.
+//! Describes the messages of a log to foreign readers: a serialised `FileDescriptorSet`, MCAP's schema encoding `protobuf`.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 
 /// Type of a field: a scalar, or a message of this package.
-enum Of {
+enum FieldType {
     Scalar(Type),
     Message(&'static str),
 }
 
-const DOUBLE: Of = Of::Scalar(Type::Double);
-const UINT64: Of = Of::Scalar(Type::Uint64);
-const BOOL: Of = Of::Scalar(Type::Bool);
-const STRING: Of = Of::Scalar(Type::String);
-const VECTOR3: Of = Of::Message("Vector3");
+const DOUBLE: FieldType = FieldType::Scalar(Type::Double);
+const UINT64: FieldType = FieldType::Scalar(Type::Uint64);
+const BOOL: FieldType = FieldType::Scalar(Type::Bool);
+const STRING: FieldType = FieldType::Scalar(Type::String);
+const VECTOR3: FieldType = FieldType::Message("Vector3");
 
-/// The descriptor set of all our messages. proto3, so repeated numbers are packed.
+/// The descriptor set of all messages, in proto3, so repeated numbers are packed.
 pub(super) fn file_descriptor_set() -> Vec<u8> {
     let file = FileDescriptorProto {
         name: Some("stiction.proto".into()),
@@ -40,7 +39,7 @@ fn messages() -> Vec<DescriptorProto> {
             [
                 one(1, "time", DOUBLE),
                 one(2, "base_position", VECTOR3),
-                one(3, "base_orientation", Of::Message("Quaternion")),
+                one(3, "base_orientation", FieldType::Message("Quaternion")),
                 one(4, "base_linear_velocity", VECTOR3),
                 one(5, "base_angular_velocity", VECTOR3),
                 many(6, "q", DOUBLE),
@@ -52,10 +51,10 @@ fn messages() -> Vec<DescriptorProto> {
                 one(12, "com_velocity", VECTOR3),
                 one(13, "cop", VECTOR3),
                 many(14, "support_polygon", VECTOR3),
-                many(15, "external", Of::Message("Force")),
+                many(15, "external", FieldType::Message("Force")),
                 one(16, "stable_point", VECTOR3),
                 many(17, "effort_desired", DOUBLE),
-                many(18, "points", Of::Message("Point")),
+                many(18, "points", FieldType::Message("Point")),
             ],
         ),
         message(
@@ -70,7 +69,7 @@ fn messages() -> Vec<DescriptorProto> {
                 one(7, "force", VECTOR3),
             ],
         ),
-        message("Contact", [one(1, "time", DOUBLE), many(2, "soles", Of::Message("Sole"))]),
+        message("Contact", [one(1, "time", DOUBLE), many(2, "soles", FieldType::Message("Sole"))]),
         message(
             "Residual",
             [
@@ -98,16 +97,16 @@ fn messages() -> Vec<DescriptorProto> {
                 one(1, "time", DOUBLE),
                 one(2, "tick", DOUBLE),
                 one(3, "base_position", VECTOR3),
-                one(4, "base_orientation", Of::Message("Quaternion")),
+                one(4, "base_orientation", FieldType::Message("Quaternion")),
                 one(5, "base_linear_velocity", VECTOR3),
                 one(6, "base_angular_velocity", VECTOR3),
                 many(7, "q", DOUBLE),
                 many(8, "qd", DOUBLE),
                 many(9, "load", DOUBLE),
-                one(10, "orientation", Of::Message("Quaternion")),
+                one(10, "orientation", FieldType::Message("Quaternion")),
                 one(11, "angular_velocity", VECTOR3),
                 one(12, "specific_force", VECTOR3),
-                many(13, "soles", Of::Message("Wrench")),
+                many(13, "soles", FieldType::Message("Wrench")),
                 many(14, "static_soles", BOOL),
             ],
         ),
@@ -137,18 +136,18 @@ fn message<const N: usize>(name: &str, fields: [FieldDescriptorProto; N]) -> Des
     DescriptorProto { name: Some(name.into()), field: fields.into(), ..Default::default() }
 }
 
-fn one(number: i32, name: &str, of: Of) -> FieldDescriptorProto {
+fn one(number: i32, name: &str, of: FieldType) -> FieldDescriptorProto {
     field(number, name, of, Label::Optional)
 }
 
-fn many(number: i32, name: &str, of: Of) -> FieldDescriptorProto {
+fn many(number: i32, name: &str, of: FieldType) -> FieldDescriptorProto {
     field(number, name, of, Label::Repeated)
 }
 
-fn field(number: i32, name: &str, of: Of, label: Label) -> FieldDescriptorProto {
+fn field(number: i32, name: &str, of: FieldType, label: Label) -> FieldDescriptorProto {
     let (kind, type_name) = match of {
-        Of::Scalar(kind) => (kind, None),
-        Of::Message(name) => (Type::Message, Some(format!(".stiction.{name}"))),
+        FieldType::Scalar(kind) => (kind, None),
+        FieldType::Message(name) => (Type::Message, Some(format!(".stiction.{name}"))),
     };
     FieldDescriptorProto {
         name: Some(name.into()),

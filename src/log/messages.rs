@@ -1,5 +1,6 @@
-//! Our own messages in a log, package `stiction` in protobuf. World axes, SI units. Repeated numbers are packed.
-//! The file `descriptor.rs` beside describes the same fields to readers; a test compares the two on the wire.
+//! The protobuf messages of a log, package `stiction`. World axes, SI units; repeated numbers are packed.
+//!
+//! `message_descriptor.rs` describes the same fields to other readers; a test compares the two on the wire.
 
 /// A vector.
 #[derive(Clone, Copy, PartialEq, prost::Message)]
@@ -43,7 +44,7 @@ pub struct Force {
     pub force: Option<Vector3>,
 }
 
-/// A point that a task shows.
+/// A point shown by a task.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Point {
     /// Its name.
@@ -54,8 +55,8 @@ pub struct Point {
     pub position: Option<Vector3>,
 }
 
-/// Motion of the whole robot at one tick, topic `/state`. Joint arrays follow the channel's metadata entry `joints`;
-/// `joint_kinds` beside it says which of them are prismatic.
+/// Motion of the whole robot at one tick, topic `/state`. Joint arrays are in the order of the channel's metadata entry
+/// `joints`; the entry `joint_kinds` identifies prismatic ones.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct State {
     /// Simulated time, s.
@@ -100,17 +101,17 @@ pub struct State {
     /// Convex hull of the touching vertices, m.
     #[prost(message, repeated, tag = "14")]
     pub support_polygon: Vec<Vector3>,
-    /// External forces now acting.
+    /// External forces acting at this tick.
     #[prost(message, repeated, tag = "15")]
     pub external: Vec<Force>,
     /// Point of optimal stability: middle of the centres of the largest discs in the support polygon, on the floor
     /// plane, m; absent in flight.
     #[prost(message, optional, tag = "16")]
     pub stable_point: Option<Vector3>,
-    /// Efforts that the drives ask for, before limits and lag, N m or N.
+    /// Efforts commanded by the drives, before limits and lag, N m or N.
     #[prost(double, repeated, tag = "17")]
     pub effort_desired: Vec<f64>,
-    /// Points that tasks show, always the same ones in the same order.
+    /// Points shown by tasks, in a fixed order; later tasks append theirs.
     #[prost(message, repeated, tag = "18")]
     pub points: Vec<Point>,
 }
@@ -124,7 +125,7 @@ pub struct Sole {
     /// `free`, or pattern and mode.
     #[prost(string, tag = "2")]
     pub state: String,
-    /// Is the vertex clamped to the floor.
+    /// True for a vertex that is clamped to the floor.
     #[prost(bool, repeated, tag = "3")]
     pub clamped: Vec<bool>,
     /// Vertex positions, m.
@@ -147,7 +148,7 @@ pub struct Contact {
     /// Simulated time, s.
     #[prost(double, tag = "1")]
     pub time: f64,
-    /// In the model's order.
+    /// The soles in the model's order.
     #[prost(message, repeated, tag = "2")]
     pub soles: Vec<Sole>,
 }
@@ -170,7 +171,7 @@ pub struct Residual {
     /// Greatest tangential load beyond the friction capacity, N.
     #[prost(double, tag = "5")]
     pub cone_excess: f64,
-    /// Greatest lack of maximum dissipation of a sliding vertex, W.
+    /// Greatest shortfall of a sliding vertex from maximum dissipation, W.
     #[prost(double, tag = "6")]
     pub dissipation_gap: f64,
     /// Greatest tangential speed of a static vertex, m/s.
@@ -179,7 +180,7 @@ pub struct Residual {
     /// Greatest distance between a sole's vertex forces and its wrench, N.
     #[prost(double, tag = "8")]
     pub resultant_gap: f64,
-    /// Kinetic and potential energy, now less at the start, J.
+    /// Kinetic and potential energy minus their value at the start, J.
     #[prost(double, tag = "9")]
     pub energy_change: f64,
     /// Work of the actuators since the start, J.
@@ -188,16 +189,16 @@ pub struct Residual {
     /// Work of external forces, J.
     #[prost(double, tag = "11")]
     pub external_work: f64,
-    /// Energy taken by damping, friction and stops of the joints, J.
+    /// Energy dissipated by damping, friction and stops of the joints, J.
     #[prost(double, tag = "12")]
     pub joint_loss: f64,
-    /// Energy taken by friction at the soles, J.
+    /// Energy dissipated by friction at the soles, J.
     #[prost(double, tag = "13")]
     pub friction_loss: f64,
-    /// Energy taken by impacts and other velocity jumps, J.
+    /// Energy dissipated by impacts and other velocity jumps, J.
     #[prost(double, tag = "14")]
     pub impact_loss: f64,
-    /// What of the energy balance does not add up, J.
+    /// Error of the energy balance, J.
     #[prost(double, tag = "15")]
     pub energy_error: f64,
 }
@@ -213,11 +214,11 @@ pub struct Wrench {
     pub moment: Option<Vector3>,
 }
 
-/// What the robot knew at its last control tick, topic `/estimate`; written where sensors or estimator do not tell the
-/// truth. Joint arrays follow the channel's metadata entry `joints`, those of soles its entry `soles`.
+/// Sensor readings and state estimate at the last control tick, topic `/estimate`; written if they can differ from the true
+/// state. Joint arrays are in the order of the channel's metadata entry `joints`, those of soles of its entry `soles`.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Estimate {
-    /// Simulated time of the record, s.
+    /// Simulated time of the message, s.
     #[prost(double, tag = "1")]
     pub time: f64,
     /// Time of the tick, s.
@@ -256,13 +257,13 @@ pub struct Estimate {
     /// Forces and moments read, one per sole.
     #[prost(message, repeated, tag = "13")]
     pub soles: Vec<Wrench>,
-    /// Is the sole taken to stand still? Empty when the estimator does not ask.
+    /// True where the estimator takes the sole as static; empty if it does not use contacts.
     #[prost(bool, repeated, tag = "14")]
     pub static_soles: Vec<bool>,
 }
 
-/// How near the robot is to touching itself, topic `/self_collision`; written where the scenario has `[self_collision]`. Joint
-/// arrays follow the channel's metadata entry `joints`; they are empty when collisions are only reported.
+/// Distance between bodies of the robot and state of avoidance, topic `/self_collision`; written if the scenario has
+/// `[self_collision]`. Joint arrays are in the order of the channel's metadata entry `joints`, and empty without avoidance.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct SelfCollision {
     /// Simulated time, s.
@@ -289,15 +290,15 @@ pub struct SelfCollision {
     /// Postures tested in the last of them.
     #[prost(uint64, tag = "8")]
     pub tests: u64,
-    /// For each joint: is it kept from where the tasks want it?
+    /// For each joint: true if avoidance keeps it from its desired position.
     #[prost(bool, repeated, tag = "9")]
     pub frozen: Vec<bool>,
-    /// Where the tasks want the joints, rad or m; what they are asked is in `/state`.
+    /// Joint positions desired by the tasks, rad or m; the commanded ones are in `/state`.
     #[prost(double, repeated, tag = "10")]
     pub wanted: Vec<f64>,
 }
 
-/// Something that happened, topic `/events`.
+/// An event, topic `/events`.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Event {
     /// Simulated time, s.
@@ -306,10 +307,10 @@ pub struct Event {
     /// Short kind, such as `touchdown`.
     #[prost(string, tag = "2")]
     pub kind: String,
-    /// What it is about; may be empty.
+    /// Its subject, such as a sole; may be empty.
     #[prost(string, tag = "3")]
     pub subject: String,
-    /// Words for a person.
+    /// Its description as text.
     #[prost(string, tag = "4")]
     pub message: String,
 }

@@ -1,4 +1,4 @@
-//! `problems/0001.json`, ...: selections of a contact state, to be looked at and solved again elsewhere.
+//! Writes and reads `problems/0001.json`, ...: contact problems of a run, to inspect and solve elsewhere.
 
 use crate::contact::selection_record::SelectionRecord;
 use crate::files::input::{self, MOST_DATA};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Format version of a problem file.
 pub const PROBLEM_SCHEMA: u32 = 1;
 
-/// Most problem files of one run; further problems are counted only.
+/// Largest number of problem files of a run; further problems are only counted.
 pub const MAX_PROBLEMS: usize = 100;
 
 /// One problem file.
@@ -26,20 +26,20 @@ pub struct ProblemRecord {
     pub scenario: String,
     /// Key of the run.
     pub key: String,
-    /// Which of the run's problems it is, from 1.
+    /// Number of the problem in the run, from 1.
     pub number: usize,
     /// The problem and the answer given.
     pub selection: SelectionRecord,
 }
 
 impl ProblemRecord {
-    /// Reads a problem back.
+    /// Reads a problem file.
     ///
     /// # Errors
     /// No such file, no JSON, a field missing or unknown, a `null` (a number that was not finite), or another format
     /// version.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
-        /// The version is looked at first: another one may have other fields.
+        /// The version is read first, because another version may have other fields.
         #[derive(Deserialize)]
         struct Version {
             schema: u64,
@@ -61,11 +61,11 @@ pub struct ProblemWriter {
     scenario: String,
     key: String,
     which: Problems,
-    met: usize,
+    count: usize,
 }
 
 impl ProblemWriter {
-    /// Problems will appear in `folder`, which is created with the first; those of an earlier run are removed.
+    /// Prepares to write to `folder`, which is created with the first problem. Removes the problems of an earlier run.
     ///
     /// # Errors
     /// Earlier problems cannot be removed.
@@ -74,26 +74,26 @@ impl ProblemWriter {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(RecordError::io(&folder)(e)),
             _ => {}
         }
-        Ok(Self { folder, scenario: scenario.to_owned(), key: key.to_owned(), which, met: 0 })
+        Ok(Self { folder, scenario: scenario.to_owned(), key: key.to_owned(), which, count: 0 })
     }
 
-    /// Which selections are wanted.
+    /// The selections to write.
     pub fn which(&self) -> Problems {
         self.which
     }
 
-    /// Where the problems are; none when there was none.
+    /// Folder of the problems; `None` without any.
     pub fn folder(&self) -> Option<&Path> {
-        (self.met > 0).then_some(self.folder.as_path())
+        (self.count > 0).then_some(self.folder.as_path())
     }
 
-    /// Writes a problem, or counts it when there are [`MAX_PROBLEMS`] already.
+    /// Writes a problem, or counts it if there are [`MAX_PROBLEMS`] already.
     ///
     /// # Errors
     /// The folder or file cannot be written.
     pub fn write(&mut self, selection: &SelectionRecord) -> Result<(), RecordError> {
-        self.met += 1;
-        if self.met > MAX_PROBLEMS {
+        self.count += 1;
+        if self.count > MAX_PROBLEMS {
             return Ok(());
         }
         let record = ProblemRecord {
@@ -101,10 +101,10 @@ impl ProblemWriter {
             program: concat!("stiction ", env!("CARGO_PKG_VERSION")).to_owned(),
             scenario: self.scenario.clone(),
             key: self.key.clone(),
-            number: self.met,
+            number: self.count,
             selection: selection.clone(),
         };
-        let path = self.folder.join(format!("{:04}.json", self.met));
+        let path = self.folder.join(format!("{:04}.json", self.count));
         atomic::write(&path, |out| {
             serde_json::to_writer(&mut *out, &record)
                 .map_err(|source| RecordError::Json { path: path.clone(), source })?;
@@ -112,10 +112,10 @@ impl ProblemWriter {
         })
     }
 
-    /// What to tell a person at the end, if anything.
+    /// A note on problems that were not written, if any.
     pub fn summary(&self) -> Option<String> {
         let kind = if self.which == Problems::All { "selections" } else { "inconsistent selections" };
-        let more = self.met.checked_sub(MAX_PROBLEMS).filter(|&n| n > 0);
-        more.map(|n| format!("the first {MAX_PROBLEMS} of {} {kind} are written, {n} more are not", self.met))
+        let more = self.count.checked_sub(MAX_PROBLEMS).filter(|&n| n > 0);
+        more.map(|n| format!("the first {MAX_PROBLEMS} of {} {kind} are written, {n} more are not", self.count))
     }
 }

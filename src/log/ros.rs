@@ -1,4 +1,4 @@
-//! The two ROS 2 messages that tools of that world draw by themselves, in CDR (the encoding of the ROS 2 bus).
+//! The two ROS 2 messages that ROS viewers draw without configuration, in CDR (the encoding of the ROS 2 bus).
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Time {
     /// Whole seconds.
     pub sec: i32,
-    /// Rest, ns.
+    /// Remainder, ns.
     pub nanosec: u32,
 }
 
@@ -29,7 +29,7 @@ pub struct Header {
 /// `sensor_msgs/msg/JointState`, topic `/joint_states`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointState {
-    /// When.
+    /// Time and frame.
     pub header: Header,
     /// Joint names.
     pub name: Vec<String>,
@@ -48,7 +48,7 @@ pub struct Text {
     pub data: String,
 }
 
-/// Definition of `sensor_msgs/msg/JointState` with what it depends on, schema encoding `ros2msg`.
+/// Definition of `sensor_msgs/msg/JointState` and its dependencies, schema encoding `ros2msg`.
 pub(super) const JOINT_STATE: &str = "\
 std_msgs/Header header
 string[] name

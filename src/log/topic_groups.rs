@@ -1,8 +1,8 @@
-//! Which groups of topics a log holds.
+//! The groups of topics of a log, `log.topics` of a scenario.
 
 use std::str::FromStr;
 
-/// The `log.topics` of a scenario. Events are always logged.
+/// The logged groups of topics. Events are always logged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TopicGroups {
     /// `/state`, `/joint_states`, `/robot_description`.
@@ -47,7 +47,7 @@ impl FromStr for TopicGroups {
     }
 }
 
-/// A name that is no group of topics.
+/// The error of an unknown group of topics.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("unknown log topic `{0}`: there are state, contact, scene")]
 pub struct ParseTopicError(pub String);

@@ -1,4 +1,4 @@
-//! The log that a run left, as its record knows it: what lies beside a record is its log only if it is this one.
+//! Length and hash of a run's log, kept in its record to detect logs of other runs.
 
 use crate::files::RecordError;
 use crate::files::input;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// A log's length and hash.
+/// Length and hash of a log.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LogFingerprint {
     /// Length, bytes.
@@ -17,10 +17,10 @@ pub struct LogFingerprint {
 }
 
 impl LogFingerprint {
-    /// Reads a log.
+    /// Computes the fingerprint of a file.
     ///
     /// # Errors
-    /// It is not there or cannot be read.
+    /// The file is missing or cannot be read.
     pub fn of(path: &Path) -> Result<Self, RecordError> {
         let (mut file, _) = input::open(path).map_err(RecordError::io(path))?;
         let (mut hasher, mut block) = (blake3::Hasher::new(), vec![0; 1 << 16]);
@@ -36,27 +36,57 @@ impl LogFingerprint {
     }
 }
 
-/// What is wrong with the log beside a record, in words; none when it is the one that the run left, or it left none. Records
-/// of earlier versions do not say what they left: of these a log that is there must be whole.
-pub fn log_fault(record: &RunRecord, path: &Path) -> Option<&'static str> {
+/// Why a log does not belong to a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LogMismatch {
+    /// It is not a regular file.
+    NotAFile,
+    /// The record has a fingerprint, but there is no log.
+    Missing,
+    /// It is shorter than the recorded length.
+    Shorter,
+    /// Its length or hash differs from the recorded one.
+    Different,
+    /// It has no end.
+    Incomplete,
+}
+
+impl LogMismatch {
+    /// The reason as text.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::NotAFile => "its log is no file",
+            Self::Missing => "its log is missing",
+            Self::Shorter => "its log is shorter than the recorded one",
+            Self::Different => "its log is not the recorded one",
+            Self::Incomplete => "its log is incomplete",
+        }
+    }
+}
+
+/// Compares the log next to a record with the record's fingerprint. Records of earlier versions have none; their log, if
+/// there is one, must be complete.
+pub fn log_mismatch(record: &RunRecord, path: &Path) -> Option<LogMismatch> {
     let length = match path.metadata() {
-        Ok(data) if !data.is_file() => return Some("its log is no file"),
+        Ok(data) if !data.is_file() => return Some(LogMismatch::NotAFile),
         Ok(data) => data.len(),
-        Err(_) if record.log.is_some() => return Some("its log is missing"),
+        Err(_) if record.log.is_some() => return Some(LogMismatch::Missing),
         Err(_) => return None,
     };
     match &record.log {
-        Some(left) if left.bytes > length => Some("its log is shorter than the one that it left"),
-        Some(left) if left.bytes != length || !LogFingerprint::of(path).is_ok_and(|found| found == *left) => {
-            Some("its log is not the one that it left")
+        Some(recorded) if recorded.bytes > length => Some(LogMismatch::Shorter),
+        Some(recorded)
+            if recorded.bytes != length || !LogFingerprint::of(path).is_ok_and(|found| found == *recorded) =>
+        {
+            Some(LogMismatch::Different)
         }
-        None if !is_whole_log(path) => Some("its log is not whole"),
+        None if !is_complete(path) => Some(LogMismatch::Incomplete),
         _ => None,
     }
 }
 
-/// A log ends with the word it begins with.
-fn is_whole_log(path: &Path) -> bool {
+/// True if the file ends with the magic bytes of MCAP, as a complete log does.
+fn is_complete(path: &Path) -> bool {
     let end = || {
         let (mut file, _) = input::open(path)?;
         let mut end = [0; mcap::MAGIC.len()];

@@ -34,7 +34,7 @@ mod verdict_table;
 pub use crate::metrics::{Measure, NUMERIC_COLUMNS};
 pub use discovery::{FoundRun, ListedRows, Listing, Records, SampledRuns, list_records, read_records};
 pub use junit::{JunitCase, JunitStatus, write_junit};
-pub use log_fingerprint::{LogFingerprint, log_fault};
+pub use log_fingerprint::{LogFingerprint, LogMismatch, log_mismatch};
 pub use overview::overview;
 pub use record::{
     BUILD, Comparison, InputHash, Machine, PROGRAM, ParamValue, RUN_SCHEMA, Repeats, RunRecord, Timing, TruthError,

@@ -1,4 +1,4 @@
-//! Trajectories of reference runs, kept in memory while other runs are compared with them.
+//! Compares runs with the trajectory of a reference run while they are simulated.
 
 use crate::contact::model::state::{Mode, SoleState};
 use crate::results::Comparison;
@@ -6,7 +6,7 @@ use crate::sim::Sample;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
-/// Samples of a run in one array: `8 (8 + joints + 3 soles) + 4 soles` bytes each.
+/// The sampled trajectory of a reference run, in one array: `8 (8 + joints + 3 soles) + 4 soles` bytes each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReferenceMotion {
     rate: f64,
@@ -19,7 +19,7 @@ pub struct ReferenceMotion {
 }
 
 impl ReferenceMotion {
-    /// An empty one of so many samples per second, Hz.
+    /// An empty trajectory with `rate` samples per second, Hz.
     pub fn new(rate: f64, joints: usize, soles: usize) -> Self {
         ReferenceMotion { rate, joints, soles, ..ReferenceMotion::default() }
     }
@@ -29,7 +29,7 @@ impl ReferenceMotion {
         self.rate
     }
 
-    /// Samples in it.
+    /// Number of samples.
     pub fn len(&self) -> usize {
         self.values.len() / self.width()
     }
@@ -39,7 +39,7 @@ impl ReferenceMotion {
         self.len().checked_sub(1).and_then(|last| self.get(last)).map_or(0.0, |(values, _)| values[0])
     }
 
-    /// Has it none?
+    /// True without samples.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
@@ -48,7 +48,7 @@ impl ReferenceMotion {
         8 + self.joints + 3 * self.soles
     }
 
-    /// Adds the next sample; joints and soles must be as many as were said.
+    /// Appends a sample, which must have the numbers of joints and soles given to [`new`](Self::new).
     pub fn push(&mut self, s: &Sample) {
         debug_assert_eq!((s.joints.len(), s.forces.len(), s.states.len()), (self.joints, self.soles, self.soles));
         self.values.push(s.time);
@@ -56,7 +56,7 @@ impl ReferenceMotion {
         self.values.extend_from_slice(s.rotation.coords.as_slice());
         self.values.extend_from_slice(&s.joints);
         s.forces.iter().for_each(|force| self.values.extend_from_slice(force.as_slice()));
-        self.states.extend(s.states.iter().map(|state| named(*state)));
+        self.states.extend(s.states.iter().map(|state| merge_modes(*state)));
     }
 
     /// The values and states of a sample.
@@ -67,13 +67,13 @@ impl ReferenceMotion {
     }
 }
 
-/// States that have one name are one: turning about a vertex is a way of sliding.
-fn named(state: SoleState) -> SoleState {
+/// Maps states with one name to one state: turning about a vertex counts as sliding.
+fn merge_modes(state: SoleState) -> SoleState {
     let mode = if state.mode == Mode::Static { Mode::Static } else { Mode::Sliding };
     SoleState { mode, ..state }
 }
 
-/// Compares a run with a trajectory while it runs.
+/// Accumulates the differences between a run and a reference trajectory.
 #[derive(Clone, Debug)]
 pub struct Comparator {
     reference: Arc<ReferenceMotion>,
@@ -89,18 +89,18 @@ pub struct Comparator {
 }
 
 impl Comparator {
-    /// Nothing has been compared yet.
+    /// A comparator without samples.
     pub fn new(reference: Arc<ReferenceMotion>) -> Self {
         let (position, joints, force, last) = (0.0, 0.0, 0.0, (0.0, 0.0));
         Comparator { reference, instants: 0, until: 0.0, position, joints, force, agreements: 0, last }
     }
 
-    /// Samples per simulated second that it wants, Hz.
+    /// Required samples per simulated second, Hz.
     pub fn rate(&self) -> f64 {
         self.reference.rate
     }
 
-    /// Compares a sample; one that the reference does not have is passed over.
+    /// Compares a sample; an instant that the reference lacks is skipped.
     pub fn take(&mut self, sample: &Sample) {
         let joints = self.reference.joints;
         let Some((values, states)) = self.reference.get(sample.index).filter(|(v, _)| v[0] == sample.time) else {
@@ -115,10 +115,10 @@ impl Comparator {
         self.joints += sample.joints.iter().zip(&values[8..8 + joints]).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
         let forces = values[8 + joints..].chunks_exact(3).map(|f| Vector3::new(f[0], f[1], f[2]));
         self.force += sample.forces.iter().zip(forces).map(|(a, b)| (a - b).norm_squared()).sum::<f64>();
-        self.agreements += sample.states.iter().zip(states).filter(|(a, b)| named(**a) == **b).count() as u64;
+        self.agreements += sample.states.iter().zip(states).filter(|(a, b)| merge_modes(**a) == **b).count() as u64;
     }
 
-    /// What came of it.
+    /// The result so far.
     pub fn comparison(&self) -> Comparison {
         if self.instants == 0 {
             return Comparison::default();
@@ -140,7 +140,7 @@ impl Comparator {
     }
 }
 
-/// Angle between two orientations, rad, small ones to full precision. With unit quaternions half the angle t apart,
+/// Angle between two orientations, rad, with full precision for small angles. With unit quaternions half the angle t apart,
 /// `|q - p| = 2 sin(t / 4)` and `|q + p| = 2 cos(t / 4)`; q and -q are one orientation.
 fn angle(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
     let (near, far) = ((a.coords - b.coords).norm(), (a.coords + b.coords).norm());
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_is_as_far_as_nothing_from_itself() {
+    fn the_distance_of_a_run_from_itself_is_zero() {
         let mut comparator = Comparator::new(reference(5));
         (0..5).for_each(|i| comparator.take(&sample(i)));
         let found = comparator.comparison();
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn only_instants_of_both_are_compared() {
+    fn only_common_instants_are_compared() {
         let mut comparator = Comparator::new(reference(3));
         // The run's own end, at an index where the reference has another time.
         let end = Sample { index: 2, time: 0.15, ..sample(2) };
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn large_angles_are_angles_too() {
+    fn angles_are_accurate_up_to_a_half_turn() {
         let a = UnitQuaternion::from_scaled_axis(Vector3::new(0.1, 0.0, 0.2));
         for turn in [1e-12, 0.3, 2.0, 3.1] {
             let b = UnitQuaternion::from_scaled_axis(Vector3::new(0.0, turn, 0.0)) * a;

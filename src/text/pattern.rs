@@ -1,28 +1,29 @@
-//! Matches names with shell patterns.
+//! Matches names against shell patterns.
+//!
+//! The crate `wildmatch` 2.7 does not replace this: it has no escape character, which `\` is here.
 
 #[derive(Clone, Copy, PartialEq)]
 enum Piece {
-    /// Any characters.
+    /// Any characters: `*`.
     Any,
-    /// One character.
+    /// One character: `?`.
     One,
     /// This character.
-    Just(char),
+    Literal(char),
 }
 
-/// True when a name matches a pattern: `*` matches any characters, `?` one, and `\` makes the next character literal.
-///
-/// Takes at most time proportional to the product of both lengths.
+/// True if a name matches a pattern, in which `*` matches any characters and `?` one character. `\` makes the next character
+/// literal. The time is at most proportional to the product of both lengths.
 pub(crate) fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name): (Vec<Piece>, Vec<char>) = (pieces(pattern), name.chars().collect());
     let (mut p, mut n) = (0, 0);
-    // Position of the last star, and the end of what it matches.
+    // Position of the last star, and the end of the characters that it matches.
     let mut star: Option<(usize, usize)> = None;
     while n < name.len() {
         if p < pattern.len() && pattern[p] == Piece::Any {
             star = Some((p, n));
             p += 1;
-        } else if p < pattern.len() && (pattern[p] == Piece::One || pattern[p] == Piece::Just(name[n])) {
+        } else if p < pattern.len() && (pattern[p] == Piece::One || pattern[p] == Piece::Literal(name[n])) {
             (p, n) = (p + 1, n + 1);
         } else if let Some((at, reach)) = star {
             star = Some((at, reach + 1));
@@ -40,9 +41,9 @@ fn pieces(pattern: &str) -> Vec<Piece> {
         Some(match characters.next()? {
             '*' => Piece::Any,
             '?' => Piece::One,
-            // A backslash at the end is literal.
-            '\\' => Piece::Just(characters.next().unwrap_or('\\')),
-            c => Piece::Just(c),
+            // At the end of the pattern it is literal.
+            '\\' => Piece::Literal(characters.next().unwrap_or('\\')),
+            c => Piece::Literal(c),
         })
     };
     std::iter::from_fn(piece).collect()
@@ -53,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stars_and_question_marks() {
+    fn stars_question_marks_and_escapes() {
         let yes = [
             ("*", "a.b"),
             ("", ""),

@@ -14,12 +14,12 @@ const STYLE: &str = include_str!("page/style.css");
 const THREE: &str = include_str!("page/three.min.js");
 /// In the order of their dependencies.
 const SCRIPTS: [&str; 7] = [
-    include_str!("page/data.js"),
+    include_str!("page/run_data.js"),
     include_str!("page/stage.js"),
     include_str!("page/shapes.js"),
-    include_str!("page/marks.js"),
-    include_str!("page/eye.js"),
-    include_str!("page/clock.js"),
+    include_str!("page/markers.js"),
+    include_str!("page/robot_camera.js"),
+    include_str!("page/playback_clock.js"),
     include_str!("page/main.js"),
 ];
 

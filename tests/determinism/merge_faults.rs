@@ -39,8 +39,8 @@ fn a_log_that_is_not_the_one_that_was_left_is_told() {
     let rows = place.summary("whole").rows.len();
     for (now, why) in [
         (None, "its log is missing"),
-        (Some(&bytes[..bytes.len() - 100]), "its log is shorter than the one that it left"),
-        (Some(&hole[..]), "its log is not the one that it left"),
+        (Some(&bytes[..bytes.len() - 100]), "its log is shorter than the recorded one"),
+        (Some(&hole[..]), "its log is not the recorded one"),
     ] {
         match now {
             Some(now) => fs::write(&log, now).unwrap(),

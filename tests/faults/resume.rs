@@ -197,10 +197,7 @@ fn what_is_asked_for_now_must_be_there() {
     // Half a log or half a record, as a power failure may leave them.
     let log = fs::read(run("log.mcap")).unwrap();
     fs::write(run("log.mcap"), &log[..log.len() / 2]).unwrap();
-    assert_eq!(
-        again(&resume(&place, &arguments).exits(0)),
-        "1 run again: its log is shorter than the one that it left, s"
-    );
+    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its log is shorter than the recorded one, s");
     assert_eq!(fs::read(run("log.mcap")).unwrap(), log);
     fs::remove_file(run("log.mcap")).unwrap();
     assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its log is missing, s");
@@ -209,7 +206,7 @@ fn what_is_asked_for_now_must_be_there() {
     hole[log.len() / 2] ^= 1;
     fs::write(run("log.mcap"), &hole).unwrap();
     let done = resume(&place, &arguments).exits(0);
-    assert_eq!(again(&done), "1 run again: its log is not the one that it left, s");
+    assert_eq!(again(&done), "1 run again: its log is not the recorded one, s");
     assert_eq!(fs::read(run("log.mcap")).unwrap(), log);
     // Records of earlier versions say nothing of it: then only its end is looked at.
     let mut record: serde_json::Value = serde_json::from_slice(&fs::read(run("run.json")).unwrap()).unwrap();
@@ -217,7 +214,7 @@ fn what_is_asked_for_now_must_be_there() {
     fs::write(run("run.json"), record.to_string()).unwrap();
     assert!(resume(&place, &arguments).exits(0).stderr.contains("resumed: 1 run done already"));
     fs::write(run("log.mcap"), &log[..log.len() / 2]).unwrap();
-    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its log is not whole, s");
+    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its log is incomplete, s");
     fs::write(run("run.json"), "{").unwrap();
     assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its record is no whole record, s");
     let mut record = RunRecord::read(&run("run.json")).unwrap();

@@ -1,4 +1,4 @@
-//! `log.mcap` as a whole: topics, schemas, counts, attachments, equal bytes, interruption.
+//! Tests of `log.mcap` as a file: topics, schemas, counts, attachments, equal bytes, interruption.
 
 use super::sample::{self, ROBOT, SCENARIO, URDF};
 use mcap::{MessageStream, Summary};
@@ -25,7 +25,7 @@ fn channels(bytes: &[u8]) -> BTreeMap<String, (String, String, String, u64)> {
 }
 
 #[test]
-fn every_topic_is_there_with_its_schema_and_one_message_per_tick() {
+fn every_topic_has_its_schema_and_one_message_per_tick() {
     let found = channels(&sample::log(TICKS, TopicGroups::ALL));
     let ticks = TICKS as u64;
     let expected = [
@@ -46,7 +46,7 @@ fn every_topic_is_there_with_its_schema_and_one_message_per_tick() {
 }
 
 #[test]
-fn only_the_chosen_topics_are_written() {
+fn only_selected_topics_are_written() {
     let topics = |names: &[&str]| {
         let found = channels(&sample::log(2, TopicGroups::from_names(names).unwrap()));
         found.into_keys().collect::<Vec<_>>().join(" ")
@@ -74,7 +74,7 @@ fn log_times_are_simulated_nanoseconds() {
 }
 
 #[test]
-fn scenario_robot_and_urdf_are_attached_whole() {
+fn scenario_robot_and_urdf_are_attached() {
     let bytes = sample::log(1, TopicGroups::ALL);
     let summary = Summary::read(&bytes).unwrap().unwrap();
     let found: Vec<_> = summary
@@ -121,14 +121,14 @@ fn equal_runs_give_equal_bytes_and_others_do_not() {
 }
 
 #[test]
-fn a_log_appears_when_it_is_complete_and_not_before() {
+fn a_log_appears_only_when_it_is_complete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("runs/a/log.mcap");
     let log = sample::started(&path, 3, TopicGroups::ALL);
     assert!(!path.exists());
     log.finish().unwrap();
     assert!(path.exists());
-    assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1, "nothing else is left");
+    assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1, "no other file");
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn a_snapshot_of_another_robot_is_refused() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_made_is_an_error_that_names_it() {
+fn an_error_names_the_folder_that_cannot_be_created() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     std::fs::write(&file, "").unwrap();
@@ -167,7 +167,7 @@ fn a_folder_that_cannot_be_made_is_an_error_that_names_it() {
     assert!(result.err().unwrap().to_string().contains("file"));
 }
 
-/// Writes the sample log where `STICTION_KEEP_LOG` says, for `tests/oracles/check_log.py`.
+/// Writes the sample log to the path in `STICTION_KEEP_LOG`, for `tests/oracles/check_log.py`.
 #[test]
 fn a_log_can_be_kept_for_other_readers() {
     let bytes = sample::log(200, TopicGroups::ALL);

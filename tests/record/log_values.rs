@@ -1,4 +1,4 @@
-//! `log.mcap` value by value: what is read back is what was put in.
+//! Tests of the values in `log.mcap`, decoded from its messages.
 
 use super::sample::{self, URDF};
 use foxglove::messages::{FrameTransforms, Log, Pose, Quaternion, SceneEntity, SceneUpdate, Vector3 as LogVector};
@@ -39,7 +39,7 @@ fn vector(v: Option<LogVector>) -> Vector3<f64> {
 
 fn rotation(q: Option<Quaternion>) -> UnitQuaternion<f64> {
     let q = q.unwrap();
-    // Not normalised: a wrong norm is to be seen.
+    // Not normalised, so that a wrong norm fails.
     UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(q.w, q.x, q.y, q.z))
 }
 
@@ -49,7 +49,7 @@ fn isometry(p: Option<Pose>) -> Isometry3<f64> {
 }
 
 #[test]
-fn state_holds_the_snapshot_to_the_last_bit() {
+fn state_equals_the_snapshot_to_the_last_bit() {
     for (found, s) in protobuf::<messages::State>("/state").iter().zip(snapshots()) {
         let r = s.base_pose.rotation;
         let expected = messages::State {
@@ -83,7 +83,7 @@ fn state_holds_the_snapshot_to_the_last_bit() {
 }
 
 #[test]
-fn contact_holds_every_sole_to_the_last_bit() {
+fn contact_equals_the_soles_to_the_last_bit() {
     let names = sample::model().soles.into_iter().map(|s| s.name).collect::<Vec<_>>();
     for (found, s) in protobuf::<messages::Contact>("/contact").iter().zip(snapshots()) {
         let soles = s.soles.iter().zip(&names).map(|(sole, name)| {
@@ -104,7 +104,7 @@ fn contact_holds_every_sole_to_the_last_bit() {
 }
 
 #[test]
-fn events_are_told_to_programs_and_to_people() {
+fn events_are_on_the_topics_events_and_log() {
     let events = protobuf::<messages::Event>("/events");
     let log = protobuf::<Log>("/log");
     assert_eq!((events.len(), log.len()), (4, 4));
@@ -187,7 +187,7 @@ fn frames_compose_to_the_links_poses() {
 }
 
 #[test]
-fn a_robot_whose_root_is_called_world_stands_in_a_map() {
+fn the_root_frame_is_map_if_a_link_is_called_world() {
     let mut model = sample::model();
     model.base = Base::Fixed;
     model.links[0].name = "world".into();
@@ -199,7 +199,7 @@ fn a_robot_whose_root_is_called_world_stands_in_a_map() {
     let bytes = std::fs::read(&path).unwrap();
     let message = MessageStream::new(&bytes).unwrap().map(Result::unwrap).find(|m| m.channel.topic == "/tf").unwrap();
     let tf = <FrameTransforms as prost::Message>::decode(message.data.as_ref()).unwrap();
-    // A frame that is its own parent would be drawn by nobody.
+    // Viewers do not draw a frame that is its own parent.
     let first = &tf.transforms[0];
     assert_eq!((first.parent_frame_id.as_str(), first.child_frame_id.as_str()), ("map", "world"));
 }
@@ -240,7 +240,7 @@ fn the_scene_draws_each_shape_in_its_links_urdf_frame() {
 }
 
 #[test]
-fn the_floor_slabs_upper_face_is_the_floor() {
+fn the_upper_face_of_the_slab_is_the_floor() {
     let scene = &protobuf::<SceneUpdate>("/scene")[0];
     let floor = entity(scene, "floor");
     assert_eq!(floor.frame_id, "world");

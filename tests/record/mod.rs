@@ -1,4 +1,4 @@
-//! What a run leaves: written, then read back by other libraries.
+//! Tests of the results of runs: written, then read back, partly by other libraries.
 
 mod log;
 mod log_values;

@@ -1,4 +1,4 @@
-//! Contact problems written down: what is read back is what was posed, and choosing again gives the same bits.
+//! Tests of recorded contact problems: reading returns the written problem, and solving it again gives the same bits.
 
 use crate::analytic::support::simulation;
 use std::sync::atomic::AtomicBool;
@@ -57,7 +57,7 @@ const HOAP2_PUSHED: &str = "
 ";
 
 #[test]
-fn choosing_again_from_the_file_gives_the_same_bits() {
+fn selecting_again_from_the_file_gives_the_same_bits() {
     let (mut seen, mut velocity, mut moving, mut suspects) = (0, 0, 0, 0);
     for setting in [
         "",
@@ -84,7 +84,7 @@ fn choosing_again_from_the_file_gives_the_same_bits() {
 }
 
 #[test]
-fn a_thing_changed_in_the_file_changes_the_answer() {
+fn a_changed_problem_has_another_answer() {
     let (problems, ..) = problems(DROPPED_SLIDING, Problems::All);
     let mut sliding = problems.into_iter().find(|p| p.answer.states[0] == "face-dynamic").expect("it slides");
     for v in &mut sliding.soles[0].vertices {
@@ -97,7 +97,7 @@ fn a_thing_changed_in_the_file_changes_the_answer() {
 
 /// Three corners of a block start below the floor and one above it: no state clamps just those.
 #[test]
-fn only_inconsistent_selections_are_told_when_asked_for() {
+fn the_observer_selects_inconsistent_problems() {
     let sunk = "
         duration = 0.1
         robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.049], rpy = [0.01, 0.02, 0] } }
@@ -115,7 +115,7 @@ fn only_inconsistent_selections_are_told_when_asked_for() {
 }
 
 #[test]
-fn files_are_numbered_capped_and_replaced_by_the_next_run() {
+fn files_are_numbered_limited_and_replaced_by_the_next_run() {
     let (all, ..) = problems(DROPPED_SLIDING, Problems::All);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("problems");

@@ -1,4 +1,4 @@
-//! `log.mcap` read back by ourselves: what was written is what is read, and what is no log is told.
+//! Tests of the reader of `log.mcap`: it returns the written values, and refuses files that are no logs.
 
 use super::sample::{self, ROBOT, SCENARIO, URDF};
 use nalgebra::Vector3;
@@ -20,13 +20,13 @@ fn snapshots() -> impl Iterator<Item = Snapshot> {
     (0..TICKS).map(sample::snapshot)
 }
 
-/// One number of every snapshot, bit for bit.
+/// Compares one number of every snapshot, bit for bit.
 fn same(found: &[f64], get: impl Fn(&Snapshot) -> f64) {
     let expected: Vec<u64> = snapshots().map(|s| get(&s).to_bits()).collect();
     assert_eq!(found.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), expected);
 }
 
-/// One vector of every snapshot.
+/// Compares one vector of every snapshot.
 fn same_vectors(found: &[Vector3<f64>], get: impl Fn(&Snapshot) -> Vector3<f64>) {
     assert_eq!(found, snapshots().map(|s| get(&s)).collect::<Vec<_>>());
 }
@@ -40,9 +40,9 @@ fn self_collision_is_read_to_the_last_bit() {
     same(&read.frozen, |s| own(s).frozen.iter().filter(|f| **f).count() as f64);
     let pairs: Vec<String> = snapshots().map(|s| own(&s).pairs[own(&s).nearest.unwrap().1].join("/")).collect();
     assert_eq!(read.pair, pairs);
-    for (j, (name, slides, wanted)) in read.wanted.iter().enumerate() {
-        assert_eq!((name.as_str(), *slides), (["hip", "ankle"][j], false));
-        same(wanted, |s| own(s).wanted[j]);
+    for (j, (name, prismatic, desired)) in read.wanted.iter().enumerate() {
+        assert_eq!((name.as_str(), *prismatic), (["hip", "ankle"][j], false));
+        same(desired, |s| own(s).wanted[j]);
     }
     assert!(written(3, TopicGroups::NONE).self_collision.is_none());
 }
@@ -126,7 +126,7 @@ fn residuals_energies_events_and_texts_are_read() {
 }
 
 #[test]
-fn what_was_not_logged_is_none() {
+fn topics_that_were_not_logged_are_none() {
     let topics = |names: &[&str]| written(3, TopicGroups::from_names(names).unwrap());
     let contact = topics(&["contact"]);
     assert!(contact.motion.is_none() && contact.soles.is_some() && contact.residuals.is_some());
@@ -136,13 +136,13 @@ fn what_was_not_logged_is_none() {
     assert_eq!(state.times, [0.0, 0.005, 0.01]);
     let scene = topics(&["scene"]);
     assert!(scene.times.is_empty() && scene.motion.is_none() && scene.soles.is_none());
-    assert_eq!(scene.events.len(), 3, "events are always there");
+    assert_eq!(scene.events.len(), 3, "events are always logged");
     let empty = written(0, TopicGroups::ALL);
     assert!(empty.complete && empty.times.is_empty() && empty.motion.unwrap().joints.len() == 2);
 }
 
 #[test]
-fn a_prismatic_joint_says_so() {
+fn prismatic_joints_are_marked() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
     let mut model = sample::model();
@@ -155,7 +155,7 @@ fn a_prismatic_joint_says_so() {
 }
 
 #[test]
-fn the_log_of_a_run_that_broke_down_is_read_and_says_so() {
+fn the_log_of_a_failed_run_is_readable_and_incomplete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
     drop(sample::started(&path, 7, TopicGroups::ALL));
@@ -164,7 +164,7 @@ fn the_log_of_a_run_that_broke_down_is_read_and_says_so() {
     assert_eq!(read.times.len(), 7);
 }
 
-/// Reads what is no whole log.
+/// Reads a file that is no complete log.
 fn refusal(path: &Path) -> (LogError, String) {
     let error = Trajectory::read(path).expect_err("no log");
     let message = error.to_string();
@@ -173,7 +173,7 @@ fn refusal(path: &Path) -> (LogError, String) {
 }
 
 #[test]
-fn missing_and_foreign_files_are_told_apart() {
+fn missing_and_foreign_files_have_different_errors() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str, bytes: &[u8]| {
         let path = folder.path().join(name);
@@ -187,7 +187,7 @@ fn missing_and_foreign_files_are_told_apart() {
     let (error, message) = refusal(&at("text.mcap", b"time,x\n0,1\n"));
     assert!(matches!(error, LogError::Foreign { .. }) && message.contains("does not begin as an MCAP"), "{message}");
 
-    // Whole, but of another program.
+    // Complete, but of another program.
     let mut other = std::io::Cursor::new(Vec::new());
     mcap::Writer::new(&mut other).unwrap().finish().unwrap();
     let (error, message) = refusal(&at("other.mcap", other.get_ref()));
@@ -195,7 +195,7 @@ fn missing_and_foreign_files_are_told_apart() {
 }
 
 #[test]
-fn a_log_cut_short_anywhere_is_told() {
+fn truncated_logs_are_refused() {
     let bytes = sample::log(20, TopicGroups::ALL);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
@@ -219,7 +219,7 @@ fn a_changed_byte_never_gives_other_values() {
         changed[at] ^= 0x55;
         std::fs::write(&path, &changed).unwrap();
         match Trajectory::read(&path) {
-            // A check sum of 0 is none; nothing else may change unseen.
+            // A checksum of 0 means none; all other changes must be detected.
             Ok(found) => {
                 read += 1;
                 assert!(found == whole, "byte {at}");
@@ -227,5 +227,5 @@ fn a_changed_byte_never_gives_other_values() {
             Err(_) => refused += 1,
         }
     }
-    assert!(refused >= 400 && read == 0, "{refused} refused, {read} read as if nothing had been");
+    assert!(refused >= 400 && read == 0, "{refused} refused, {read} read without error");
 }

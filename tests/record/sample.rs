@@ -1,4 +1,4 @@
-//! A small robot, a made-up motion and a log of it.
+//! A small robot, an artificial motion and its log.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
@@ -128,7 +128,7 @@ pub fn model() -> Model {
     }
 }
 
-/// Numbers without pattern, but the same each time.
+/// Reproducible numbers without pattern.
 fn wobble(tick: usize, i: usize) -> f64 {
     ((tick * 31 + i * 17) as f64 * 0.618_033_988_749_894_9).sin()
 }
@@ -137,7 +137,7 @@ fn vector(tick: usize, i: usize) -> Vector3<f64> {
     Vector3::new(wobble(tick, i), wobble(tick, i + 1), wobble(tick, i + 2))
 }
 
-/// The vertices are where the link is: readers may compare them with the sole's frame.
+/// The vertices move with the link, so that readers can compare them with the sole's frame.
 fn sole(tick: usize, state: &str, link: &Link, pose: &Isometry3<f64>, vertices: &[Vector3<f64>]) -> SoleSnapshot {
     let internal = pose * link.urdf_frame.inverse();
     let each = |shift: usize| (0..vertices.len()).map(|v| vector(tick, shift + 5 * v)).collect::<Vec<_>>();
@@ -249,7 +249,7 @@ pub fn header(topics: TopicGroups) -> LogHeader<'static> {
     }
 }
 
-/// A writer that has seen `ticks` snapshots and three events.
+/// A writer after `ticks` snapshots and three events.
 pub fn started(path: &Path, ticks: usize, topics: TopicGroups) -> LogWriter {
     let mut log = LogWriter::create(path, &model(), &header(topics)).unwrap();
     for tick in 0..ticks {

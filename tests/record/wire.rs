@@ -1,4 +1,4 @@
-//! Our messages on the wire, read by nothing but the descriptors in the file.
+//! Tests of the encoded messages, decoded with the descriptors in the file alone.
 
 use super::sample;
 use mcap::MessageStream;
@@ -33,7 +33,7 @@ fn double(bytes: &[u8]) -> String {
     format!("{:?}", f64::from_le_bytes(bytes.try_into().unwrap()))
 }
 
-/// Field name to values, as the descriptor of `message` says. Panics where bytes and descriptor disagree.
+/// Maps field names to values by the descriptor of `message`. Panics if bytes and descriptor disagree.
 fn read<'d>(set: &'d FileDescriptorSet, message: &str, mut bytes: &[u8]) -> BTreeMap<&'d str, Vec<String>> {
     const FIXED_64: u64 = 1;
     const DELIMITED: u64 = 2;
@@ -66,7 +66,7 @@ fn read<'d>(set: &'d FileDescriptorSet, message: &str, mut bytes: &[u8]) -> BTre
     found
 }
 
-/// The messages of a topic as their descriptor tells them, and how many fields that describes.
+/// The messages of a topic, decoded by their descriptor, and the number of described fields.
 fn by_descriptor(bytes: &[u8], topic: &str) -> (Vec<BTreeMap<String, Vec<String>>>, usize) {
     let all: Vec<_> =
         MessageStream::new(bytes).unwrap().map(Result::unwrap).filter(|m| m.channel.topic == topic).collect();
@@ -83,7 +83,7 @@ fn texts(values: &[f64]) -> Vec<String> {
 }
 
 fn vector(v: Option<messages::Vector3>) -> Vec<String> {
-    // Zeros are left out of the wire.
+    // Zeros are not encoded.
     let fields = |v: &messages::Vector3| {
         [("x", v.x), ("y", v.y), ("z", v.z)].into_iter().filter(|f| f.1 != 0.0).map(|(n, x)| (n, texts(&[x])))
     };
@@ -95,14 +95,14 @@ fn each_described_field_is_on_the_wire() {
     let bytes = sample::log(6, TopicGroups::ALL);
     for topic in ["/state", "/contact", "/residual", "/events"] {
         let (messages, described) = by_descriptor(&bytes, topic);
-        // Zeros and empty lists are left out of the wire, so no single message shows every field.
+        // Zeros and empty lists are not encoded, so no single message has every field.
         let seen: BTreeSet<&String> = messages.iter().flat_map(BTreeMap::keys).collect();
         assert_eq!(seen.len(), described, "{topic}: {seen:?}");
     }
 }
 
 #[test]
-fn names_belong_to_their_values() {
+fn field_names_match_their_values() {
     let bytes = sample::log(6, TopicGroups::ALL);
     for (tick, found) in by_descriptor(&bytes, "/state").0.iter().enumerate() {
         let s = sample::snapshot(tick);

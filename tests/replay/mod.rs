@@ -1,4 +1,4 @@
-//! `runner replay`: runs made again give the same bits, and what is not the same is told.
+//! Tests of `runner replay`: a re-run gives the same bits, and differences are reported.
 
 use crate::cli::{Done, Place};
 use serde_json::Value;
@@ -28,7 +28,7 @@ repeat = 2
 "contact.method" = ["exact", "one-step"]
 "#;
 
-/// The folders of the runs of a scenario.
+/// Folders of the runs of a scenario.
 fn folders(place: &Place, scenario: &str) -> Vec<String> {
     let entries = fs::read_dir(place.path("results").join(scenario)).unwrap();
     let names = entries.map(|e| e.unwrap().file_name().to_str().unwrap().to_owned());
@@ -45,10 +45,10 @@ fn fallen() -> Place {
     place
 }
 
-/// One run without comparison, for what does not need one.
+/// One run without comparison.
 fn slid() -> (Place, String) {
     let place = Place::new();
-    // Steps of one size: a run that goes on longer is the same up to there.
+    // With fixed steps, a longer run is equal up to the end of the shorter one.
     let text = "base = { linear_velocity = [1, 0, 0] }\n[log]\nrate = 100\n[integrator]\nmethod = \"rk4\"\n";
     place.block("slide.toml", text);
     place.runner(&["slide.toml", "--set", "duration=0.3"]).exits(0);
@@ -70,7 +70,7 @@ fn says(said: &Done, words: &str) {
 }
 
 #[test]
-fn every_run_of_a_sweep_gives_the_same_bits_again() {
+fn every_run_of_a_sweep_gives_the_same_bits() {
     let place = fallen();
     let before = fs::read(place.path("results/summary.csv")).unwrap();
     let said = place.runner(&["replay", "results"]).exits(0);
@@ -79,15 +79,15 @@ fn every_run_of_a_sweep_gives_the_same_bits_again() {
     let references = said.stdout.matches(": same bits (run.json; it left no log)").count();
     assert_eq!((runs, references), (4, 4), "{}", said.stdout);
     says(&said, "8 runs gave the same bits, 0 did not");
-    assert_eq!(fs::read(place.path("results/summary.csv")).unwrap(), before, "the results are as they were");
-    // It does not matter that the scenario file is gone or says something else now: the record has what was run.
+    assert_eq!(fs::read(place.path("results/summary.csv")).unwrap(), before, "the results are unchanged");
+    // The scenario file may be missing or changed, because the record contains the scenario.
     fs::remove_file(place.path("in/fall.toml")).unwrap();
     let key = folders(&place, "fall")[0].rsplit('/').next().unwrap().to_owned();
     says(&place.runner(&["replay", &key[..8]]).exits(0), "same bits");
 }
 
 #[test]
-fn what_it_leaves_can_be_kept() {
+fn output_keeps_the_results_of_a_rerun() {
     let (place, folder) = slid();
     place.runner(&["replay", &folder, "-o", "again"]).exits(0);
     let again = place.path(&folder.replace("results", "again"));
@@ -98,7 +98,7 @@ fn what_it_leaves_can_be_kept() {
 }
 
 #[test]
-fn from_elsewhere_it_must_be_told_where_paths_begin() {
+fn base_gives_the_folder_of_relative_paths() {
     let (place, folder) = slid();
     fs::create_dir(place.path("other")).unwrap();
     let from =
@@ -114,13 +114,13 @@ fn from_elsewhere_it_must_be_told_where_paths_begin() {
 }
 
 #[test]
-fn a_changed_metric_is_told_with_both_values() {
+fn a_changed_metric_is_reported_with_both_values() {
     let (place, folder) = slid();
     let mut was = String::new();
     tamper(&place, &folder, |record| {
         let x = &mut record["metrics"]["final_base_position"][0];
         was = x.to_string();
-        // The next number that there is.
+        // The next representable number.
         *x = f64::from_bits(x.as_f64().unwrap().to_bits() + 1).into();
     });
     let said = place.runner(&["replay", &folder]).exits(1);
@@ -132,9 +132,9 @@ fn a_changed_metric_is_told_with_both_values() {
 }
 
 #[test]
-fn another_log_is_told_at_its_first_difference() {
+fn a_changed_log_is_reported_at_its_first_difference() {
     let (place, folder) = slid();
-    // The log of a run that began with another speed, and one that ends later.
+    // The log of a run with another initial speed, and of one that ends later.
     let log = place.path(&folder).join("log.mcap");
     let other = |override_: &str| {
         place.runner(&["slide.toml", "--set", "duration=0.3", "--set", override_, "-o", "other"]).exits(0);
@@ -147,7 +147,7 @@ fn another_log_is_told_at_its_first_difference() {
     says(&said, "log.mcap: at 0.0 s, `base_vx_m_s`: 1.5 then, 1.0 now");
     let said = other("duration=0.4");
     says(&said, "log.mcap: from 0.31 s on: 41 ticks then, 31 ticks now");
-    // Equal motion, another scenario: only the attached text tells.
+    // Equal motion, another scenario: only the attached text differs.
     let said = other("description=\"another\"");
     says(&said, "log.mcap: attached text: slide.toml then");
     let mut bytes = fs::read(&log).unwrap();
@@ -179,7 +179,7 @@ fn changed_inputs_are_named() {
 }
 
 #[test]
-fn a_record_whose_scenario_was_changed_is_found_out() {
+fn a_changed_scenario_in_the_record_is_detected() {
     let (place, folder) = slid();
     tamper(&place, &folder, |record| {
         let text = record["resolved"].as_str().unwrap().replace("duration = 0.3", "duration = 0.2");
@@ -203,7 +203,7 @@ fn another_program_is_named() {
 }
 
 #[test]
-fn another_build_is_named_and_the_bits_are_compared_all_the_same() {
+fn another_build_is_named_and_the_bits_are_compared() {
     let (place, folder) = slid();
     let mut own = String::new();
     tamper(&place, &folder, |record| {
@@ -219,7 +219,7 @@ fn another_build_is_named_and_the_bits_are_compared_all_the_same() {
 }
 
 #[test]
-fn contact_problems_are_written_where_the_run_is_kept() {
+fn contact_problems_are_written_to_the_output_folder() {
     let (place, folder) = slid();
     place.runner(&["replay", &folder, "--dump-problems=all"]).exits(2);
     place.runner(&["replay", &folder, "--dump-problems=all", "-o", "again"]).exits(0);
@@ -234,7 +234,7 @@ fn contact_problems_are_written_where_the_run_is_kept() {
 }
 
 #[test]
-fn a_run_that_ended_by_the_clock_is_compared_as_far_as_it_came() {
+fn a_timed_out_run_is_compared_up_to_its_end() {
     let place = Place::new();
     place.block("long.toml", "base = { linear_velocity = [1, 0, 0] }\n[log]\nrate = 100\n");
     place.runner(&["long.toml", "--set", "duration=1e6", "--timeout", "0.3"]).exits(3);
@@ -248,7 +248,7 @@ fn a_run_that_ended_by_the_clock_is_compared_as_far_as_it_came() {
 }
 
 #[test]
-fn a_run_must_be_known() {
+fn unknown_and_ambiguous_keys_are_refused() {
     let (place, folder) = slid();
     says(&place.runner(&["replay", "0000000000000000"]).exits(2), "no run below results has a key that begins with");
     says(&place.runner(&["replay", "x", "--results", "nowhere"]).exits(2), "nowhere");
@@ -261,7 +261,7 @@ fn a_run_must_be_known() {
 }
 
 #[test]
-fn a_log_that_is_gone_is_told() {
+fn a_missing_log_is_reported() {
     let (place, folder) = slid();
     fs::remove_file(place.path(&folder).join("log.mcap")).unwrap();
     let done = place.runner(&["replay", &folder]).exits(1);
@@ -269,12 +269,12 @@ fn a_log_that_is_gone_is_told() {
 }
 
 #[test]
-fn a_limit_that_is_reached_says_nothing_of_bits_and_others_are_made_again() {
+fn a_reached_time_limit_prevents_the_comparison_of_that_run_only() {
     let (place, folder) = slid();
     let said = place.runner(&["replay", &folder, "--timeout", "1e-9"]).exits(3);
     says(&said, "not finished within --timeout, it stands at ");
     assert!(!said.stdout.contains("differs") && !said.stdout.contains("same bits"), "{}", said.stdout);
-    // One of which nothing can be made does not keep others from it.
+    // A run that cannot be re-run does not prevent the others.
     place.block("other.toml", "");
     place.runner(&["other.toml", "--set", "duration=0.1"]).exits(0);
     tamper(&place, &folder, |record| drop(record["timing"].as_object_mut().unwrap().remove("file")));

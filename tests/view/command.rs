@@ -1,11 +1,11 @@
-//! `runner view`, as it is typed.
+//! Tests of the command `runner view`.
 
 use crate::cli::Place;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Stdio};
 
-/// A finished batch of three runs, one of which left no log.
+/// A finished batch of three runs, one without a log.
 fn results() -> Place {
     let place = Place::new();
     place.block("slide.toml", "[sweep.grid]\n\"floor.friction\" = [0.2, 0.4]\n");
@@ -50,7 +50,7 @@ impl Drop for Served {
 }
 
 #[test]
-fn a_folder_of_results_is_a_list_of_runs() {
+fn a_folder_of_results_is_served_as_a_list_of_runs() {
     let place = results();
     let served = Served::start(&place, &["view"]);
     let list = served.get("/");
@@ -66,7 +66,7 @@ fn a_folder_of_results_is_a_list_of_runs() {
 
 #[cfg(unix)]
 #[test]
-fn it_ends_on_ctrl_c() {
+fn ctrl_c_ends_the_server() {
     let place = results();
     let mut served = Served::start(&place, &["view", &folders(&place, "slide")[0]]);
     assert!(served.get("/").starts_with("HTTP/1.1 303 "));
@@ -77,7 +77,7 @@ fn it_ends_on_ctrl_c() {
 }
 
 #[test]
-fn a_run_becomes_a_file() {
+fn output_writes_a_page_as_a_file() {
     let place = results();
     let folder = &folders(&place, "slide")[0];
     let said = place.runner(&["view", folder, "-o", "pages/one.html"]).exits(0);
@@ -90,7 +90,7 @@ fn a_run_becomes_a_file() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_told() {
+fn unreadable_logs_are_reported() {
     let place = results();
     let told = |arguments: &[&str], code, words: &str| {
         let said = place.runner(arguments).exits(code);

@@ -1,4 +1,4 @@
-//! The bytes for the page, read as the page reads them, against what was logged.
+//! Tests of the encoded run, decoded independently and compared with the logged snapshots.
 
 use crate::record::sample;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -20,7 +20,7 @@ fn snapshots() -> Vec<Snapshot> {
     (0..TICKS).map(sample::snapshot).collect()
 }
 
-/// A reader of its own, by the words on top of `pack.rs`.
+/// An independent decoder, written from the module documentation of `packed_run.rs`.
 struct Page {
     head: Value,
     columns: Vec<u8>,
@@ -59,7 +59,7 @@ impl Page {
     }
 }
 
-/// As the page has them: to the last bit of an f32; what is no number is no number in both.
+/// Compares numbers as f32 to the last bit; NaN equals NaN.
 #[track_caller]
 fn same(found: &[f32], expected: impl IntoIterator<Item = f64>) {
     let bits = |x: f32| if x.is_nan() { None } else { Some(x.to_bits()) };
@@ -76,7 +76,7 @@ fn some(v: Option<Vector3<f64>>) -> Vector3<f64> {
 }
 
 #[test]
-fn numbers_are_those_of_the_log() {
+fn numbers_equal_those_of_the_log() {
     let page = Page::of(&pack(&replay(TopicGroups::ALL).unwrap(), None));
     let all = snapshots();
     let times: Vec<u64> = page.times().iter().map(|t| t.to_bits()).collect();
@@ -105,7 +105,7 @@ fn numbers_are_those_of_the_log() {
         let pair = of(k).map_or_else(|| "/".to_owned(), |n| own[k].pairs[n.1].join("/"));
         assert_eq!(nearest["pairs"][code], pair.as_str());
     }
-    assert_eq!(nearest["margin"].as_f64(), Some(0.0), "the sample's scenario says nothing of it");
+    assert_eq!(nearest["margin"].as_f64(), Some(0.0), "the sample's scenario has no margin");
     for (i, sole) in page.head["soles"].as_array().unwrap().iter().enumerate() {
         let states = sole["states"].as_array().unwrap();
         let codes = page.bytes(&sole["state"], 1);
@@ -128,7 +128,7 @@ fn numbers_are_those_of_the_log() {
 }
 
 #[test]
-fn links_hang_together_as_they_were() {
+fn frames_compose_to_the_logged_poses() {
     let page = Page::of(&pack(&replay(TopicGroups::ALL).unwrap(), None));
     let frames = page.head["frames"].as_array().unwrap();
     let model = sample::model();
@@ -146,7 +146,7 @@ fn links_hang_together_as_they_were() {
         }
         for (link, expected) in model.links.iter().zip(&s.link_poses) {
             let found = world.iter().find(|(name, _)| *name == link.name).unwrap().1;
-            // Three poses one upon the other, each rounded to 6e-8 of numbers of a few metres.
+            // Three composed poses, each rounded to 6e-8 of numbers of a few metres.
             assert!((found.translation.vector - expected.translation.vector).norm() < 3e-6, "{} at {tick}", link.name);
             assert!(found.rotation.angle_to(&expected.rotation) < 3e-6, "{} at {tick}", link.name);
         }
@@ -159,7 +159,7 @@ fn links_hang_together_as_they_were() {
 }
 
 #[test]
-fn shapes_are_those_of_the_robot() {
+fn shapes_equal_those_of_the_robot() {
     let page = Page::of(&pack(&replay(TopicGroups::ALL).unwrap(), None));
     let shapes = page.head["shapes"].as_array().unwrap();
     let of = |frame: &str| shapes.iter().filter(|s| s["frame"] == frame).collect::<Vec<_>>();
@@ -181,7 +181,7 @@ fn shapes_are_those_of_the_robot() {
 }
 
 #[test]
-fn fewer_ticks_are_some_of_them_and_the_last() {
+fn a_rate_keeps_some_ticks_and_the_last() {
     let replay = replay(TopicGroups::ALL).unwrap();
     let period = replay.times[1] - replay.times[0];
     let kept = replay.thinned(Some(0.25 / period));
@@ -197,7 +197,7 @@ fn fewer_ticks_are_some_of_them_and_the_last() {
 }
 
 #[test]
-fn a_log_without_some_topics_is_shown_without_them() {
+fn missing_topics_are_null() {
     let page = Page::of(&pack(&replay(TopicGroups { scene: true, ..TopicGroups::NONE }).unwrap(), None));
     assert_eq!(page.times().len(), TICKS);
     for absent in ["com", "cop", "stable", "polygon", "external", "points", "soles"] {

@@ -1,4 +1,4 @@
-//! Seeing runs: what the page is given is what the log holds, and who is given it.
+//! Tests of the viewer: the encoded run, the page, the server and the command.
 
 mod command;
 mod data;

@@ -1,4 +1,4 @@
-//! The page itself.
+//! Tests of the viewer page.
 
 use crate::record::sample;
 use base64::Engine as _;
@@ -11,7 +11,7 @@ fn between<'a>(page: &'a str, begin: &str, end: &str) -> &'a str {
 }
 
 #[test]
-fn a_file_holds_its_run() {
+fn a_file_page_contains_its_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
     sample::started(&path, 20, TopicGroups::ALL).finish().unwrap();
@@ -25,23 +25,23 @@ fn a_file_holds_its_run() {
 }
 
 #[test]
-fn it_asks_nothing_of_others() {
+fn a_page_loads_nothing_from_other_hosts() {
     let page = served_page("a run", true);
-    // The name of a kind of XML, in three.js; nobody is asked for it.
+    // An XML namespace in three.js, which is not loaded.
     let own = page.replace("http://www.w3.org/1999/xhtml", "");
     for sign in ["http://", "https://", "src=", "@import", "url(", "import("] {
         assert!(!own.contains(sign), "{sign}");
     }
     assert!(page.contains("Content-Security-Policy\" content=\"default-src 'none'"));
     assert_eq!(page.matches("<script").count(), 3, "data, three.js, ours");
-    assert_eq!(page.matches("</script>").count(), 3, "no script ends too early");
-    assert!(page.contains("Three.js Authors"), "whose work it is");
+    assert_eq!(page.matches("</script>").count(), 3, "no script is cut short");
+    assert!(page.contains("Three.js Authors"), "the licence names the authors");
 }
 
 #[test]
-fn names_are_words_and_no_markup() {
+fn names_are_escaped() {
     let page = served_page("</title><script>alert(1)</script>", false);
     assert!(!page.contains("<script>alert"));
-    assert!(!page.contains(">all runs<"), "there are no others");
+    assert!(!page.contains(">all runs<"), "there is only one run");
     assert!(served_page("a run", true).contains("<a href=\"/\">all runs</a>"));
 }

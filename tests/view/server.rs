@@ -1,4 +1,4 @@
-//! What the server answers, to whom, and what it does not.
+//! Tests of the answers of the server.
 
 use crate::record::sample;
 use std::io::{Read, Write};
@@ -22,7 +22,7 @@ struct Answer {
 }
 
 impl Serving {
-    /// One log, alone.
+    /// Serves one log.
     fn start(topics: TopicGroups) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.mcap");
@@ -60,17 +60,17 @@ impl Drop for Serving {
 }
 
 #[test]
-fn it_listens_on_loopback_alone() {
+fn the_server_listens_on_loopback_only() {
     let serving = Serving::start(TopicGroups::ALL);
     assert_eq!(serving.address.ip(), IpAddr::V4(Ipv4Addr::LOCALHOST));
     // The same port of every other address of this machine is free.
     let elsewhere = SocketAddr::from(([127, 0, 0, 2], serving.address.port()));
     assert!(TcpStream::connect(elsewhere).is_err() || cfg!(not(target_os = "linux")));
-    assert!(TcpListener::bind(serving.address).is_err(), "it does listen");
+    assert!(TcpListener::bind(serving.address).is_err(), "the server listens");
 }
 
 #[test]
-fn it_serves_the_page_and_the_bytes_of_its_run() {
+fn the_server_serves_the_page_and_the_data_of_its_run() {
     let serving = Serving::start(TopicGroups::ALL);
     let home = serving.get("/");
     assert_eq!(home.status, 303);
@@ -92,7 +92,7 @@ fn it_serves_the_page_and_the_bytes_of_its_run() {
 }
 
 #[test]
-fn nothing_else_is_there() {
+fn other_targets_are_not_found() {
     let serving = Serving::start(TopicGroups::ALL);
     std::fs::write(serving.folder.path().join("secret"), "x").unwrap();
     for target in [
@@ -122,7 +122,7 @@ fn nothing_else_is_there() {
 }
 
 #[test]
-fn a_page_of_elsewhere_gets_nothing() {
+fn requests_with_another_host_are_refused() {
     let serving = Serving::start(TopicGroups::ALL);
     let port = serving.address.port();
     for host in ["Host: evil.example\r\n", &format!("Host: evil.example:{port}\r\n"), "Host: 127.0.0.1\r\n", ""] {
@@ -133,7 +133,7 @@ fn a_page_of_elsewhere_gets_nothing() {
 }
 
 #[test]
-fn only_looking_is_allowed() {
+fn methods_other_than_get_and_head_are_refused() {
     let serving = Serving::start(TopicGroups::ALL);
     for method in ["POST", "PUT", "DELETE", "OPTIONS"] {
         let answer = serving.say(&format!("{method} / HTTP/1.1\r\nHost: {}\r\n\r\n", serving.address));
@@ -144,7 +144,7 @@ fn only_looking_is_allowed() {
 }
 
 #[test]
-fn a_log_that_cannot_be_shown_says_why() {
+fn the_error_of_an_unreadable_log_is_the_answer() {
     let serving = Serving::start(TopicGroups { scene: false, ..TopicGroups::ALL });
     let answer = serving.get("/run/0/data");
     assert_eq!(answer.status, 500);
@@ -154,7 +154,7 @@ fn a_log_that_cannot_be_shown_says_why() {
 }
 
 #[test]
-fn who_keeps_silent_does_not_hold_up_others() {
+fn a_silent_connection_does_not_block_others() {
     let serving = Serving::start(TopicGroups::ALL);
     let silent: Vec<_> = (0..4).map(|_| TcpStream::connect(serving.address).unwrap()).collect();
     assert_eq!(serving.get("/run/0/").status, 200);

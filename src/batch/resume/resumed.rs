@@ -13,7 +13,7 @@ use crate::batch::resume::rerun_reason;
 use crate::batch::{Finished, Job, Options, Plan, Role};
 use crate::files::{RecordError, remove_partial};
 use crate::log::MAX_PROBLEMS;
-use crate::results::{BUILD, ParamValue, RunRecord, SummaryRow, log_fault};
+use crate::results::{BUILD, ParamValue, RunRecord, SummaryRow, log_mismatch};
 use crate::sim::{Outcome, Problems};
 
 /// What is there already of a batch.
@@ -169,8 +169,8 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
         if record.log.is_none() && !log.exists() {
             return State::Rerun("it has no log".into());
         }
-        if let Some(fault) = log_fault(&record, &log) {
-            return State::Rerun(fault.into());
+        if let Some(fault) = log_mismatch(&record, &log) {
+            return State::Rerun(fault.reason().into());
         }
     }
     let problems = folder.join(names::PROBLEMS);

@@ -1,18 +1,18 @@
-//! What a log tells, as time series. World axes, SI units; entry `i` of every series belongs to `times[i]`.
+//! A log as time series. World axes, SI units; entry `i` of every series belongs to `times[i]`.
 
 use crate::log::messages::Residual;
 use crate::log::read::estimate_series::EstimateSeries;
 use crate::log::read::self_collision_series::SelfCollisionSeries;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// A run as its log tells it. A group of topics the scenario did not log (`log.topics`) is `None`.
+/// A run, read from its log. A group of topics that the scenario did not log (`log.topics`) is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
-    /// Which run this is.
+    /// Identity of the run.
     pub info: RunInfo,
-    /// Did the run end by itself; false for one that was cancelled or broke down, whose series then end early.
+    /// True if the run ended by itself; false for a cancelled or failed run, whose series end early.
     pub complete: bool,
-    /// Scenario, robot file (if there is one), URDF, and other texts that the run was made of.
+    /// Scenario, robot file (if there is one), URDF, and other input files of the run.
     pub attachments: Vec<Attachment>,
     /// Simulated times of the ticks, s, as they were logged: rising, mostly at the log's rate. Empty when the log holds
     /// neither `state` nor `contact`.
@@ -21,17 +21,17 @@ pub struct Trajectory {
     pub motion: Option<Motion>,
     /// The soles in the robot's order; topic `contact`.
     pub soles: Option<Vec<SoleSeries>>,
-    /// What the contact laws miss, and the energy balance; topic `contact`. One entry per tick.
+    /// Residuals of the contact laws and energy balance; topic `contact`. One entry per tick.
     pub residuals: Option<Vec<Residual>>,
-    /// What the robot knew; where sensors or estimator do not tell the truth. One entry per tick.
+    /// Sensor readings and state estimate, if they can differ from the true state. One entry per tick.
     pub estimate: Option<EstimateSeries>,
-    /// How near the robot is to touching itself; where the scenario asks. One entry per tick.
+    /// Distances between bodies of the robot, if the scenario has `[self_collision]`. One entry per tick.
     pub self_collision: Option<SelfCollisionSeries>,
-    /// What happened, in the order of time; not bound to ticks.
+    /// Events in order of time, at their own instants.
     pub events: Vec<LoggedEvent>,
 }
 
-/// Which run a log is of.
+/// Identity of the run of a log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunInfo {
     /// Name of the scenario.
@@ -80,13 +80,13 @@ pub struct Motion {
     pub stable_point: Vec<Option<Vector3<f64>>>,
     /// Convex hull of the touching vertices, m.
     pub support_polygon: Vec<Vec<Vector3<f64>>>,
-    /// Points that tasks show.
+    /// Points shown by tasks.
     pub points: Vec<PointSeries>,
     /// External forces: points, m, and forces, N.
     pub external: Vec<Vec<(Vector3<f64>, Vector3<f64>)>>,
 }
 
-/// A point that a task shows.
+/// A point shown by a task.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointSeries {
     /// Its name.
@@ -100,7 +100,7 @@ pub struct PointSeries {
 pub struct JointSeries {
     /// Name in the URDF.
     pub name: String,
-    /// Does it move along its axis (m, m/s, N); otherwise it turns about it (rad, rad/s, N m).
+    /// True for a prismatic joint (m, m/s, N), false for a revolute one (rad, rad/s, N m).
     pub prismatic: bool,
     /// Positions, rad or m.
     pub position: Vec<f64>,
@@ -112,7 +112,7 @@ pub struct JointSeries {
     pub desired_velocity: Vec<f64>,
     /// Actuator efforts, N m or N.
     pub effort: Vec<f64>,
-    /// Efforts that the drives ask for, before limits and lag; not a number where the log does not say.
+    /// Efforts commanded by the drives, before limits and lag; NaN if the log lacks them.
     pub desired_effort: Vec<f64>,
 }
 
@@ -132,7 +132,7 @@ pub struct SoleSeries {
 /// One vertex of a sole.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VertexSeries {
-    /// Is it clamped to the floor.
+    /// True where it is clamped to the floor.
     pub clamped: Vec<bool>,
     /// Positions, m.
     pub position: Vec<Vector3<f64>>,
@@ -142,16 +142,16 @@ pub struct VertexSeries {
     pub force: Vec<Vector3<f64>>,
 }
 
-/// Something that happened.
+/// An event.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoggedEvent {
     /// Simulated time, s.
     pub time: f64,
     /// Short kind, such as `touchdown`.
     pub kind: String,
-    /// What it is about; may be empty.
+    /// Its subject, such as a sole; may be empty.
     pub subject: String,
-    /// Words for a person.
+    /// Its description as text.
     pub message: String,
 }
 
@@ -171,7 +171,7 @@ impl Trajectory {
         self.attachments.iter().find(|a| a.media_type == "application/xml").map(|a| a.text.as_str())
     }
 
-    /// The scenario is attached first, the robot file after it.
+    /// The scenario is the first TOML attachment, the robot file the second.
     fn toml(&self, nth: usize) -> Option<&str> {
         let tomls = self.attachments.iter().filter(|a| a.media_type == "application/toml");
         tomls.map(|a| a.text.as_str()).nth(nth)

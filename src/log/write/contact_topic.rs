@@ -1,4 +1,4 @@
-//! `/contact`: state, vertices and forces of every sole.
+//! Writes `/contact`: state, vertices and forces of every sole.
 
 use crate::files::RecordError;
 use crate::log::messages::{Contact, Sole};

@@ -1,10 +1,10 @@
-//! From our types to those of the log.
+//! Converts simulation types to message types.
 
 use crate::log::messages;
 use foxglove::messages::{Color, Point3, Pose, Quaternion, Timestamp, Vector3};
 use nalgebra as na;
 
-/// Simulated seconds as nanoseconds from the start of the run; before it, or not a number, counts as 0.
+/// Simulated seconds as nanoseconds from the start of the run; negative times and NaN become 0.
 pub(super) fn nanoseconds(time: f64) -> u64 {
     (time * 1e9).round() as u64
 }
@@ -39,12 +39,12 @@ pub(super) fn colour(rgba: [f32; 4]) -> Color {
     Color { r, g, b, a }
 }
 
-/// A vector in our own messages.
+/// A vector in a message of [`messages`].
 pub(super) fn to_message(v: &na::Vector3<f64>) -> messages::Vector3 {
     messages::Vector3 { x: v.x, y: v.y, z: v.z }
 }
 
-/// Replaces the contents of `to`, keeping its storage.
+/// Replaces the contents of `to` and keeps its storage.
 pub(super) fn to_messages(from: &[na::Vector3<f64>], to: &mut Vec<messages::Vector3>) {
     to.clear();
     to.extend(from.iter().map(to_message));

@@ -1,4 +1,4 @@
-//! `/estimate`: what the robot knew, beside the truth of `/state`.
+//! Writes `/estimate`: sensor readings and state estimate, next to the true state in `/state`.
 
 use crate::files::RecordError;
 use crate::log::messages::{Estimate, Quaternion, Wrench};
@@ -11,7 +11,7 @@ use nalgebra::UnitQuaternion;
 use std::collections::BTreeMap;
 
 pub(super) struct EstimateTopic {
-    /// Opened by the first snapshot that has an estimate.
+    /// Opened by the first snapshot with an estimate.
     channel: Option<Channel>,
     metadata: BTreeMap<String, String>,
     message: Estimate,
@@ -19,7 +19,7 @@ pub(super) struct EstimateTopic {
 
 impl EstimateTopic {
     pub fn new(model: &Model) -> Self {
-        let list = |words: Vec<&str>| serde_json::json!(words).to_string();
+        let list = |names: Vec<&str>| serde_json::json!(names).to_string();
         let metadata = BTreeMap::from([
             ("joints".to_owned(), list(model.joints.iter().map(|j| j.name.as_str()).collect())),
             ("soles".to_owned(), list(model.soles.iter().map(|s| s.name.as_str()).collect())),

@@ -1,4 +1,4 @@
-//! `/events`: what happened, for programs; `/log`: the same for people.
+//! Writes events: `/events` for programs, `/log` as text for viewers.
 
 use crate::files::RecordError;
 use crate::log::messages::Event;
@@ -34,7 +34,7 @@ impl EventTopics {
     }
 }
 
-/// What a viewer should make stand out.
+/// Severity with which viewers highlight an event.
 fn level(kind: &str) -> Level {
     match kind {
         "inconsistent" => Level::Error,

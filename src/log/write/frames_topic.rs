@@ -1,6 +1,6 @@
-//! `/tf`: where every frame is. Each link, moving or welded, hangs on its parent in the URDF, as in ROS, so that a viewer
-//! can lay the URDF over it. A sole's frame, `sole/NAME`, hangs on its link; its origin is the mean of the sole's
-//! vertices and its axes are those of the link's URDF frame.
+//! Writes `/tf`: the pose of every frame. The parent of each link, moving or welded, is its parent in the URDF, as in ROS,
+//! so that viewers can overlay the URDF. A sole's frame, `sole/NAME`, is a child of its link; its origin is the mean of the
+//! sole's vertices and its axes are those of the link's URDF frame.
 
 use crate::files::RecordError;
 use crate::log::write::conversion::{quaternion, timestamp, vector};
@@ -13,14 +13,14 @@ use foxglove::messages::{FrameTransform, FrameTransforms};
 use nalgebra::{Isometry3, Vector3};
 use std::collections::HashMap;
 
-/// Name of the frame everything stands in: `world`, or `map` when a link is called `world` already.
+/// Name of the root frame: `world`, or `map` if a link is called `world`.
 pub(super) fn world_frame(model: &Model) -> &'static str {
     if model.link("world").is_some() { "map" } else { "world" }
 }
 
 pub(super) struct FramesTopic {
     channel: Channel,
-    /// One per link, in the model's order, then the frames that do not move in their link.
+    /// One transform per link, in the model's order, then the frames fixed in a link.
     message: FrameTransforms,
     parents: Vec<Option<usize>>,
 }
@@ -62,7 +62,7 @@ fn fixed(model: &Model, urdf: &str) -> Vec<FrameTransform> {
     found
 }
 
-/// Child to parent over the fixed joints. The model merges chains of them into one link; the URDF still knows the chain.
+/// Parents of the links that fixed joints attach. The model merges chains of them into one link; the URDF has the chain.
 fn welds(urdf: &str) -> HashMap<String, String> {
     let Ok(document) = roxmltree::Document::parse(urdf) else { return HashMap::new() };
     let joints = document.root_element().children().filter(|n| n.has_tag_name("joint"));

@@ -1,5 +1,5 @@
-//! `/scene/contact`: force arrows, clamped vertices, centre of mass, centre of pressure, support polygon and point of
-//! optimal stability and points of tasks, drawn anew at every tick.
+//! Writes `/scene/contact`, redrawn at every tick: force arrows, clamped vertices, centre of mass, centre of pressure,
+//! support polygon, point of optimal stability, and points of tasks.
 
 use crate::files::RecordError;
 use crate::log::write::conversion::{colour, point, pose, pose_at, timestamp};
@@ -24,7 +24,7 @@ const STABLE: [f32; 4] = [0.1, 0.75, 0.85, 1.0];
 const POINT: [f32; 4] = [0.1, 0.1, 0.1, 1.0];
 const SUPPORT: [f32; 4] = [0.1, 0.35, 0.85, 1.0];
 
-/// Length of an arrow that stands for the robot's weight, m.
+/// Length of an arrow with the robot's weight, m.
 const WEIGHT_ARROW: f64 = 0.5;
 const STANDARD_GRAVITY: f64 = 9.806_65;
 
@@ -52,7 +52,7 @@ impl MarkerTopic {
     }
 }
 
-/// A tenth of the widest sole, within what can be seen and does not hide a foot.
+/// A tenth of the widest sole, limited so that markers are visible and do not hide a foot.
 fn marker_size(model: &Model) -> f64 {
     let width =
         model.soles.iter().flat_map(|s| s.vertices.iter().map(|v| (v - s.vertices[0]).norm())).fold(0.0, f64::max);
@@ -111,7 +111,7 @@ fn draw_balance(s: &Snapshot, size: f64, to: &mut SceneEntity) {
     if let Some(stable) = &s.stable_point {
         to.spheres.push(ball(stable, 1.5 * size, STABLE));
     }
-    // An entity replaces its predecessor whole, so an empty list takes the old polygon away.
+    // An entity replaces its predecessor, so an empty list removes the old polygon.
     if s.support_polygon.len() < 2 {
         to.lines.clear();
         return;
@@ -136,13 +136,13 @@ fn ball(at: &Vector3<f64>, diameter: f64, rgba: [f32; 4]) -> SpherePrimitive {
     SpherePrimitive { pose: Some(pose_at(at)), size: Some(size), color: Some(colour(rgba)) }
 }
 
-/// An arrow from `at` along `force`; none for a force too small to be seen or not finite.
+/// An arrow from `at` along `force`; none for an invisibly small or non-finite force.
 fn arrow(at: &Vector3<f64>, force: &Vector3<f64>, metres_per_newton: f64, rgba: [f32; 4]) -> Option<ArrowPrimitive> {
     let length = force.norm() * metres_per_newton;
     if !(length > 1e-3 && length.is_finite()) {
         return None;
     }
-    // An arrow points along x; a force along -x has no unique shortest rotation, so turn it about z.
+    // An arrow points along x. A force along -x has no unique shortest rotation; it is turned about z.
     let rotation = UnitQuaternion::rotation_between(&Vector3::x(), force)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI));
     let width = (0.06 * length).clamp(0.002, 0.02);
@@ -162,7 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_arrow_points_along_its_force_and_is_as_long_as_told() {
+    fn an_arrow_has_direction_and_scaled_length_of_its_force() {
         for force in [
             Vector3::new(-3.0, 0.0, 0.0),
             Vector3::new(3.0, 0.0, 0.0),

@@ -1,4 +1,4 @@
-//! `/residual`: what the contact laws miss, and the energy balance.
+//! Writes `/residual`: residuals of the contact laws and the energy balance.
 
 use crate::files::RecordError;
 use crate::log::messages::Residual;

@@ -1,6 +1,6 @@
-//! `/scene`: the robot's shapes, fixed to the frames of its links, and the floor. Written once: viewers keep an entity
-//! until one of the same name replaces it. What moves on its own is on [`crate::log::write::marker_topic`]' topic, so that a viewer which
-//! jumps to a time and reads only the last message of each topic still shows the robot.
+//! Writes `/scene` once: the robot's shapes, fixed to the frames of its links, and the floor. Viewers keep an entity until
+//! one of the same name replaces it. Markers have a topic of their own (`marker_topic.rs`), so that a viewer that jumps to a
+//! time and reads only the last message of each topic still shows the robot.
 
 use crate::files::RecordError;
 use crate::log::write::conversion::{colour, point, pose, timestamp};
@@ -16,7 +16,7 @@ use nalgebra::{Isometry3, Translation3};
 
 /// Edge of the drawn floor, m.
 const FLOOR: f64 = 10.0;
-/// Distance of its grid lines, m.
+/// Distance of the grid lines, m.
 const GRID: f64 = 0.5;
 const FLOOR_COLOUR: [f32; 4] = [0.82, 0.83, 0.85, 1.0];
 const PATCH_COLOUR: [f32; 4] = [0.1, 0.45, 0.75, 1.0];
@@ -32,7 +32,7 @@ pub(super) fn write(output: &mut LogOutput, model: &Model, header: &LogHeader) -
     output.send(&mut channel, 0, &SceneUpdate { deletions: Vec::new(), entities })
 }
 
-/// An entity without primitives that moves with its frame and stays.
+/// An entity without primitives that is fixed to a frame and persists.
 pub(super) fn entity(frame: &str, id: String) -> SceneEntity {
     SceneEntity {
         timestamp: Some(timestamp(0)),
@@ -47,7 +47,7 @@ fn is_empty(e: &SceneEntity) -> bool {
     e.cubes.is_empty() && e.spheres.is_empty() && e.cylinders.is_empty() && e.triangles.is_empty()
 }
 
-/// What is to be seen of a link, or what it touches with if nothing is.
+/// The visual shapes of a link, or its collision shapes if it has no visual ones.
 fn link_entity(link: &Link) -> SceneEntity {
     let mut to = entity(&link.name, format!("link/{}", link.name));
     let shapes = if link.visuals.is_empty() { &link.collisions } else { &link.visuals };
@@ -99,7 +99,7 @@ fn cube(edge: f64) -> Vector3 {
     Vector3 { x: edge, y: edge, z: edge }
 }
 
-/// A thin slab whose upper face is the floor, and a grid on it to see tilt and sliding by.
+/// A thin slab whose upper face is the floor, with a grid that makes tilt and sliding visible.
 fn floor_entity(world: &str, floor: &Isometry3<f64>) -> SceneEntity {
     const THICKNESS: f64 = 0.01;
     let mut to = entity(world, "floor".to_owned());
@@ -129,7 +129,7 @@ fn floor_entity(world: &str, floor: &Isometry3<f64>) -> SceneEntity {
     to
 }
 
-/// The outline of a patch of other friction.
+/// The outline of a friction region.
 fn patch_entity(world: &str, i: usize, outline: &[nalgebra::Vector3<f64>]) -> SceneEntity {
     let mut to = entity(world, format!("floor/patch-{i}"));
     to.lines.push(LinePrimitive {

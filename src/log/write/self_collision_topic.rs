@@ -1,4 +1,4 @@
-//! `/self_collision`: how near the robot is to touching itself, and what avoidance does.
+//! Writes `/self_collision`: the nearest pair of the robot's bodies and the state of avoidance.
 
 use crate::files::RecordError;
 use crate::log::messages::SelfCollision;
@@ -10,7 +10,7 @@ use crate::sim::Snapshot;
 use std::collections::BTreeMap;
 
 pub(super) struct SelfCollisionTopic {
-    /// Opened by the first snapshot that knows of it.
+    /// Opened by the first snapshot with distances.
     channel: Option<Channel>,
     metadata: BTreeMap<String, String>,
     message: SelfCollision,

@@ -1,4 +1,5 @@
-//! `/state`: motion of the whole robot; `/joint_states` and `/robot_description`: the same joints in ROS 2's words.
+//! Writes `/state`, the motion of the whole robot, and the same joints as ROS 2 messages on `/joint_states`, with
+//! `/robot_description`.
 
 use crate::files::RecordError;
 use crate::log::messages::{Force, Quaternion, State};
@@ -20,13 +21,13 @@ impl StateTopic {
     pub fn open(output: &mut LogOutput, model: &Model) -> Result<Self, RecordError> {
         let names: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
         let kinds: Vec<&str> = model.joints.iter().map(|j| kind(j.kind)).collect();
-        let list = |words: &[&str]| serde_json::json!(words).to_string();
+        let list = |names: &[&str]| serde_json::json!(names).to_string();
         let metadata = BTreeMap::from([("joints".to_owned(), list(&names)), ("joint_kinds".to_owned(), list(&kinds))]);
         Ok(Self { channel: output.stiction("/state", "State", metadata)?, message: State::default() })
     }
 }
 
-/// The URDF's word for a kind of joint. It says which unit the joint's values have.
+/// The URDF's name of a kind of joint; it determines the unit of the joint's values.
 fn kind(kind: JointKind) -> &'static str {
     match kind {
         JointKind::Revolute => "revolute",
@@ -55,7 +56,7 @@ impl Topic for StateTopic {
         m.cop = s.centre_of_pressure.as_ref().map(to_message);
         m.stable_point = s.stable_point.as_ref().map(to_message);
         to_messages(&s.support_polygon, &mut m.support_polygon);
-        // Always the same points: their names are kept.
+        // The points are mostly the same as at the last tick, so their names keep their storage.
         m.points.resize_with(s.points.len(), Default::default);
         for (to, from) in m.points.iter_mut().zip(&s.points) {
             to.name.clone_from(&from.name);

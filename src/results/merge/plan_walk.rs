@@ -3,7 +3,7 @@
 use crate::files::RecordError;
 use crate::files::names;
 use crate::results::merge::{MergeError, Shards};
-use crate::results::{RunRecord, ShardList, ShardRun, log_fault};
+use crate::results::{RunRecord, ShardList, ShardRun, log_mismatch};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::path::{Path, PathBuf};
@@ -37,8 +37,8 @@ impl Holder<'_> {
         if (&record.scenario, &record.key) != (&self.run.scenario, &self.run.key) {
             return ShardResult::Broken("its record belongs to another run");
         }
-        match log_fault(&record, &self.log()) {
-            Some(fault) => ShardResult::Broken(fault),
+        match log_mismatch(&record, &self.log()) {
+            Some(fault) => ShardResult::Broken(fault.reason()),
             None => ShardResult::Whole(Box::new(record)),
         }
     }

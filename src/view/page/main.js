@@ -1,4 +1,4 @@
-// Puts the parts together and answers to mouse and keyboard.
+// Assembles the viewer and handles mouse and keyboard.
 
 const LAYERS = [
   ["states", "contact states", null],
@@ -15,8 +15,8 @@ const LAYERS = [
 ];
 const HIDDEN_AT_FIRST = ["resultants"];
 const VIEWS = { 1: [1, 0, 0.12], 2: [0, -1, 0.12], 3: [0, -0.001, 1], 4: [1, -1.4, 0.6] };
-// A list longer than this helps nobody, and slows the page down.
-const MOST_EVENTS = 3000;
+// Longest list of events; longer ones slow the page down.
+const MAX_EVENTS = 3000;
 
 const byId = (id) => document.getElementById(id);
 const css = (colour) => `#${colour.toString(16).padStart(6, "0")}`;
@@ -39,11 +39,11 @@ class Viewer {
     this.shapes = new Shapes(replay);
     const { middle, extent } = this.shapes.bounds();
     this.stage = new Stage(byId("canvas"), extent);
-    this.marks = new Marks(replay, extent);
+    this.marks = new Markers(replay, extent);
     this.stage.scene.add(this.shapes.root, this.marks.root);
-    this.eye = new Eye(this.shapes, this.marks, extent, byId("eye"));
+    this.eye = new RobotCamera(this.shapes, this.marks, extent, byId("eye"));
     this.stage.extras.push(this.eye);
-    this.clock = new Clock(replay.times, replay.events, (tick) => this.show(tick));
+    this.clock = new PlaybackClock(replay.times, replay.events, (tick) => this.show(tick));
     this.stage.fit();
     this.centre = middle.clone().sub(this.shapes.at(this.shapes.base));
     this.describe();
@@ -51,8 +51,8 @@ class Viewer {
     this.listEvents();
     this.clock.to(0);
     this.stage.look(middle, VIEWS[4]);
-    const wanted = /[#&]t=([0-9.]+)/.exec(location.hash);
-    if (wanted) this.clock.at(Number(wanted[1]));
+    const start = /[#&]t=([0-9.]+)/.exec(location.hash);
+    if (start) this.clock.at(Number(start[1]));
     const loop = (now) => {
       this.clock.advance(now);
       this.buttons();
@@ -94,14 +94,14 @@ class Viewer {
       byId("soles").append(element("tr", {}, element("td", {}, sole.name), element("td", {}, row.swatch, row.state), row.force));
       return row;
     });
-    const words = Object.keys(STATES).map((kind) => element("li", {}, swatch(STATES[kind]), kind.replace("-", ", ")));
-    byId("legend").append(...words);
+    const legend = Object.keys(STATES).map((kind) => element("li", {}, swatch(STATES[kind]), kind.replace("-", ", ")));
+    byId("legend").append(...legend);
     if (!soles) byId("soles").replaceWith(element("p", {}, "The log has no topic `contact`."));
   }
 
   controls() {
     const on = (id, kind, act) => byId(id).addEventListener(kind, act);
-    for (const [name, words, colour] of LAYERS) {
+    for (const [name, label, colour] of LAYERS) {
       if (!(name in this.marks.layers)) continue;
       const box = element("input", { type: "checkbox", checked: !HIDDEN_AT_FIRST.includes(name), id: `layer-${name}` });
       const set = () => {
@@ -111,7 +111,7 @@ class Viewer {
       box.addEventListener("change", set);
       set();
       const sign = colour === null ? [] : [swatch(colour)];
-      byId("layers").append(element("li", {}, element("label", {}, box, " ", ...sign, words)));
+      byId("layers").append(element("li", {}, element("label", {}, box, " ", ...sign, label)));
     }
     byId("speed").append(...SPEEDS.map((speed) => element("option", { value: speed }, `${speed} ×`)));
     byId("style").append(...STYLES.map((style) => element("option", { value: style }, style)));
@@ -150,7 +150,7 @@ class Viewer {
     this.stage.changed();
   }
 
-  // The length of arrows: what the floor usually bears is as long as half the robot at 1.
+  // Scales the arrows; at 1 the typical force is as long as half the robot.
   rescale() {
     this.marks.scale = 10 ** Number(byId("scale").value);
     this.marks.show(this.clock.tick);
@@ -211,15 +211,15 @@ class Viewer {
     }
     const fill = () => {
       const kind = byId("kinds").value;
-      const wanted = events.filter((event) => kind === "" || event.kind === kind);
-      this.listed = wanted.slice(0, MOST_EVENTS).map((event) => {
-        const words = event.message || event.subject;
-        const button = element("button", {}, element("b", {}, event.time.toFixed(3)), ` ${event.kind} ${words}`);
+      const selected = events.filter((event) => kind === "" || event.kind === kind);
+      this.listed = selected.slice(0, MAX_EVENTS).map((event) => {
+        const text = event.message || event.subject;
+        const button = element("button", {}, element("b", {}, event.time.toFixed(3)), ` ${event.kind} ${text}`);
         button.addEventListener("click", () => this.clock.to(this.clock.after(event)));
         return { event, button };
       });
       byId("events").replaceChildren(...this.listed.map(({ button }) => element("li", {}, button)));
-      byId("count").textContent = wanted.length > MOST_EVENTS ? `the first ${MOST_EVENTS} of ${wanted.length}` : `${wanted.length}`;
+      byId("count").textContent = selected.length > MAX_EVENTS ? `the first ${MAX_EVENTS} of ${selected.length}` : `${selected.length}`;
       this.now = undefined;
       this.markEvent();
     };
@@ -227,7 +227,7 @@ class Viewer {
     fill();
   }
 
-  // The last event that has happened stands out.
+  // Highlights the last event at or before the shown tick.
   markEvent() {
     const time = this.replay.times[this.clock.tick];
     const now = this.listed?.findLast(({ event }) => event.time <= time + 5e-10);
@@ -241,19 +241,19 @@ class Viewer {
     this.now = now;
   }
 
-  // Names beside the points of tasks, distance beside the nearest bodies.
+  // Labels the points of tasks and the nearest bodies.
   label() {
     const { layers } = this.marks;
     const tick = this.clock.tick;
     const all = [];
     if (layers.points?.group.visible)
-      all.push(...this.replay.points.map((point) => ({ at: vectorAt(point.position, tick), words: point.name })));
+      all.push(...this.replay.points.map((point) => ({ at: vectorAt(point.position, tick), text: point.name })));
     if (layers.nearest?.group.visible) all.push(this.marks.nearestLabel(tick));
     const { clientWidth: width, clientHeight: height } = byId("canvas");
     const made = all.flatMap((one) => {
       const at = one?.at?.project(this.stage.camera);
       if (!at || Math.abs(at.z) > 1) return [];
-      const label = element("span", {}, one.words);
+      const label = element("span", {}, one.text);
       label.style.left = `${(0.5 + 0.5 * at.x) * width}px`;
       label.style.top = `${(0.5 - 0.5 * at.y) * height}px`;
       return [label];
@@ -262,14 +262,14 @@ class Viewer {
   }
 }
 
-function complain(error) {
-  byId("trouble").hidden = false;
-  byId("trouble").textContent = `This run cannot be shown: ${error.message}`;
+function showError(error) {
+  byId("error").hidden = false;
+  byId("error").textContent = `This run cannot be shown: ${error.message}`;
 }
 
-window.ready = fetchReplay()
+window.ready = fetchRun()
   .then((buffer) => (window.viewer = new Viewer(unpack(buffer))))
   .catch((error) => {
-    complain(error);
+    showError(error);
     throw error;
   });

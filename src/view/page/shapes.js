@@ -1,4 +1,4 @@
-// The robot and the floor: frames as groups that hang on each other, and shapes in them.
+// Robot and floor: frames as nested groups, with shapes in them.
 
 const STYLES = ["solid", "translucent", "wireframe", "hidden"];
 
@@ -9,21 +9,21 @@ class Shapes {
     this.frames = replay.frames;
     for (const frame of this.frames) this.groups.set(frame.name, new THREE.Group());
     for (const frame of this.frames) this.groups.get(frame.parent).add(this.groups.get(frame.name));
-    // The frame that everything else of the robot hangs on.
+    // The root frame of the robot.
     this.base = this.frames.find((f) => f.parent === replay.world)?.name ?? replay.world;
     this.robot = [];
     for (const shape of replay.shapes) {
-      const object = drawn(shape);
-      place(object, shape.pose, 0);
+      const object = meshOf(shape);
+      setPose(object, shape.pose, 0);
       this.groups.get(shape.frame).add(object);
       if (shape.frame !== replay.world) this.robot.push({ object, frame: shape.frame, opacity: shape.colour[3] });
     }
-    for (const frame of this.frames) if (frame.fixed) place(this.groups.get(frame.name), frame.poses, 0);
+    for (const frame of this.frames) if (frame.fixed) setPose(this.groups.get(frame.name), frame.poses, 0);
     this.show(0);
   }
 
   show(tick) {
-    for (const frame of this.frames) if (!frame.fixed) place(this.groups.get(frame.name), frame.poses, 7 * tick);
+    for (const frame of this.frames) if (!frame.fixed) setPose(this.groups.get(frame.name), frame.poses, 7 * tick);
     this.root.updateMatrixWorld(true);
   }
 
@@ -39,12 +39,12 @@ class Shapes {
     }
   }
 
-  // Where a frame is in the world.
+  // Position of a frame in the world.
   at(name) {
     return new THREE.Vector3().setFromMatrixPosition(this.groups.get(name).matrixWorld);
   }
 
-  // Middle and half width of the robot as it stands now.
+  // Centre and half diagonal of the robot at the shown tick.
   bounds() {
     const [low, high] = [new THREE.Vector3().setScalar(Infinity), new THREE.Vector3().setScalar(-Infinity)];
     const take = (centre, radius) => {
@@ -60,7 +60,7 @@ class Shapes {
   }
 }
 
-// A sphere around a body, in the world.
+// Bounding sphere of a body, in the world.
 function sphereOf(object) {
   const { geometry, scale } = object;
   if (!geometry.boundingSphere) geometry.computeBoundingSphere();
@@ -70,13 +70,13 @@ function sphereOf(object) {
   return { centre: center.clone().applyMatrix4(object.matrixWorld), radius: reach };
 }
 
-// Position and quaternion from seven numbers.
-function place(object, numbers, from) {
+// Sets position and quaternion from seven numbers.
+function setPose(object, numbers, from) {
   object.position.set(numbers[from], numbers[from + 1], numbers[from + 2]);
   object.quaternion.set(numbers[from + 3], numbers[from + 4], numbers[from + 5], numbers[from + 6]).normalize();
 }
 
-function drawn(shape) {
+function meshOf(shape) {
   const [red, green, blue, opacity] = shape.colour;
   const color = new THREE.Color().setRGB(red, green, blue, "srgb");
   if (shape.kind === "lines") {
@@ -91,7 +91,7 @@ function drawn(shape) {
     transparent: opacity < 1,
     flatShading: shape.kind === "mesh",
     side: THREE.DoubleSide,
-    // Grid and contacts lie in the floor's face and are to be seen on it.
+    // Grid and contacts lie in the floor's face; the offset draws them on top of it.
     polygonOffset: floor,
     polygonOffsetFactor: 1,
     polygonOffsetUnits: 1,

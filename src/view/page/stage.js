@@ -1,4 +1,4 @@
-// Canvas, lights, and the camera that the onlooker moves.
+// Canvas, lights, and the user's camera.
 
 class Stage {
   constructor(canvas, extent) {
@@ -26,7 +26,7 @@ class Stage {
     new ResizeObserver(() => this.fit()).observe(canvas.parentElement);
   }
 
-  // The next frame of the browser draws anew.
+  // Schedules a redraw with the next frame of the browser.
   changed() {
     this.stale = true;
   }
@@ -40,7 +40,7 @@ class Stage {
     this.changed();
   }
 
-  // Looks at a point from a direction, from where the robot fills the picture.
+  // Directs the camera at a point from a direction, at a distance at which the robot fills the picture.
   look(at, from) {
     const away = new THREE.Vector3(...from).normalize().multiplyScalar(2.7 * this.extent);
     this.controls.target.copy(at);
@@ -49,7 +49,7 @@ class Stage {
     this.changed();
   }
 
-  // The robot has moved to a point: so does the camera, if it follows.
+  // Moves the camera with the robot, if it follows.
   accompany(to) {
     if (this.last && this.follow) {
       const step = to.clone().sub(this.last);

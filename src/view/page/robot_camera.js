@@ -1,6 +1,6 @@
-// The robot's own view: a camera on a frame of the robot, drawn into a corner of the canvas.
+// The robot's own view: a camera on a frame of the robot, drawn in a corner of the canvas.
 
-class Eye {
+class RobotCamera {
   constructor(shapes, marks, extent, box) {
     this.shapes = shapes;
     this.marks = marks;
@@ -8,15 +8,15 @@ class Eye {
     this.camera = new THREE.PerspectiveCamera(60, 4 / 3, 0.002 * extent, 100 * Math.max(extent, 1));
     this.on = true;
     this.frames = shapes.frames.map((f) => f.name).filter((name) => !name.startsWith("sole/"));
-    // A camera sits high above the base: in the head where there is one. Of equals the one nearest to the base.
+    // The default is the highest frame, usually the head; of equally high frames the one nearest to the base.
     const toBase = shapes.groups.get(shapes.base).matrixWorld.clone().invert();
     const height = (name) => shapes.at(name).applyMatrix4(toBase).z;
     const higher = (best, name) => (height(name) > height(best) + 1e-6 ? name : best);
     this.choose(this.frames.reduce(higher, shapes.base));
   }
 
-  // Onto a frame. It looks along the axis of the frame that is nearest to the base's x axis, forward, at the first tick, the
-  // axis nearest to z up.
+  // Mounts the camera on a frame. It looks along the frame's axis that is nearest to the base's x axis (forward) at the
+  // first tick; the axis nearest to z is up.
   choose(name) {
     this.frame = name;
     this.shapes.show(0);
@@ -40,19 +40,19 @@ class Eye {
     this.camera.quaternion.multiply(this.turn);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    // What the camera is built into does not stand before it, and a robot does not see marks.
-    const inside = this.shapes.robot.filter((part) => around(part.object, this.camera.position));
+    // Parts that enclose the camera do not hide its view, and markers are not visible to a robot.
+    const inside = this.shapes.robot.filter((part) => encloses(part.object, this.camera.position));
     const frames = new Set([this.frame, ...inside.map((part) => part.frame)]);
     const own = this.shapes.robot.filter((part) => part.object.visible && frames.has(part.frame)).map((part) => part.object);
-    const unseen = [...own, this.marks.root];
-    unseen.forEach((object) => (object.visible = false));
+    const hidden = [...own, this.marks.root];
+    hidden.forEach((object) => (object.visible = false));
     const [x, y] = [left - canvas.left, canvas.bottom - top - height];
     renderer.setScissorTest(true);
     renderer.setScissor(x, y, width, height);
     renderer.setViewport(x, y, width, height);
     renderer.render(scene, this.camera);
     renderer.setScissorTest(false);
-    unseen.forEach((object) => (object.visible = true));
+    hidden.forEach((object) => (object.visible = true));
   }
 }
 
@@ -64,8 +64,8 @@ function nearestAxis(v) {
   return found;
 }
 
-// Is a point within the sphere around a body.
-function around(object, point) {
+// True if a point is within the bounding sphere of a body.
+function encloses(object, point) {
   const { centre, radius } = sphereOf(object);
   return centre.distanceTo(point) < radius;
 }

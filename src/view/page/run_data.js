@@ -1,9 +1,9 @@
-// The bytes of a replay (written by pack.rs) as arrays of numbers.
+// Decodes the bytes of a run, encoded by packed_run.rs, into arrays of numbers.
 
 const FORMAT = 1;
 
-// The bytes: those in the page, or what the server has beside it.
-async function fetchReplay() {
+// Reads the bytes from the page, or loads them from the server.
+async function fetchRun() {
   const inside = document.getElementById("data").textContent.trim();
   if (inside === "") {
     const answer = await fetch("data");
@@ -11,9 +11,9 @@ async function fetchReplay() {
     return answer.arrayBuffer();
   }
   const text = atob(inside);
-  const zipped = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; i++) zipped[i] = text.charCodeAt(i);
-  return new Response(new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+  const compressed = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) compressed[i] = text.charCodeAt(i);
+  return new Response(new Blob([compressed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
 }
 
 function unpack(buffer) {
@@ -63,7 +63,7 @@ function unpack(buffer) {
   };
 }
 
-// The last tick at or before a time; times are logged to the nanosecond.
+// The last tick at or before a time. Times are logged to the nanosecond.
 function tickAt(times, time) {
   let [low, high] = [0, times.length];
   while (low < high) {

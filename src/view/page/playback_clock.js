@@ -1,8 +1,8 @@
-// Which tick is shown: playing, stepping, jumping.
+// Selects the shown tick: playing, stepping, jumping.
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10];
 
-class Clock {
+class PlaybackClock {
   constructor(times, events, show) {
     this.times = times;
     this.events = events;
@@ -13,7 +13,7 @@ class Clock {
     this.tick = 0;
   }
 
-  // To a tick, by whatever means.
+  // Shows a tick.
   to(tick) {
     this.tick = Math.min(Math.max(tick, 0), this.times.length - 1);
     this.time = this.times[this.tick];
@@ -34,10 +34,10 @@ class Clock {
     this.then = undefined;
   }
 
-  // The browser's clock says `now`, ms. Is another tick to be shown?
+  // Advances the playback to `now`, ms of the browser's clock, and shows the tick of that time.
   advance(now) {
     if (!this.playing) return;
-    // A page that was hidden goes on where it stopped.
+    // A page that was hidden continues where it stopped.
     const passed = this.then === undefined ? 0 : Math.min(now - this.then, 250) / 1000;
     this.then = now;
     const time = this.time + this.speed * passed;
@@ -52,13 +52,13 @@ class Clock {
     this.speed = SPEEDS[Math.min(Math.max(at + steps, 0), SPEEDS.length - 1)];
   }
 
-  // The first tick at which an event has happened.
+  // The first tick at or after an event.
   after(event) {
     const tick = tickAt(this.times, event.time);
     return this.times[tick] + 5e-10 < event.time ? Math.min(tick + 1, this.times.length - 1) : tick;
   }
 
-  // To the next event, or the one before: one that leads to another tick.
+  // Jumps to the nearest event at a later (direction 1) or earlier (-1) tick.
   jump(direction) {
     const ticks = this.events.map((event) => this.after(event));
     const beyond = ticks.filter((tick) => (direction > 0 ? tick > this.tick : tick < this.tick));

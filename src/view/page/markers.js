@@ -1,6 +1,6 @@
-// What cannot be seen of a real robot: contact states, forces, balance, points of interest.
+// Markers of invisible quantities: contact states, forces, balance, points of interest.
 
-// Sticking is green, sliding orange; the smaller the pattern, the paler.
+// Sticking is green, sliding orange; smaller patterns are paler.
 const STATES = {
   "face-static": 0x12813f,
   "edge-static": 0x4fb36a,
@@ -19,17 +19,17 @@ const COLOURS = {
   polygon: 0x1f5fd6,
   point: 0x111111,
 };
-// The nearest bodies of the robot: apart, nearer than the margin, one in the other.
+// Colours of the nearest bodies: beyond the margin, within it, overlapping.
 const NEARNESS = { apart: 0x1f5fd6, near: 0xf0892b, overlap: 0xd6202c };
 
 // `edge-1-static` is of kind `edge-static`.
 function kindOf(state) {
-  const words = state.split("-");
-  const kind = words.length > 1 ? `${words[0]}-${words[words.length - 1]}` : state;
+  const parts = state.split("-");
+  const kind = parts.length > 1 ? `${parts[0]}-${parts[parts.length - 1]}` : state;
   return kind in STATES ? kind : "free";
 }
 
-class Marks {
+class Markers {
   constructor(replay, extent) {
     this.replay = replay;
     this.root = new THREE.Group();
@@ -65,7 +65,7 @@ class Marks {
     this.layers[name].group.visible = on;
   }
 
-  // Are marks seen through the robot.
+  // Sets whether markers are visible through the robot.
   through(on) {
     this.root.traverse((object) => {
       if (!object.material) return;
@@ -156,7 +156,7 @@ class Marks {
     };
   }
 
-  // An arrow for a force, none where there is no force.
+  // Places the arrow of a force; hides it without a force.
   point(arrow, at, force, colour) {
     const usable = at && force && Number.isFinite(force.length());
     arrow.put(at, usable ? force.clone().multiplyScalar(this.scale * this.metresPerNewton) : null, colour, this.size);
@@ -188,7 +188,7 @@ class Marks {
     };
   }
 
-  // From one body to the other, where they are nearest.
+  // The segment between the nearest points of the two bodies.
   nearest(group) {
     const { first, second, distance, margin } = this.replay.nearest;
     const rod = new THREE.Mesh(new THREE.CylinderGeometry(0.5, 0.5, 1, 12).rotateX(Math.PI / 2).translate(0, 0, 0.5), lit(0));
@@ -211,12 +211,12 @@ class Marks {
     };
   }
 
-  // What is said beside the nearest bodies: where, and in words.
+  // Label of the nearest bodies: position and text.
   nearestLabel(tick) {
     const { first, second, distance, pairs, pair } = this.replay.nearest;
     const [a, b] = [vectorAt(first, tick), vectorAt(second, tick)];
     if (!a || !b) return null;
-    return { at: a.lerp(b, 0.5), words: `${pairs[pair[tick]]} ${(1000 * distance[tick]).toFixed(1)} mm` };
+    return { at: a.lerp(b, 0.5), text: `${pairs[pair[tick]]} ${(1000 * distance[tick]).toFixed(1)} mm` };
   }
 
   points(group) {
@@ -225,7 +225,7 @@ class Marks {
   }
 }
 
-// A shaft and a head along z, turned and stretched.
+// An arrow: a shaft and a head along z, turned and scaled.
 class Arrow {
   constructor(group) {
     const material = lit(0);
@@ -252,7 +252,7 @@ class Arrow {
   }
 }
 
-// How near is near, by the margin of the scenario.
+// Classifies a distance by the margin of the scenario.
 function nearness(distance, margin) {
   if (distance <= 0) return "overlap";
   return distance < margin ? "near" : "apart";
@@ -270,7 +270,7 @@ function flat(color, opacity) {
   return new THREE.MeshBasicMaterial({ color, opacity, transparent: true, depthWrite: false, side: THREE.DoubleSide });
 }
 
-// A tenth of the widest sole, within what can be seen and does not hide a foot.
+// A tenth of the widest sole, limited so that markers are visible and do not hide a foot.
 function markerSize(replay, extent) {
   const soles = (replay.soles ?? []).map((sole) => sole.vertices.map((v) => vectorAt(v.position, 0)));
   const widths = soles.flatMap((corners) => corners.map((corner) => corner.distanceTo(corners[0])));
@@ -278,7 +278,7 @@ function markerSize(replay, extent) {
   return Math.min(width > 0 ? Math.min(Math.max(0.1 * width, 0.005), 0.05) : Infinity, 0.04 * extent);
 }
 
-// The median of what the floor bears while it bears anything, else of the external forces: an arrow of usual length.
+// The typical force: the median of the floor's total force while it is not 0, else of the external forces.
 function usualForce(replay) {
   const sizes = [];
   for (let tick = 0; tick < replay.times.length; tick++) {
