@@ -105,6 +105,10 @@ fn redacted(text: &str, place: &Place, results: &str) -> String {
                         .map(|(i, c)| if [at + 2, at + 3].contains(&i) { "<time>" } else { *c });
                     shown.collect::<Vec<_>>().join("  ")
                 }
+                // The overview: processor time goes.
+                () if line.starts_with("slide ") && line.contains(" of ") => {
+                    [&cells[..cells.len() - 1], &["<time>"]].concat().join(" ")
+                }
                 () if line.contains(" s in ") => {
                     let (before, after) = line.split_once(" s in ").unwrap();
                     format!("{before} s in <time>{}", &after[after.find(" s").unwrap()..])
