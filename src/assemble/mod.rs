@@ -66,7 +66,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     pairing::check(run, &mut errors);
     pairing::check_soles(run, &model, &mut errors);
     facets(run, &model, &mut errors);
-    // What is wrong at the start would be told again for every event.
+    // What is wrong at the start would be reported again for each event.
     let (changes, saved_states) =
         if errors.is_empty() { events::changes(run, robot, &model, &mut errors) } else { Default::default() };
     if !errors.is_empty() {

@@ -1,4 +1,4 @@
-//! What fuzzing found stays mended, and files that are nearly sound end in an error and not in a panic.
+//! Findings of fuzzing stay fixed, and nearly valid files give an error, not a panic.
 //!
 //! Both go through the very functions that the fuzz targets call (`fuzz/src`).
 

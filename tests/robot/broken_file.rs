@@ -219,10 +219,16 @@ fn force_sensors_are_read_on_links_with_a_sole_only() {
     let more = "[sensors]\nforce = [{ name = \"a\", link = \"foot\", position = [0, 0, 0.1] },\n\
                 { name = \"b\", link = \"foot\" },\n{ name = \"c\", link = \"base\" }]\n";
     let robot = load_toml(&format!("{GOOD}{more}"), &urdf()).unwrap();
-    let told: Vec<String> = robot.notices.iter().map(ToString::to_string).collect();
-    assert_eq!(told.len(), 2, "{told:?}");
-    assert!(told[0].contains("`b` is not read: `a` is on the same link") && robot.notices[0].line() == 17, "{told:?}");
-    assert!(told[1].contains("`c` is not read: link `base` has no sole") && robot.notices[1].line() == 18, "{told:?}");
+    let notice: Vec<String> = robot.notices.iter().map(ToString::to_string).collect();
+    assert_eq!(notice.len(), 2, "{notice:?}");
+    assert!(
+        notice[0].contains("`b` is not read: `a` is on the same link") && robot.notices[0].line() == 17,
+        "{notice:?}"
+    );
+    assert!(
+        notice[1].contains("`c` is not read: link `base` has no sole") && robot.notices[1].line() == 18,
+        "{notice:?}"
+    );
     assert!(stiction::robot::inspect(&robot).contains("force sensor a"));
 }
 

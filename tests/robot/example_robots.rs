@@ -89,10 +89,10 @@ fn judge(path: &Path, name: &str, expected: &Value) -> Result<(), String> {
         (Ok(_), Some(_)) => return Err("it is not refused".into()),
         (Err(error), None) => return Err(error.to_string()),
     };
-    let told = robot.notices.iter().filter(|n| n.message.contains("is locked at 0")).count();
+    let notice = robot.notices.iter().filter(|n| n.message.contains("is locked at 0")).count();
     let joints = expected["joints"].as_u64().unwrap() as usize;
-    if told != locked || robot.model.nj() + locked != joints {
-        return Err(format!("{} joints and {told} locked, Pinocchio has {joints}", robot.model.nj()));
+    if notice != locked || robot.model.nj() + locked != joints {
+        return Err(format!("{} joints and {notice} locked, Pinocchio has {joints}", robot.model.nj()));
     }
     let mass: f64 = robot.model.links.iter().map(|l| l.mass).sum();
     let theirs = expected["mass"].as_f64().unwrap();
@@ -133,9 +133,9 @@ fn stand(urdf: &Path, kp: f64, kd: f64) -> f64 {
         "duration = 5.0\n[robot]\nmodel = {urdf:?}\njoint_default = {{ kp = {kp}, kd = {kd} }}\n\
          [integrator]\nmethod = \"semi-implicit\"\nstep = 1e-3\n[log]\nrate = 50.0\n"
     );
-    let (metrics, told) = support::watch(&text);
+    let (metrics, notice) = support::watch(&text);
     assert_eq!(metrics.inconsistent, 0);
-    let settled = told.snapshots.iter().filter(|s| s.time >= 1.0);
+    let settled = notice.snapshots.iter().filter(|s| s.time >= 1.0);
     let base: Vec<Vector3<f64>> = settled.map(|s| s.base_pose.translation.vector).collect();
     assert!(base.len() > 150, "{}", base.len());
     base.iter().map(|p| (p - base[0]).norm()).fold(0.0, f64::max)

@@ -72,7 +72,7 @@ fn balls_at_the_corners_of_a_foot_stand_together() {
 }
 
 #[test]
-fn a_link_without_collision_shapes_stands_on_what_is_seen_of_it() {
+fn a_link_without_collision_shapes_has_the_sole_of_its_visual_shapes() {
     let seen = "<visual><geometry><box size=\"0.2 0.1 0.04\"/></geometry></visual>";
     let robot = standing_on(seen);
     assert_eq!(polygon(&robot, 0).len(), 4);
@@ -182,7 +182,7 @@ fn vertices_run_counter_clockwise_seen_from_above() {
 }
 
 #[test]
-fn only_what_stands_is_a_sole() {
+fn only_leaves_at_the_lowest_height_have_soles() {
     let arm = |name: &str, z: f64| {
         format!(
             "<joint name=\"{name}\" type=\"continuous\"><origin xyz=\"0 0 {z}\"/><parent link=\"a\"/><child link=\"{name}\"/></joint>\

@@ -81,8 +81,8 @@ fn a_mimic_joint_is_independent_and_its_home_follows() {
     let home = |name: &str| robot.model.home[robot.model.joint(name).unwrap().0];
     assert_eq!(robot.model.nj(), 3);
     assert_eq!([home("leader"), home("next"), home("last")], [0.4, 0.5 * 0.4 + 0.1, -(0.5 * 0.4 + 0.1)]);
-    let told = robot.notices.iter().filter(|n| n.message.contains("it is taken as independent")).count();
-    assert_eq!(told, 2, "{:?}", robot.notices);
+    let notice = robot.notices.iter().filter(|n| n.message.contains("it is taken as independent")).count();
+    assert_eq!(notice, 2, "{:?}", robot.notices);
     // A home that the robot file gives stays, and limits hold.
     let robot =
         load_toml("urdf = \"robot.urdf\"\n[home]\nleader = 1.0\nlast = 0.25", &urdf.replace("0.5", "5")).unwrap();
@@ -107,8 +107,8 @@ fn mimics_that_cannot_be_followed_are_named() {
             joints.iter().enumerate().map(|(i, (name, of))| joint(name, &format!("l{i}"), of)).collect();
         let robot =
             load_urdf(&format!("<robot name=\"r\"><link name=\"a\">{BODY}</link>{}</robot>", all.concat())).unwrap();
-        let told = robot.notices.iter().find(|n| n.message.contains(words));
-        assert!(told.is_some_and(|n| n.line() == 2), "{words}: {:?}", robot.notices);
+        let notice = robot.notices.iter().find(|n| n.message.contains(words));
+        assert!(notice.is_some_and(|n| n.line() == 2), "{words}: {:?}", robot.notices);
         assert_eq!(robot.model.home[0], 0.0, "{words}");
     }
 }
@@ -128,7 +128,7 @@ fn joints_without_position_limits_turn_freely() {
 }
 
 #[test]
-fn vectors_with_commas_are_read_as_meant_and_told() {
+fn vectors_with_commas_are_read_with_a_warning() {
     let good = two("continuous", "<axis xyz=\"0 0 1\"/>");
     let commas = good.replace("1 2 3", "1, 2,3").replace("0 0 1\"/></joint>", "0,0,1\"/></joint>");
     let (plain, read) = (load_urdf(&good).unwrap(), load_urdf(&commas).unwrap());
@@ -138,6 +138,6 @@ fn vectors_with_commas_are_read_as_meant_and_told() {
         (link.urdf_frame.inverse() * Point3::origin(), link.offset),
         (Point3::origin(), Vector3::new(1.0, 2.0, 3.0))
     );
-    let told = |needle: &str| read.notices.iter().any(|n| n.message.contains(needle));
-    assert!(told("commas in `xyz=\"1, 2,3\"` are read as spaces") && told("`xyz=\"0,0,1\"`"), "{:?}", read.notices);
+    let notice = |needle: &str| read.notices.iter().any(|n| n.message.contains(needle));
+    assert!(notice("commas in `xyz=\"1, 2,3\"` are read as spaces") && notice("`xyz=\"0,0,1\"`"), "{:?}", read.notices);
 }

@@ -113,13 +113,13 @@ fn a_collada_file_that_is_not_understood_is_left_out_and_named() {
     ] {
         let robot = showing("m.dae", dae.as_bytes());
         assert!(robot.model.links[0].visuals.is_empty(), "{why}");
-        let told = robot.notices.iter().any(|n| n.message.contains("`m.dae`") && n.message.contains(why));
-        assert!(told, "{why}: {:?}", robot.notices);
+        let notice = robot.notices.iter().any(|n| n.message.contains("`m.dae`") && n.message.contains(why));
+        assert!(notice, "{why}: {:?}", robot.notices);
     }
 }
 
 #[test]
-fn an_up_axis_is_told_and_not_applied() {
+fn an_up_axis_is_reported_and_not_applied() {
     let dae = collada("", ONE_FACE, PLAIN).replace("Z_UP", "Y_UP");
     let robot = showing("m.dae", dae.as_bytes());
     assert!(robot.notices.iter().any(|n| n.message.contains("up-axis Y_UP")), "{:?}", robot.notices);
@@ -215,10 +215,10 @@ fn packages_are_found_from_the_urdf_upward() {
         let robot = load(&place.path().join("top/thing/urdf/r.urdf")).unwrap();
         assert_eq!(!robot.model.links[0].visuals.is_empty(), found, "{uri}: {:?}", robot.notices);
         if uri.contains("other") {
-            let told = &robot.notices.iter().find(|n| n.message.contains("left out")).unwrap().message;
+            let notice = &robot.notices.iter().find(|n| n.message.contains("left out")).unwrap().message;
             // The places searched, the URDF's own folder and those above it.
             for folder in ["top/thing/urdf", "top/thing", "top"] {
-                assert!(told.contains(&place.path().join(folder).display().to_string()), "{told}");
+                assert!(notice.contains(&place.path().join(folder).display().to_string()), "{notice}");
             }
         }
     }

@@ -1,11 +1,11 @@
-//! What is ignored or assumed is told, with its line.
+//! Notices: ignored or assumed elements are reported with their line.
 
 use super::{BODY, folder, load_urdf};
 use stiction::robot::{Geometry, JointKind, inspect, load};
 use stiction::text::Severity;
 
 #[test]
-fn ignored_and_assumed_things_are_told_with_their_line() {
+fn ignored_and_assumed_elements_are_reported_with_their_line() {
     let text = format!(
         r#"<robot name="r">
 <link name="a" type="x">{BODY}<contact/></link>
@@ -27,33 +27,33 @@ fn ignored_and_assumed_things_are_told_with_their_line() {
     );
     let folder = folder(&[("r.urdf", &text), ("foot.dae", "<COLLADA/>")]);
     let robot = load(&folder.path().join("r.urdf")).unwrap();
-    let told = |line: usize, needle: &str, severity: Severity| {
+    let assert_notice = |line: usize, needle: &str, severity: Severity| {
         let found = robot.notices.iter().find(|n| n.message.contains(needle));
         let notice = found.unwrap_or_else(|| panic!("`{needle}` is silent: {:#?}", robot.notices));
         assert_eq!((notice.line(), notice.severity), (line, severity), "{notice}");
         assert!(inspect(&robot).contains(&notice.to_string()));
     };
     use Severity::{Note, Warning};
-    told(2, "attribute `type` of <link> is ignored", Note);
-    told(2, "<contact> of link `a` is ignored", Note);
-    told(3, "<gazebo> is ignored", Note);
-    told(4, "<transmission> is ignored", Note);
-    told(5, "joint `j` has no <axis>: 1 0 0 is taken", Note);
-    told(7, "joint `j` has no effort limit", Note);
-    told(8, "<safety_controller> of joint `j` is ignored", Note);
-    told(8, "attribute `spring` of <dynamics> is ignored", Note);
-    told(11, "axis of joint `k` has length 2", Note);
-    told(12, "limit of the continuous joint `k` are ignored", Note);
-    told(12, "joint `k`: effort limit 0", Warning);
-    told(
+    assert_notice(2, "attribute `type` of <link> is ignored", Note);
+    assert_notice(2, "<contact> of link `a` is ignored", Note);
+    assert_notice(3, "<gazebo> is ignored", Note);
+    assert_notice(4, "<transmission> is ignored", Note);
+    assert_notice(5, "joint `j` has no <axis>: 1 0 0 is taken", Note);
+    assert_notice(7, "joint `j` has no effort limit", Note);
+    assert_notice(8, "<safety_controller> of joint `j` is ignored", Note);
+    assert_notice(8, "attribute `spring` of <dynamics> is ignored", Note);
+    assert_notice(11, "axis of joint `k` has length 2", Note);
+    assert_notice(12, "limit of the continuous joint `k` are ignored", Note);
+    assert_notice(12, "joint `k`: effort limit 0", Warning);
+    assert_notice(
         14,
         "collision mesh `package://nowhere/foot.stl` of link `c` is left out: no folder `nowhere` with `foot.stl` in it is found in",
         Warning,
     );
-    told(15, "visual mesh `foot.dae` of link `c` is left out", Warning);
+    assert_notice(15, "visual mesh `foot.dae` of link `c` is left out", Warning);
     assert_eq!(robot.model.home, [1.0, 0.0], "0 is outside the limits of j");
-    told(5, "0 is outside the limits of joint `j`", Note);
-    told(1, "no soles", Warning);
+    assert_notice(5, "0 is outside the limits of joint `j`", Note);
+    assert_notice(1, "no soles", Warning);
     let [j, k] = &robot.model.joints[..] else { panic!() };
     assert_eq!((j.kind, j.lower, j.upper), (JointKind::Revolute, 1.0, 2.0));
     assert_eq!((j.effort_limit, j.velocity_limit), (f64::INFINITY, 3.0));
@@ -122,7 +122,7 @@ fn meshes_are_found_scaled_and_kept() {
 }
 
 #[test]
-fn a_broken_mesh_is_told_and_left_out() {
+fn a_broken_mesh_is_reported_and_left_out() {
     for (bytes, name) in
         [("", "m.stl"), ("solid x\nfacet", "m.stl"), ("v 0 0 0\nf 1 2 3\n", "m.obj"), ("f 1 1 1\n", "m.obj")]
     {
@@ -171,10 +171,10 @@ fn a_home_that_the_robot_file_names_needs_no_words() {
          <child link=\"b\"/><axis xyz=\"0 0 1\"/><limit lower=\"1\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>\
          <link name=\"b\">{BODY}</link></robot>"
     );
-    let told = |toml: &str| {
+    let loaded = |toml: &str| {
         let robot = super::load_toml(toml, &urdf).unwrap();
         (robot.model.home[0], robot.notices.iter().any(|n| n.message.contains("outside the limits of joint `j`")))
     };
-    assert_eq!(told("urdf = \"robot.urdf\"\nsole = []\n"), (1.0, true));
-    assert_eq!(told("urdf = \"robot.urdf\"\nsole = []\n[home]\nj = 1.5\n"), (1.5, false));
+    assert_eq!(loaded("urdf = \"robot.urdf\"\nsole = []\n"), (1.0, true));
+    assert_eq!(loaded("urdf = \"robot.urdf\"\nsole = []\n[home]\nj = 1.5\n"), (1.5, false));
 }

@@ -40,13 +40,14 @@ fn the_nearest_physical_tensor_takes_its_place() {
         // Rounding of the rotations and of the eigenvalues of tensors of size 4.
         assert!((link.inertia - expected).amax() < 1e-14, "{} {expected}", link.inertia);
         assert_eq!((link.mass, link.com), (5.0, Vector3::new(1.0, 2.0, 3.0)), "mass and centre stay");
-        let told = &robot.notices.iter().find(|n| n.message.contains("inertia of link `a` repaired")).unwrap().message;
+        let notice =
+            &robot.notices.iter().find(|n| n.message.contains("inertia of link `a` repaired")).unwrap().message;
         let mut before: Vec<f64> = given.iter().copied().collect();
         before.sort_by(f64::total_cmp);
         let mut after: Vec<f64> = SymmetricEigen::new(link.inertia).eigenvalues.iter().copied().collect();
         after.sort_by(f64::total_cmp);
         for moment in before.iter().chain(&after) {
-            assert!(told.contains(&format!("{moment:.6e}")), "{moment:.6e} is not in {told}");
+            assert!(notice.contains(&format!("{moment:.6e}")), "{moment:.6e} is not in {notice}");
         }
     }
 }

@@ -78,8 +78,8 @@ fn inertia_without_mass_counts_welded_or_moving() {
     assert_eq!((link.mass, link.com), (1.0, Vector3::zeros()));
     // Rounding of the quarter turn.
     assert!((link.inertia - wanted).amax() < 1e-15, "{}", link.inertia);
-    let told = robot.notices.iter().find(|n| n.message.contains("link `rotor` has inertia but no mass"));
-    assert!(told.is_some_and(|n| n.line() == 2 && n.message.ends_with("which count")), "{told:?}");
+    let notice = robot.notices.iter().find(|n| n.message.contains("link `rotor` has inertia but no mass"));
+    assert!(notice.is_some_and(|n| n.line() == 2 && n.message.ends_with("which count")), "{notice:?}");
     // On a joint of its own, alone and with a mass welded to it.
     let rotor = Matrix3::from_diagonal(&Vector3::new(0.3, 0.2, 0.1));
     let alone = load_urdf(&text("continuous", "")).unwrap().model;
@@ -127,7 +127,7 @@ fn the_root_is_held_as_the_file_says() {
     assert_eq!(base(&free, "fixed").unwrap(), (Base::Fixed, "trunk".into(), 1, 1.0));
 }
 
-/// Exporters write placeholder tensors on frames: told, and harmless once welded to something sound.
+/// Exporters write placeholder tensors on frames: notice, and harmless once welded to something sound.
 #[test]
 fn a_flawed_part_of_a_sound_body_is_a_warning() {
     let text = |weld: &str| {
@@ -138,10 +138,10 @@ fn a_flawed_part_of_a_sound_body_is_a_warning() {
         )
     };
     let welded = load_urdf(&text("fixed")).unwrap();
-    let told =
+    let notice =
         |needle: &str| welded.notices.iter().find(|n| n.message.contains(needle)).unwrap_or_else(|| panic!("{needle}"));
-    assert_eq!(told("link `tip` breaks the triangle inequality: principal moments").line(), 3);
-    assert_eq!(told("no name").line(), 1);
+    assert_eq!(notice("link `tip` breaks the triangle inequality: principal moments").line(), 3);
+    assert_eq!(notice("no name").line(), 1);
     assert_eq!(welded.model.name, "robot");
     assert_fault(
         "moving",

@@ -4,7 +4,7 @@ use stiction::scenario::{Severity, load};
 
 use super::{SMALLEST, file, wrong};
 
-/// A scenario with one mistake: text, line and column of the mistake, words of the message, words of the help.
+/// A scenario with one error: text, its line and column, part of the message, part of the help.
 struct Broken(&'static str, (usize, usize), &'static str, &'static str);
 
 /// Each text stands below the two lines of the smallest scenario, so it begins at line 3 inside `[robot]`.
@@ -682,7 +682,7 @@ const BELOW_ROBOT: &[Broken] = &[
 ];
 
 #[test]
-fn each_mistake_is_shown_where_it_is() {
+fn each_error_is_shown_at_its_position() {
     for Broken(text, (line, column), message, help) in BELOW_ROBOT {
         let found = wrong(&format!("{SMALLEST}{text}\n"), &[]);
         let shown = found.to_string();
@@ -735,14 +735,14 @@ fn a_scenario_needs_a_robot() {
 }
 
 #[test]
-fn mistakes_in_several_places_are_told_at_once() {
+fn errors_of_several_sections_are_reported_together() {
     let text = "duraton = 1\n[robot]\nmodel = \"b\"\n[floor]\nheigt = 1\n[[task]]\ntype = \"balence\"\n[[task]]\ntype = \"posture\"\njoints = 1\n[log]\nrate = -1\n";
     let lines: Vec<_> = wrong(text, &[]).iter().map(|d| d.position.unwrap().line).collect();
     assert_eq!(lines, [1, 5, 7, 10, 12]);
 }
 
 #[test]
-fn syntax_errors_are_told_at_once() {
+fn syntax_errors_are_reported_together() {
     let found = file("a = = 1\n[robot]\nmodel = \n[floor\n").unwrap_err();
     let lines: Vec<_> = found.iter().map(|d| d.position.unwrap().line).collect();
     assert!(lines.contains(&1) && lines.contains(&3) && lines.contains(&4), "{found}");

@@ -9,7 +9,7 @@ fn listed(text: &str) -> Vec<Run> {
 }
 
 /// The parameters of a run as `name=value`.
-fn told(run: &Run) -> String {
+fn listed_parameters(run: &Run) -> String {
     run.parameters.iter().map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" ")
 }
 
@@ -22,12 +22,16 @@ fn each_table_is_one_set_of_values() {
         "[sweep]\nlist = [{ duration = 1, \"floor.friction\" = 0.1 }, { duration = 2.5, \"floor.friction\" = 1 }]\n";
     let found: Vec<_> = listed(text).iter().map(|r| (r.scenario.duration, r.scenario.floor.friction.static_)).collect();
     assert_eq!(found, [(1.0, 0.1), (2.5, 1.0)]);
-    assert_eq!(told(&listed(text)[0]), "duration=1.0 floor.friction=0.1", "a column is of one kind of number");
-    assert_eq!(told(&listed(text)[1]), "duration=2.5 floor.friction=1.0");
+    assert_eq!(
+        listed_parameters(&listed(text)[0]),
+        "duration=1.0 floor.friction=0.1",
+        "a column is of one kind of number"
+    );
+    assert_eq!(listed_parameters(&listed(text)[1]), "duration=2.5 floor.friction=1.0");
 }
 
 #[test]
-fn what_a_table_does_not_name_is_as_in_the_file_and_told_so() {
+fn keys_that_a_table_does_not_name_have_the_values_of_the_file() {
     let text = "[floor]\nfriction = { static = 0.8, kinetic = 0.6 }\n[contact]\nmethod = \"one-step\"\n[sweep]\nlist = [{ \"contact.method\" = \"exact\" }, { \"integrator.step\" = 2e-3 }, \
                 { \"floor.friction.static\" = 0.9 }, {}]\n";
     let runs = listed(text);
@@ -43,25 +47,28 @@ fn what_a_table_does_not_name_is_as_in_the_file_and_told_so() {
     let method = |name: &str, step: &str, friction: &str| {
         format!("contact.method=\"{name}\" integrator.step={step} floor.friction.static={friction}")
     };
-    assert_eq!(told(&runs[0]), method("exact", "0.001", "0.8"));
-    assert_eq!(told(&runs[1]), method("one-step", "0.002", "0.8"));
-    assert_eq!(told(&runs[2]), method("one-step", "0.001", "0.9"));
-    assert_eq!(told(&runs[3]), method("one-step", "0.001", "0.8"));
+    assert_eq!(listed_parameters(&runs[0]), method("exact", "0.001", "0.8"));
+    assert_eq!(listed_parameters(&runs[1]), method("one-step", "0.002", "0.8"));
+    assert_eq!(listed_parameters(&runs[2]), method("one-step", "0.001", "0.9"));
+    assert_eq!(listed_parameters(&runs[3]), method("one-step", "0.001", "0.8"));
 }
 
 #[test]
 fn a_table_of_defaults_is_no_value_of_a_cell() {
     // In the second run `floor.friction` is a table that nobody wrote.
     let runs = listed("[sweep]\nlist = [{ \"floor.friction\" = 0.5 }, { duration = 2 }]\n");
-    assert_eq!(told(&runs[0]), "floor.friction=0.5 duration=5.0");
-    assert_eq!(told(&runs[1]), "duration=2");
-    // Tables may name a value and a part of it: only one of them counts at a time, and both are told as they are.
+    assert_eq!(listed_parameters(&runs[0]), "floor.friction=0.5 duration=5.0");
+    assert_eq!(listed_parameters(&runs[1]), "duration=2");
+    // Tables may name a value and a part of it: only one of them counts at a time, and both are listed_parameters as they are.
     let floor = "[floor]\nfriction = { static = 0.8, kinetic = 0.6 }\n";
     let list = "list = [{ \"floor.friction\" = 0.9 }, { \"floor.friction.kinetic\" = 0.1 }]\n";
     let runs = listed(&format!("{floor}[sweep]\n{list}"));
     assert_eq!(runs[1].scenario.floor.friction.static_, 0.8);
-    assert_eq!(told(&runs[1]), "floor.friction={ kinetic = 0.1, static = 0.8 } floor.friction.kinetic=0.1");
-    assert_eq!(told(&runs[0]), "floor.friction=0.9 floor.friction.kinetic=0.9");
+    assert_eq!(
+        listed_parameters(&runs[1]),
+        "floor.friction={ kinetic = 0.1, static = 0.8 } floor.friction.kinetic=0.1"
+    );
+    assert_eq!(listed_parameters(&runs[0]), "floor.friction=0.9 floor.friction.kinetic=0.9");
 }
 
 #[test]

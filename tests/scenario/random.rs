@@ -25,7 +25,7 @@ fn heights(sampling: &str, distribution: &str) -> Vec<f64> {
 }
 
 #[test]
-fn what_is_drawn_is_what_is_run() {
+fn drawn_values_are_those_of_the_runs() {
     let random = "samples = 5, \"floor.friction\" = { uniform = [0.2, 1.0] }, duration = { uniform = [1, 2] }";
     let runs = sampled(random);
     assert_eq!(runs.len(), 5);
@@ -90,7 +90,7 @@ fn the_same_seed_draws_the_same_for_ever() {
 }
 
 #[test]
-fn draws_hang_on_seed_and_path_and_not_on_what_is_beside_them() {
+fn draws_depend_on_seed_and_path_only() {
     let of = |head: &str, random: &str| -> Vec<f64> {
         runs(&format!("{head}\n{SMALLEST}[sweep]\nrandom = {{ {random} }}\n"))
             .iter()
@@ -100,9 +100,9 @@ fn draws_hang_on_seed_and_path_and_not_on_what_is_beside_them() {
     for sampling in ["random", "lhs"] {
         let key = "\"floor.height\" = { uniform = [0, 1] }";
         let alone = of("", &format!("samples = 6, sampling = \"{sampling}\", {key}"));
-        let beside =
+        let with_others =
             of("", &format!("samples = 6, duration = {{ uniform = [1, 2] }}, {key}, sampling = \"{sampling}\""));
-        assert_eq!(alone, beside, "{sampling}");
+        assert_eq!(alone, with_others, "{sampling}");
         assert_eq!(
             alone,
             of("seed = 1", &format!("samples = 6, sampling = \"{sampling}\", {key}")),

@@ -4,13 +4,13 @@ use stiction::scenario::{Diagnostic, load, parse};
 
 use super::{SMALLEST, file, wrong};
 
-/// The first mistake of a text that stands above the smallest scenario, so it begins at line 1.
+/// The first error of a text that precedes the smallest scenario, so it begins at line 1.
 fn first(text: &str) -> Diagnostic {
     wrong(&format!("{text}\n{SMALLEST}"), &[]).0.swap_remove(0)
 }
 
 #[test]
-fn numbers_that_are_too_large_are_told_the_limit() {
+fn a_number_that_is_too_large_is_reported_with_the_limit() {
     for (text, message) in [
         ("sweep.repeat = 4294967296", "`sweep.repeat` must be at most 4294967295, not 4294967296"),
         ("sweep.repeat = 9223372036854775807", "`sweep.repeat` must be at most 4294967295, not 9223372036854775807"),
@@ -35,7 +35,7 @@ fn whole_numbers_with_a_point_are_shown_with_it() {
 }
 
 #[test]
-fn a_limit_that_cannot_be_raised_is_told_as_such() {
+fn the_fixed_limit_of_runs_has_its_own_help() {
     let text = format!("{SMALLEST}[sweep]\nrepeat = 4294967295\ngrid = {{ duration = [1, 2] }}\n");
     let help = |most| file(&text).unwrap().expansion(&[], most).err().unwrap().0[0].help.clone().unwrap();
     assert_eq!(help(10_000), "`--max-runs` raises the limit");
@@ -43,7 +43,7 @@ fn a_limit_that_cannot_be_raised_is_told_as_such() {
 }
 
 #[test]
-fn dates_are_told_as_dates() {
+fn dates_are_named_as_dates() {
     for (text, message) in [
         ("duration = 1979-05-27T07:32:00Z", "`duration` must be a number, not the date or time 1979-05-27T07:32:00Z"),
         ("seed = 07:32:00", "must be a whole number that is not negative, not the date or time 07:32:00"),
@@ -65,7 +65,7 @@ fn a_key_of_too_many_parts_has_a_line() {
 }
 
 #[test]
-fn a_key_that_is_there_twice_is_named_with_the_first() {
+fn a_duplicate_key_is_reported_with_the_first() {
     for (text, key, at, help) in [
         ("[floor]\nheight = 1\nheight = 2\n", "floor.height", (3, 1), "the first is on line 2; keep one of them"),
         ("[floor]\n[log]\n[floor]\n", "floor", (3, 2), "the first is on line 1; keep one of them"),
@@ -90,7 +90,7 @@ fn a_key_that_is_there_twice_is_named_with_the_first() {
 }
 
 #[test]
-fn what_is_long_is_cut() {
+fn long_keys_are_shortened() {
     let long = "k".repeat(1 << 18);
     for text in [format!("{long} = 1"), format!("contact.method = \"{long}\""), format!("duration = \"{long}\"")] {
         let found = first(&text);
