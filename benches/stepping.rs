@@ -5,7 +5,7 @@
 use divan::Bencher;
 use std::path::Path;
 use stiction::assemble;
-use stiction::contact::methods::method;
+use stiction::contact::methods::registry::{MethodDescriptor, MethodParameters};
 use stiction::contact::model::problem::Tolerances;
 use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::{MAX_SOLES, Pattern, SoleState, States};
@@ -52,7 +52,7 @@ fn swaying(method: &str, integrator: &str) -> Simulation {
 fn right_hand_side(bencher: Bencher) {
     let sim = swaying("exact", ADAPTIVE);
     let problem = sim.plant().problem.clone();
-    let method = method::make("exact", &method::Parameters::default(), &problem).expect("it is there");
+    let method = (MethodDescriptor::named("exact").expect("registered").solver)(&MethodParameters::default(), &problem);
     let mut plant = Plant::new(&mut setup("exact", ADAPTIVE), method, problem);
     plant.state.clone_from(&sim.plant().state);
     plant.states = sim.plant().states;

@@ -55,9 +55,21 @@ pub mod task;
 pub mod text;
 pub mod view;
 
+/// What a contact method implements and sees, see [`contact_methods::ContactMethod`].
+pub mod contact_methods {
+    pub use crate::contact::methods::contact_method::{
+        ContactMethod, ContactSolver, Scheme, SelectionInput, StoredEnergy,
+    };
+    pub use crate::contact::methods::registry::{METHODS, MethodDescriptor, MethodParameters};
+    pub use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
+    pub use crate::contact::model::solution::Solution;
+    pub use crate::contact::model::state::{Mode, Pattern, SoleState, States};
+    pub use crate::contact::search::select::Selection;
+}
+
 pub use api::{Error, Scenario, run_batch};
 pub use batch::{Options, Report};
-pub use contact::model::state::{Mode, Pattern, SoleState};
+pub use contact::model::state::SoleState;
 pub use dynamics::State;
 pub use force::{AppliedForces, Force, ForceContext};
 pub use nalgebra;

@@ -15,17 +15,12 @@ mod sensors;
 mod start;
 mod tasks;
 
-use crate::contact::methods::lcp::LcpParameters;
-use crate::contact::methods::method::Parameters;
-use crate::contact::methods::ncp::NcpParameters;
-use crate::contact::methods::penalty::PenaltyParameters;
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::state::SoleState;
 use crate::integrate::{BS23, DOPRI5, RK4};
 use crate::robot::{Model, Robot};
 use crate::scenario::{
-    ContactMethod, ContactSpec, Diagnostic, Diagnostics, EventHandling, FloorSpec, IntegratorMethod, IntegratorSpec,
-    JointLimits, PatchSpec, Run,
+    Diagnostic, Diagnostics, EventHandling, FloorSpec, IntegratorMethod, IntegratorSpec, JointLimits, PatchSpec, Run,
 };
 use crate::sim::patch::Patch;
 use crate::sim::setup::{ContactSetup, Floor, Forced, IntegratorSetup, Setup};
@@ -48,8 +43,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let tasks = tasks::tasks(run, &model, &start, &mut notes, &mut errors);
     let self_contact = self_contact::self_contact(run, robot, &model, &start, &mut notes, &mut errors);
     let contact = ContactSetup {
-        method: s.contact.method.name().to_owned(),
-        parameters: parameters(&s.contact),
+        method: s.contact.method.descriptor().with(s.contact.parameters()),
         tolerances: Tolerances {
             distance: s.contact.distance_tolerance,
             velocity: s.contact.velocity_tolerance,
@@ -115,28 +109,16 @@ fn floor(run: &Run, errors: &mut Vec<Diagnostic>) -> Floor {
     floor
 }
 
-fn parameters(spec: &ContactSpec) -> Parameters {
-    let springs = &spec.penalty;
-    Parameters {
-        penalty: PenaltyParameters {
-            stiffness: springs.stiffness,
-            damping: springs.damping,
-            slip_velocity: springs.slip_velocity,
-        },
-        lcp: LcpParameters { facets: spec.lcp.facets },
-        ncp: NcpParameters { iterations: spec.ncp.iterations, tolerance: spec.ncp.tolerance },
-    }
-}
-
-/// Most unknowns of an `lcp` problem: its dictionary takes 8 bytes times their square.
+/// Unknowns of a method's densest problem beyond which its matrix (8 bytes times their square) takes too much memory.
 const MOST_UNKNOWNS: usize = 4096;
 
-/// Refuses facets whose problem exceeds [`MOST_UNKNOWNS`].
+/// Refuses more friction directions than memory holds.
 fn facets(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
     let contact = &run.scenario.contact;
     let vertices = model.soles.iter().map(|s| s.vertices.len()).sum();
-    let unknowns = parameters(contact).lcp.unknowns(vertices);
-    if contact.method == ContactMethod::Lcp && unknowns > MOST_UNKNOWNS {
+    let Some(unknowns) = contact.method.descriptor().unknowns else { return };
+    let unknowns = unknowns(&contact.parameters(), vertices);
+    if unknowns > MOST_UNKNOWNS {
         let message = format!(
             "`contact.lcp.facets` = {} makes {unknowns} unknowns of the {vertices} vertices of the robot's soles; at \
              most {MOST_UNKNOWNS} are allowed",

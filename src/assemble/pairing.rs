@@ -1,4 +1,5 @@
-//! Compatibility of contact methods, integrators, restitution and forced states.
+//! Which contact methods, integrators, restitution and imposed states go together. Methods state theirs in their
+//! [`MethodDescriptor`]:
 //!
 //! | | `dopri5` | `bs23` | `rk4` | `semi-implicit` | `restitution` | `forced` |
 //! |---|---|---|---|---|---|---|
@@ -7,70 +8,46 @@
 //! | `penalty` | x | x | x | x | | |
 //! | `lcp`, `ncp` | | | | x | | |
 
+use crate::contact::methods::registry::{METHODS, MethodDescriptor};
 use crate::robot::{Base, DriveMode, Model};
-use crate::scenario::{ContactMethod, Diagnostic, IntegratorMethod, Run};
+use crate::scenario::{Diagnostic, IntegratorMethod, Run};
 
-/// All integrators.
-const ALL: &[IntegratorMethod] =
-    &[IntegratorMethod::Dopri5, IntegratorMethod::Bs23, IntegratorMethod::Rk4, IntegratorMethod::SemiImplicit];
-/// Those that integrate accelerations.
+/// Integrators of accelerations, which locate events.
 const EXPLICIT: &[IntegratorMethod] = &[IntegratorMethod::Dopri5, IntegratorMethod::Bs23, IntegratorMethod::Rk4];
 
-/// The integrators with which a method runs, and the reason if not with all.
-fn integrators(method: ContactMethod) -> (&'static [IntegratorMethod], &'static str) {
-    match method {
-        ContactMethod::Exact | ContactMethod::OneStep | ContactMethod::Penalty => (ALL, ""),
-        ContactMethod::Lcp | ContactMethod::Ncp => {
-            (&[IntegratorMethod::SemiImplicit], "knows only impulses over a fixed step")
-        }
-    }
-}
-
-/// The integrators with which a method treats impacts as separate events and so supports restitution.
-fn bouncing(method: ContactMethod) -> &'static [IntegratorMethod] {
-    if method == ContactMethod::Exact { EXPLICIT } else { &[] }
-}
-
-/// Why a method cannot have forced states, if it cannot.
-fn unforced(method: ContactMethod) -> Option<&'static str> {
-    match method {
-        ContactMethod::Exact | ContactMethod::OneStep => None,
-        ContactMethod::Penalty => Some("clamps no vertices"),
-        ContactMethod::Lcp | ContactMethod::Ncp => Some("chooses no states"),
-    }
-}
-
-/// Reports combinations that do not work, each at its position in the file.
+/// Finds combinations that do not work, each at its position in the file.
 pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
     let contact = &run.scenario.contact;
     let (method, integrator) = (contact.method.name(), run.scenario.integrator.method);
-    let (works, reason) = integrators(contact.method);
-    if !works.contains(&integrator) {
+    let descriptor = contact.method.descriptor();
+    if let Some(reason) = descriptor.only_semi_implicit.filter(|_| integrator != IntegratorMethod::SemiImplicit) {
         let message = format!(
             "`contact.method` = \"{method}\" {reason} and does not run with `integrator.method` = \"{}\"",
             integrator.name()
         );
-        let help = format!("set `integrator.method` = {}", named(works));
+        let help = format!("set `integrator.method` = {}", named(&[IntegratorMethod::SemiImplicit]));
         errors.push(run.error_at("contact.method", message, Some(help)));
     }
     check_restitution(run, errors);
-    if let Some(reason) = unforced(contact.method).filter(|_| !contact.forced.is_empty()) {
+    if let Some(reason) = descriptor.unforced.filter(|_| !contact.forced.is_empty()) {
         let message = format!("`contact.forced` does not work with `contact.method` = \"{method}\", which {reason}");
-        let help = "methods \"exact\" and \"one-step\" can have forced states".to_owned();
+        let help = format!("states can be imposed with {}", with_method(|method| method.unforced.is_none()));
         errors.push(run.error_at("contact.forced", message, Some(help)));
     }
 }
 
-/// Reports a restitution that method and integrator do not support, of the scenario or of an event.
+/// Finds a restitution that method and integrator do not support, in the scenario or set by an event.
 pub(super) fn check_restitution(run: &Run, errors: &mut Vec<Diagnostic>) {
     let (contact, integrator) = (&run.scenario.contact, run.scenario.integrator.method);
-    if contact.restitution > 0.0 && !bouncing(contact.method).contains(&integrator) {
+    let bounces = contact.method.descriptor().restitution && EXPLICIT.contains(&integrator);
+    if contact.restitution > 0.0 && !bounces {
         let message = format!(
             "`contact.restitution` does not work with `contact.method` = \"{}\" and `integrator.method` = \"{}\"",
             contact.method.name(),
             integrator.name()
         );
-        let help = format!("it works with method \"exact\" and integrator {}", named(EXPLICIT));
+        let methods = with_method(|method| method.restitution);
+        let help = format!("it works with {methods} and integrator {}", named(EXPLICIT));
         errors.push(run.error_at("contact.restitution", message, Some(help)));
     }
 }
@@ -97,6 +74,13 @@ pub(super) fn check_soles(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>
             errors.push(run.error_at("robot.model", message, Some(help)));
         }
     }
+}
+
+/// Methods of which a condition holds, for messages.
+fn with_method(holds: impl Fn(&MethodDescriptor) -> bool) -> String {
+    let names: Vec<_> = METHODS.iter().filter(|m| holds(m)).map(|m| format!("\"{}\"", m.name)).collect();
+    let word = if names.len() == 1 { "method" } else { "methods" };
+    format!("{word} {}", names.join(" and "))
 }
 
 fn named(integrators: &[IntegratorMethod]) -> String {

@@ -1,5 +1,6 @@
 //! Colours. Those of curves can be told apart with the common kinds of colour blindness, and from each other in grey.
 
+use crate::contact::methods::registry::MethodDescriptor;
 use plotters::style::RGBColor;
 
 /// A colour as SVG writes it. The style sheet knows each by this very text and has another for dark pages.
@@ -34,8 +35,7 @@ pub(super) const ALL: [&[Colour]; 2] = [&[PAPER, INK, FAINT, AXIS, GRID, FINE], 
 
 /// The colour of a contact method: the same in every picture.
 pub(super) fn method(name: &str) -> Colour {
-    let known = ["exact", "one-step", "penalty", "lcp", "ncp"];
-    CURVES[known.iter().position(|k| *k == name).unwrap_or(CURVES.len() - 1)]
+    MethodDescriptor::named(name).map_or(CURVES[CURVES.len() - 1], |method| method.colour)
 }
 
 /// The colour of the curve at a place, starting anew after the last.

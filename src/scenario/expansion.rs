@@ -12,8 +12,8 @@ use super::run::{Origin, Run};
 use super::scenario::{self, Scenario};
 use super::sweep::{Cell, Grid};
 use super::{events, overrides};
+use crate::contact::methods::registry::METHODS;
 use crate::scenario::findings::Findings;
-use crate::scenario::format::contact::{ContactMethod, LcpSpec, NcpSpec, PenaltySpec};
 use crate::scenario::key_path::KeyPath;
 use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::text::source::{Sources, Span};
@@ -197,41 +197,36 @@ impl CellParts<'_> {
     }
 }
 
-/// Finds parameters of contact methods that no run of the file uses.
+/// Parameters of contact methods that no run of the file uses.
 #[derive(Default)]
 struct UnusedParameters {
-    used: Vec<ContactMethod>,
-    /// The warning about the first run that has them.
-    found: Vec<(ContactMethod, Diagnostic)>,
+    used: Vec<&'static str>,
+    /// The warning about each method, from the first run that gives its parameters.
+    warnings: Vec<(&'static str, Diagnostic)>,
 }
 
 impl UnusedParameters {
     fn check(&mut self, run: &Run) {
         let contact = &run.scenario.contact;
-        if !self.used.contains(&contact.method) {
-            self.used.push(contact.method);
+        let used = contact.method.name();
+        if !self.used.contains(&used) {
+            self.used.push(used);
         }
-        let given = [
-            (ContactMethod::Penalty, contact.penalty != PenaltySpec::default()),
-            (ContactMethod::Lcp, contact.lcp != LcpSpec::default()),
-            (ContactMethod::Ncp, contact.ncp != NcpSpec::default()),
-        ];
-        for (method, _) in given.into_iter().filter(|(_, given)| *given) {
-            if self.found.iter().any(|(known, _)| *known == method) {
+        let parameters = contact.parameters();
+        for name in METHODS.iter().filter(|method| (method.is_configured)(&parameters)).map(|method| method.name) {
+            if self.warnings.iter().any(|(known, _)| *known == name) {
                 continue;
             }
-            let name = method.name();
-            let message = format!("`contact.{name}` has no effect: `contact.method` is \"{}\"", contact.method.name());
+            let message = format!("`contact.{name}` has no effect: `contact.method` is \"{used}\"");
             let warning = run.diagnose(&format!("contact.{name}"), Severity::Warning, true, message, None);
-            self.found.push((method, warning));
+            self.warnings.push((name, warning));
         }
     }
 
     fn warnings(mut self) -> Diagnostics {
-        self.found.retain(|(method, _)| !self.used.contains(method));
-        let order = |m: &ContactMethod| [ContactMethod::Penalty, ContactMethod::Lcp].iter().position(|x| x == m);
-        self.found.sort_by_key(|(method, _)| order(method).unwrap_or(usize::MAX));
-        Diagnostics(self.found.into_iter().map(|(_, warning)| warning).collect())
+        self.warnings.retain(|(name, _)| !self.used.contains(name));
+        self.warnings.sort_by_key(|(name, _)| METHODS.iter().position(|method| method.name == *name));
+        Diagnostics(self.warnings.into_iter().map(|(_, warning)| warning).collect())
     }
 }
 

@@ -36,10 +36,7 @@ pub use file::{ScenarioFile, load, parse};
 pub use format::{
     change::ChangeSpec,
     compare::{CompareSpec, TruthMetric},
-    contact::{
-        ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec, LcpSpec, NcpSpec,
-        PenaltySpec,
-    },
+    contact::{ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec},
     control::{AccelerationSource, ControlSpec, Estimator, InertialSpec, KinematicSpec},
     event::EventSpec,
     expect::{Expect, ExpectedOutcome},

@@ -15,7 +15,6 @@ use crate::scenario::format::event::EventSpec;
 use crate::scenario::format::expect::Expect;
 use crate::scenario::format::floor::FloorSpec;
 use crate::scenario::format::force::ForceSpec;
-use crate::scenario::format::quantity::{json, positive};
 use crate::scenario::format::robot::RobotSpec;
 use crate::scenario::format::run::{LogSpec, StopSpec};
 use crate::scenario::format::self_collision::SelfCollisionSpec;
@@ -23,6 +22,7 @@ use crate::scenario::format::sensors::SensorsSpec;
 use crate::scenario::format::sweep::SweepSpec;
 use crate::scenario::format::tagged::{self, Tagged};
 use crate::scenario::format::task::TaskSpec;
+use crate::text::quantity::{json, positive};
 use crate::text::suggest;
 use crate::text::toml_tree::{Node, Value};
 

@@ -6,7 +6,7 @@
 use super::error::Stop;
 use super::report::Observer;
 use super::simulation::Simulation;
-use crate::contact::methods::method::Question;
+use crate::contact::methods::contact_method::SelectionInput;
 
 impl Simulation {
     /// Looks friction up and reads the states off the forces at the plant's present state, which must be evaluated.
@@ -16,9 +16,9 @@ impl Simulation {
             self.plant.evaluate();
         }
         let rules = self.rules();
-        let question = Question { rules: &rules, event: true, allowed: &|_, _| true };
+        let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true };
         let plant = &mut self.plant;
-        let selection = plant.method.select(&mut plant.problem, &question, &mut plant.solution);
+        let selection = plant.method.select(&mut plant.problem, &input, &mut plant.solution);
         self.adopt(selection.states, observer)?;
         self.creep();
         Ok(())
@@ -27,9 +27,9 @@ impl Simulation {
     /// Impulses of a step, from the velocity-level problem at hand.
     pub(super) fn comply_for_step(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
         let rules = self.rules();
-        let question = Question { rules: &rules, event: false, allowed: &|_, _| true };
+        let input = SelectionInput { rules: &rules, event: false, allowed: &|_, _| true };
         let plant = &mut self.plant;
-        let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
+        let selection = plant.method.impulse(&mut plant.problem, &input, &mut plant.solution);
         self.adopt(selection.states, observer)
     }
 

@@ -6,7 +6,7 @@ use super::project::anchor;
 use super::report::{Observer, Outcome};
 use super::simulation::Simulation;
 use crate::contact::hybrid::impact;
-use crate::contact::methods::method::Question;
+use crate::contact::methods::contact_method::SelectionInput;
 use crate::contact::model::state::{MAX_SOLES, Mode, SoleState, States};
 use crate::contact::search::judge::Rules;
 use crate::contact::search::select::Selection;
@@ -129,10 +129,10 @@ impl Simulation {
         let rules = self.rules();
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
-        let question = Question { rules: &rules, event: true, allowed: &allowed };
-        self.freeze(observer, &question, &forced);
+        let input = SelectionInput { rules: &rules, event: true, allowed: &allowed };
+        self.freeze(observer, &input, &forced);
         let plant = &mut self.plant;
-        let selection = plant.method.select(&mut plant.problem, &question, &mut plant.solution);
+        let selection = plant.method.select(&mut plant.problem, &input, &mut plant.solution);
         self.freeze_answer(observer, &selection)?;
         Ok(selection)
     }
@@ -160,10 +160,10 @@ impl Simulation {
         let plant = &mut self.plant;
         let fastest = impact::set_impact(&mut plant.problem, &plant.reduced.velocity, &tol, self.contact.restitution);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
-        let question = Question { rules: &rules, event: true, allowed: &allowed };
-        self.freeze(observer, &question, &forced);
+        let input = SelectionInput { rules: &rules, event: true, allowed: &allowed };
+        self.freeze(observer, &input, &forced);
         let plant = &mut self.plant;
-        let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
+        let selection = plant.method.impulse(&mut plant.problem, &input, &mut plant.solution);
         self.freeze_answer(observer, &selection)?;
         let plant = &mut self.plant;
         let impulses = std::mem::take(&mut plant.solution.wrench);

@@ -14,7 +14,7 @@ use super::error::Stop;
 use super::report::Observer;
 use super::simulation::Simulation;
 use crate::contact::hybrid::projection::fit_plane;
-use crate::contact::methods::method::{Manner, Question};
+use crate::contact::methods::contact_method::{Scheme, SelectionInput};
 use crate::contact::model::problem::Level;
 use crate::contact::model::state::SoleState;
 use crate::dynamics::reduced;
@@ -117,7 +117,7 @@ impl Fixed {
     /// Turns the reduced problem into the velocity-level one of this step.
     fn pose(&self, sim: &mut Simulation, dt: f64) {
         let plant = &mut sim.plant;
-        let manner = plant.method.manner();
+        let manner = plant.method.scheme();
         let p = &mut plant.problem;
         (p.level, p.step) = (Level::Velocity, dt);
         for ((b, a), v) in p.b.iter_mut().zip(&plant.reduced.a0).zip(&plant.reduced.velocity) {
@@ -129,12 +129,12 @@ impl Fixed {
             }
             // Only a method that looks where the step leads clamps just what closes its gap within it. One that decides
             // from heights may clamp a vertex a whole distance tolerance up, and stops it there.
-            let closes = matches!(manner, Manner::Searching | Manner::Stepping);
+            let closes = matches!(manner, Scheme::EventDriven | Scheme::TimeStepping);
             let gap = fit_plane(&p.soles[s], |i| match manner {
-                Manner::Searching => p.soles[s].vertices[i].height.max(0.0),
-                Manner::Deciding | Manner::Compliant => 0.0,
+                Scheme::EventDriven => p.soles[s].vertices[i].height.max(0.0),
+                Scheme::DecidedPerStep | Scheme::Compliant => 0.0,
                 // What is below the floor comes up again.
-                Manner::Stepping => p.soles[s].vertices[i].height,
+                Scheme::TimeStepping => p.soles[s].vertices[i].height,
             });
             p.soles[s].target = gap * (-1.0 / dt);
             let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm()).fold(0.0, f64::max);
@@ -170,10 +170,10 @@ impl Simulation {
         let rules = self.rules();
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
-        let question = Question { rules: &rules, event: false, allowed: &allowed };
-        self.freeze(observer, &question, &forced);
+        let input = SelectionInput { rules: &rules, event: false, allowed: &allowed };
+        self.freeze(observer, &input, &forced);
         let plant = &mut self.plant;
-        let selection = plant.method.impulse(&mut plant.problem, &question, &mut plant.solution);
+        let selection = plant.method.impulse(&mut plant.problem, &input, &mut plant.solution);
         self.freeze_answer(observer, &selection)?;
         self.count(&selection);
         if !selection.consistent && !self.all_imposed(&selection.verdict) {

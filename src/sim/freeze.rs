@@ -3,7 +3,7 @@
 use super::error::Stop;
 use super::report::{Observer, Outcome, Problems};
 use super::simulation::Simulation;
-use crate::contact::methods::method::Question;
+use crate::contact::methods::contact_method::SelectionInput;
 use crate::contact::model::state::{MAX_SOLES, SoleState};
 use crate::contact::search::select::Selection;
 use crate::contact::selection_record::SelectionRecord;
@@ -13,14 +13,13 @@ impl Simulation {
     pub(super) fn freeze(
         &mut self,
         observer: &dyn Observer,
-        question: &Question,
+        input: &SelectionInput,
         forced: &[Option<SoleState>; MAX_SOLES],
     ) {
         self.frozen = (observer.problems() != Problems::None).then(|| {
             let (time, plant) = (self.plant.state.time, &self.plant);
-            let told = (self.contact.method.as_str(), &self.contact.parameters);
-            let mut frozen =
-                SelectionRecord::from_problem(time, told, &plant.problem, question, forced, &plant.solution);
+            let told = (self.contact.method.name(), &self.contact.method.parameters());
+            let mut frozen = SelectionRecord::from_problem(time, told, &plant.problem, input, forced, &plant.solution);
             for (s, sole) in frozen.soles.iter_mut().enumerate() {
                 sole.name.clone_from(&plant.model.soles[s].name);
                 sole.reference_m = plant.sole_origin(s).into();

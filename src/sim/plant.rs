@@ -14,7 +14,7 @@ use super::impulse::Impulses;
 use super::layout::Layout;
 use super::setup::{Floor, IntegratorSetup, Setup};
 use super::zones::Place;
-use crate::contact::methods::method::{Manner, Method, Stored};
+use crate::contact::methods::contact_method::{ContactSolver, Scheme, StoredEnergy};
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
@@ -58,7 +58,7 @@ pub struct Plant {
     /// The method's answer.
     pub solution: Solution,
     /// The method.
-    pub method: Box<dyn Method>,
+    pub method: Box<dyn ContactSolver>,
     /// Reference sliding directions, by sole and vertex, from the last choice of states.
     pub directions: Vec<Vec<Vector2<f64>>>,
     /// Where each vertex is on the floor, by sole and vertex; held while a step is integrated.
@@ -116,7 +116,7 @@ pub struct Plant {
 
 impl Plant {
     /// Builds the plant of a run; takes the forces out of the setup.
-    pub fn new(setup: &mut Setup, method: Box<dyn Method>, problem: Problem) -> Self {
+    pub fn new(setup: &mut Setup, method: Box<dyn ContactSolver>, problem: Problem) -> Self {
         let model = setup.model.clone();
         let (nj, nv) = (model.nj(), model.nv());
         let mut state = State::home(&model);
@@ -408,11 +408,11 @@ impl Plant {
 
     /// Do springs stand in for the rigid floor?
     pub fn is_compliant(&self) -> bool {
-        self.method.manner() == Manner::Compliant
+        self.method.scheme() == Scheme::Compliant
     }
 
     /// What the springs of a compliant method hold at the state of the last evaluation or refresh.
-    pub fn stored(&self) -> Stored {
+    pub fn stored(&self) -> StoredEnergy {
         self.method.stored(&self.problem)
     }
 

@@ -8,7 +8,7 @@ use super::loads::Load;
 use super::patch::Patch;
 use super::self_contact::SelfContactSetup;
 use super::sensors::SensorErrors;
-use crate::contact::methods::method::Parameters;
+use crate::contact::methods::contact_method::ContactMethod;
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::state::SoleState;
 use crate::force::Force;
@@ -65,12 +65,10 @@ pub struct Forced {
 }
 
 /// How contact is treated.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct ContactSetup {
-    /// Name of the method, see [`crate::contact::methods::method::NAMES`].
-    pub method: String,
-    /// What it is told.
-    pub parameters: Parameters,
+    /// The method: one of [`crate::contact::methods::registry::METHODS`], or another.
+    pub method: Box<dyn ContactMethod>,
     /// Tolerances d, v_t, a_t and the rest speed.
     pub tolerances: Tolerances,
     /// Coefficient of restitution e for approach speeds above v_t.

@@ -17,7 +17,7 @@ use super::sample::Sampler;
 use super::self_contact::SelfContact;
 use super::sensors::Sensors;
 use super::setup::{ContactSetup, IntegratorSetup, Setup};
-use crate::contact::methods::method::{self, Manner};
+use crate::contact::methods::contact_method::Scheme;
 use crate::contact::model::problem::{Problem, Tolerances};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::MAX_SOLES;
@@ -123,8 +123,7 @@ impl Simulation {
             }
         }
         problem.scale = load_scale(&model, &setup.gravity);
-        let method = method::make(&setup.contact.method, &setup.contact.parameters, &problem)
-            .ok_or_else(|| error(format!("unknown contact method `{}`", setup.contact.method)))?;
+        let method = setup.contact.method.solver(&problem);
         let projection = Solution::new(&problem);
         let corners = setup.corners();
         let mut plant = Plant::new(&mut setup, method, problem);
@@ -251,7 +250,7 @@ impl Simulation {
         self.tell_imposed(observer)?;
         let mut stepper = self.stepper.take();
         let begun = match &mut stepper {
-            Some(Stepper::Fixed(fixed)) if self.plant.method.manner() == Manner::Stepping => {
+            Some(Stepper::Fixed(fixed)) if self.plant.method.scheme() == Scheme::TimeStepping => {
                 fixed.look_ahead(self, observer)
             }
             _ => self.decide(observer),

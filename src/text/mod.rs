@@ -12,6 +12,7 @@ pub mod angle;
 pub mod diagnostic;
 pub(crate) mod excerpt;
 pub(crate) mod pattern;
+pub mod quantity;
 pub mod source;
 pub mod suggest;
 pub mod text_table;

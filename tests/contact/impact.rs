@@ -4,8 +4,8 @@ use super::law;
 use super::rigid::{Rigid, body_on, rules, triple};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use proptest::prelude::*;
+use stiction::contact::methods::contact_method::{ContactSolver, SelectionInput};
 use stiction::contact::methods::exact::Exact;
-use stiction::contact::methods::method::{Method, Question};
 use stiction::contact::model::problem::{Level, Problem};
 use stiction::contact::model::solution::Solution;
 use stiction::contact::search::select::Selection;
@@ -26,8 +26,8 @@ pub fn falling(body: &Rigid, velocity: &Vector3<f64>, spin: &Vector3<f64>) -> Pr
 pub fn strike(p: &mut Problem) -> (Selection, Solution) {
     let (mut exact, mut out) = (Exact::new(p), Solution::new(p));
     let rules = rules();
-    let question = Question { rules: &rules, event: true, allowed: &|_, _| true };
-    let selection = exact.impulse(p, &question, &mut out);
+    let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true };
+    let selection = exact.impulse(p, &input, &mut out);
     (selection, out)
 }
 

@@ -6,19 +6,21 @@ use super::pair::{JOINTS, pair};
 use super::rigid::{Rigid, body_on, rules, triple};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use proptest::prelude::*;
+use stiction::contact::methods::contact_method::SelectionInput;
 use stiction::contact::methods::lcp::LcpParameters;
-use stiction::contact::methods::method::{self, Parameters, Question};
 use stiction::contact::methods::ncp::NcpParameters;
+use stiction::contact::methods::registry::{MethodDescriptor, MethodParameters};
 use stiction::contact::model::problem::Problem;
 use stiction::contact::model::solution::Solution;
 use stiction::contact::search::select::Selection;
 
 /// Answer of a method without a previous solution.
-fn answer(name: &str, parameters: &Parameters, p: &mut Problem) -> (Selection, Solution) {
-    let (mut method, mut out) = (method::make(name, parameters, p).expect("it is there"), Solution::new(p));
+fn answer(name: &str, parameters: &MethodParameters, p: &mut Problem) -> (Selection, Solution) {
+    let (mut method, mut out) =
+        ((MethodDescriptor::named(name).expect("registered").solver)(parameters, p), Solution::new(p));
     let rules = rules();
-    let question = Question { rules: &rules, event: false, allowed: &|_, _| true };
-    let selection = method.impulse(p, &question, &mut out);
+    let input = SelectionInput { rules: &rules, event: false, allowed: &|_, _| true };
+    let selection = method.impulse(p, &input, &mut out);
     (selection, out)
 }
 
@@ -76,8 +78,8 @@ fn directions(m: u32) -> impl Iterator<Item = Vector2<f64>> {
     })
 }
 
-fn with_facets(facets: u32) -> Parameters {
-    Parameters { lcp: LcpParameters { facets }, ..Parameters::default() }
+fn with_facets(facets: u32) -> MethodParameters {
+    MethodParameters { lcp: LcpParameters { facets }, ..MethodParameters::default() }
 }
 
 fn config() -> ProptestConfig {
@@ -118,7 +120,7 @@ proptest! {
     fn ncp_converges_to_the_round_cone(body in body_on(1, 8), velocity in triple(), spin in triple()) {
         let mut p = falling(&body, &velocity, &spin);
         let ncp = NcpParameters { iterations: 100_000, tolerance: 1e-12 };
-        let (_, out) = answer("ncp", &Parameters { ncp, ..Parameters::default() }, &mut p);
+        let (_, out) = answer("ncp", &MethodParameters { ncp, ..MethodParameters::default() }, &mut p);
         prop_assert!(missed(&p, &out, None) < 1e-8, "{:.3e}", missed(&p, &out, None));
     }
 }
@@ -137,7 +139,7 @@ fn ncp_converges_at_a_geometric_rate() {
     let miss = |iterations: u32| {
         let ncp = NcpParameters { iterations, tolerance: 1e-15 };
         let mut p = p.clone();
-        let (_, out) = answer("ncp", &Parameters { ncp, ..Parameters::default() }, &mut p);
+        let (_, out) = answer("ncp", &MethodParameters { ncp, ..MethodParameters::default() }, &mut p);
         missed(&p, &out, None)
     };
     let misses = [4, 8, 12, 16, 20, 24, 28, 32].map(miss);

@@ -1,5 +1,7 @@
 //! The library as programs use it: the crate root's exports and the programs of `examples/`.
 
+#[path = "../../examples/own_contact_method.rs"]
+mod own_contact_method;
 #[path = "../../examples/own_force_and_task.rs"]
 mod own_force_and_task;
 #[path = "../../examples/run_scenario.rs"]
@@ -14,6 +16,7 @@ fn examples_run() {
     run_scenario::main().unwrap();
     step_and_read::main().unwrap();
     own_force_and_task::main().unwrap();
+    own_contact_method::main().unwrap();
 }
 
 #[test]

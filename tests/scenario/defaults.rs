@@ -4,8 +4,8 @@ use std::path::Path;
 
 use stiction::contact::methods::penalty::PenaltyParameters;
 use stiction::scenario::{
-    ContactMethod, Estimator, EventHandling, ForceFrame, ForceSpec, Friction, IntegratorMethod, JointLimits, JointMode,
-    LogTopic, Profile, TaskSpec,
+    Estimator, EventHandling, ForceFrame, ForceSpec, Friction, IntegratorMethod, JointLimits, JointMode, LogTopic,
+    Profile, TaskSpec,
 };
 
 use super::{FULL, SMALLEST, file, runs};
@@ -38,7 +38,7 @@ fn the_smallest_scenario_has_the_documented_defaults() {
     assert_eq!((s.floor.height, s.floor.rpy), (0.0, [0.0; 3]));
 
     let c = &s.contact;
-    assert_eq!(c.method, ContactMethod::Exact);
+    assert_eq!(c.method.name(), "exact");
     assert_eq!((c.distance_tolerance, c.velocity_tolerance, c.acceleration_tolerance), (1e-3, 0.1, 0.1));
     assert_eq!((c.restitution, c.events), (0.0, EventHandling::Locate));
     assert!(c.forced.is_empty());

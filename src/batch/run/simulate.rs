@@ -242,7 +242,7 @@ fn open_log(
         &job.key,
         &job.robot,
         (&setup.model, &setup.floor),
-        &setup.contact.method,
+        setup.contact.method.name(),
         topics,
     )
 }

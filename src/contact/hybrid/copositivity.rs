@@ -7,7 +7,7 @@
 //! at a stationary point of one of the faces: on the vertices that x loads, `(K + K^T) x` is
 //! constant. With up to [`FEW`] sliding vertices all faces are tested.
 
-use crate::contact::methods::method::Method;
+use crate::contact::methods::contact_method::ContactSolver;
 use crate::contact::model::problem::{Level, Problem, Tolerances, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{SoleState, States};
@@ -38,7 +38,7 @@ pub(crate) struct SlidingLoad {
 /// return.
 pub(crate) fn least_sliding_load(
     p: &mut Problem,
-    method: &mut dyn Method,
+    method: &mut dyn ContactSolver,
     states: &States,
     tol: &Tolerances,
     scratch: &mut Solution,

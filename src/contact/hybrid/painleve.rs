@@ -46,7 +46,7 @@
 //! that is a jam.
 
 use super::copositivity::{SlidingLoad, scale_biases};
-use crate::contact::methods::method::{Method, Question};
+use crate::contact::methods::contact_method::{ContactSolver, SelectionInput};
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Pattern, SoleState, States};
@@ -96,7 +96,7 @@ impl SlidingLoad {
 /// or the velocity level has no answer either. The problem is then left at the velocity level.
 pub(crate) fn jam(
     p: &mut Problem,
-    method: &mut dyn Method,
+    method: &mut dyn ContactSolver,
     velocity: &[f64],
     load: &SlidingLoad,
     rules: &Rules,
@@ -130,13 +130,13 @@ pub(crate) fn jam(
         let k = load.loaded[s].len();
         allowed(s, state) && (0..k).all(|i| !load.loaded[s][i] || state.clamps(i, k))
     };
-    let question = Question { rules, event: true, allowed: &together };
-    let mut selection = method.impulse(p, &question, solution);
+    let input = SelectionInput { rules, event: true, allowed: &together };
+    let mut selection = method.impulse(p, &input, solution);
     let mut tested = selection.tested;
     if !selection.consistent {
         p.soles.iter_mut().flat_map(|s| &mut s.vertices).for_each(|v| v.direction = Vector2::zeros());
-        let question = Question { rules, event: true, allowed };
-        selection = method.impulse(p, &question, solution);
+        let input = SelectionInput { rules, event: true, allowed };
+        selection = method.impulse(p, &input, solution);
         tested += selection.tested;
     }
     selection.tested = tested;

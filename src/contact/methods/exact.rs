@@ -1,11 +1,25 @@
 //! The exact method: the state is searched for until it is valid. In continuous time that is at events and nowhere else;
 //! with fixed steps once a step, on the velocities at its end.
 
-use crate::contact::methods::method::{Manner, Method, Question};
+use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
+use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::contact::search::select::{Selection, Selector, first_mode};
+
+/// What scenarios and reports need to know of this method.
+pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
+    name: "exact",
+    doc: "Exact Coulomb friction: contact states are tested until one is consistent.",
+    only_semi_implicit: None,
+    restitution: true,
+    unforced: None,
+    colour: "#0B62A4",
+    is_configured: |_| false,
+    unknowns: None,
+    solver: |_, p| Box::new(Exact::new(p)),
+};
 
 /// See the module.
 pub struct Exact {
@@ -41,13 +55,13 @@ pub fn covering(k: usize, clamp: impl Fn(usize) -> bool) -> Pattern {
         .unwrap_or(Pattern::Free)
 }
 
-impl Method for Exact {
-    fn manner(&self) -> Manner {
-        Manner::Searching
+impl ContactSolver for Exact {
+    fn scheme(&self) -> Scheme {
+        Scheme::EventDriven
     }
 
-    fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
-        let tol = &question.rules.tolerances;
+    fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+        let tol = &input.rules.tolerances;
         for v in p.soles.iter_mut().flat_map(|s| &mut s.vertices) {
             // A vertex about to be clamped out of a slow motion has its velocity settled first.
             v.moving &= v.velocity.z.abs() <= tol.rest || v.velocity.xy().norm() > tol.velocity;
@@ -57,19 +71,19 @@ impl Method for Exact {
         }
         // The vertices of a sole that stops do so together, but for what the integrator cannot resolve.
         for (s, sole) in p.soles.iter_mut().enumerate() {
-            let (state, k) = (question.rules.previous[s], sole.vertices.len());
+            let (state, k) = (input.rules.previous[s], sole.vertices.len());
             let clamped = |i: &usize| state.clamps(*i, k);
             let fastest = (0..k).filter(clamped).map(|i| sole.vertices[i].velocity.xy().norm()).fold(0.0, f64::max);
             if state.is_dynamic() && fastest <= 10.0 * tol.rest {
                 (0..k).filter(clamped).for_each(|i| sole.vertices[i].moving = false);
             }
         }
-        let start = Self::carry_over(p, &question.rules.previous);
-        let start = permit(p, start, question);
-        self.selector.select(p, &start, !question.event, question.rules, question.allowed, out)
+        let start = Self::carry_over(p, &input.rules.previous);
+        let start = permit(p, start, input);
+        self.selector.select(p, &start, !input.event, input.rules, input.allowed, out)
     }
 
-    fn impulse(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+    fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
         // Start with everything that touches and does not already leave.
         let mut start = States::default();
         for (s, sole) in p.soles.iter().enumerate() {
@@ -78,12 +92,12 @@ impl Method for Exact {
                 v.near && p.vertex_motion(&p.b, s, i).z < sole.vertex_target(i)
             };
             let k = sole.vertices.len();
-            let kept = question.rules.previous[s];
+            let kept = input.rules.previous[s];
             let pattern = covering(k, |i| approaches(i) || (kept.clamps(i, k) && sole.vertices[i].near));
             start[s] = SoleState::fixed(pattern);
         }
-        let start = permit(p, start, question);
-        self.selector.select(p, &start, !question.event, question.rules, question.allowed, out)
+        let start = permit(p, start, input);
+        self.selector.select(p, &start, !input.event, input.rules, input.allowed, out)
     }
 
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution) {
@@ -92,11 +106,11 @@ impl Method for Exact {
 }
 
 /// Replaces states that are not allowed by the first that is.
-fn permit(p: &Problem, mut states: States, question: &Question) -> States {
+fn permit(p: &Problem, mut states: States, input: &SelectionInput) -> States {
     for (s, sole) in p.soles.iter().enumerate() {
-        if !(question.allowed)(s, states[s]) {
+        if !(input.allowed)(s, states[s]) {
             let k = sole.vertices.len();
-            states[s] = SoleState::all(k).find(|&x| (question.allowed)(s, x)).unwrap_or(states[s]);
+            states[s] = SoleState::all(k).find(|&x| (input.allowed)(s, x)).unwrap_or(states[s]);
         }
     }
     states

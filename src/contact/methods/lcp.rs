@@ -26,16 +26,19 @@
 //! dynamic multi-rigid-body contact problems with friction as solvable linear complementarity problems, Nonlinear
 //! Dynamics 14 (1997).
 
-use crate::contact::methods::method::{Manner, Method, Question};
+use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::ncp::{Sweeps, plain};
 use crate::contact::methods::points::Points;
+use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
 use crate::contact::search::select::Selection;
 use crate::linalg::lemke::{Lemke, LemkeOutcome};
 use nalgebra::{Vector2, Vector3};
-use serde::{Deserialize, Serialize};
+use schemars::JsonSchema;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// What an answer may miss of its conditions, relative to the greatest velocity.
 const MISSED: f64 = 1e-9;
@@ -47,12 +50,35 @@ const TIES: [f64; 3] = [1e-12, 1e-10, 1e-8];
 /// Sweeps and their tolerance, relative to the greatest velocity, where there is no answer.
 const FALLBACK: (u32, f64) = (1000, 1e-9);
 
-/// What this method can be told.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// What scenarios and reports need to know of this method.
+pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
+    name: "lcp",
+    doc: "Time stepping with a polyhedral friction cone: one linear complementarity problem per step.",
+    only_semi_implicit: Some("knows only impulses over a fixed step"),
+    restitution: false,
+    unforced: Some("chooses no states"),
+    colour: "#9C3587",
+    is_configured: |parameters| parameters.lcp != LcpParameters::default(),
+    unknowns: Some(|parameters, vertices| parameters.lcp.unknowns(vertices)),
+    solver: |parameters, p| Box::new(Lcp::new(parameters.lcp, p)),
+};
+
+/// Parameters of method `lcp`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct LcpParameters {
-    /// Number m of friction directions, even, at least 4.
+    /// Number of friction directions, the first along the floor's x axis: even, 4 to 64.
+    #[serde(deserialize_with = "facets")]
+    #[schemars(range(min = 4, max = 64), extend("multipleOf" = 2))]
     pub facets: u32,
+}
+
+fn facets<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
+    let n = u32::deserialize(d)?;
+    if n.is_multiple_of(2) && (4..=64).contains(&n) {
+        return Ok(n);
+    }
+    Err(D::Error::custom(format!("must be an even number from 4 to 64, not {n}")))
 }
 
 impl Default for LcpParameters {
@@ -93,8 +119,8 @@ impl Lcp {
         }
     }
 
-    fn answer(&mut self, p: &Problem, question: &Question, out: &mut Solution) -> Selection {
-        let tol = &question.rules.tolerances;
+    fn answer(&mut self, p: &Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+        let tol = &input.rules.tolerances;
         self.points.gather(p, tol.velocity);
         let count = self.points.list().len();
         let n = count * (self.directions.len() + 2);
@@ -199,17 +225,17 @@ fn directions(facets: u32) -> Vec<Vector2<f64>> {
     (0..facets).map(|j| Vector2::new(angle(j).cos(), angle(j).sin())).collect()
 }
 
-impl Method for Lcp {
-    fn manner(&self) -> Manner {
-        Manner::Stepping
+impl ContactSolver for Lcp {
+    fn scheme(&self) -> Scheme {
+        Scheme::TimeStepping
     }
 
-    fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
-        self.answer(p, question, out)
+    fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+        self.answer(p, input, out)
     }
 
-    fn impulse(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
-        self.answer(p, question, out)
+    fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+        self.answer(p, input, out)
     }
 
     fn respond(&mut self, _: &Problem, _: &States, _: &mut Solution) {}

@@ -27,26 +27,46 @@
 //! contact dynamics method, Comput. Methods Appl. Mech. Engrg. 177 (1999); K. Erleben, Velocity-based shock propagation
 //! for multibody dynamics animation, ACM Trans. Graphics 26 (2007), for the splitting.
 
-use crate::contact::methods::method::{Manner, Method, Question};
+use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::points::Points;
+use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, States};
 use crate::contact::search::judge::{Faults, Verdict};
 use crate::contact::search::select::Selection;
+use crate::text::quantity::{count, json, positive};
 use nalgebra::Vector3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A point whose friction is within this part of its limit sticks.
 const SATURATED: f64 = 1e-6;
 
-/// What this method can be told.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// What scenarios and reports need to know of this method.
+pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
+    name: "ncp",
+    doc: "Time stepping on the true friction cone, by projected Gauss-Seidel.",
+    only_semi_implicit: Some("knows only impulses over a fixed step"),
+    restitution: false,
+    unforced: Some("chooses no states"),
+    colour: "#8A6A00",
+    is_configured: |parameters| parameters.ncp != NcpParameters::default(),
+    unknowns: None,
+    solver: |parameters, p| Box::new(Ncp::new(parameters.ncp, p)),
+};
+
+/// Parameters of method `ncp`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct NcpParameters {
-    /// Most sweeps a step.
+    /// Most sweeps over the contact points a step.
+    #[serde(deserialize_with = "count")]
+    #[schemars(with = "json::Count")]
     pub iterations: u32,
-    /// Error at which sweeping ends, m/s.
+    /// Change within a sweep at which sweeping ends, m/s.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
     pub tolerance: f64,
 }
 
@@ -69,8 +89,8 @@ impl Ncp {
         Ncp { parameters, points: Points::new(p), sweeps: Sweeps::new(p) }
     }
 
-    fn answer(&mut self, p: &Problem, question: &Question, out: &mut Solution) -> Selection {
-        let tol = &question.rules.tolerances;
+    fn answer(&mut self, p: &Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+        let tol = &input.rules.tolerances;
         self.points.gather(p, tol.velocity);
         self.sweeps.start(p, &self.points, Some(out));
         let miss = self.sweeps.run(&self.points, self.parameters.iterations, self.parameters.tolerance);
@@ -92,17 +112,17 @@ pub(super) fn plain(levels: [f64; 3]) -> Verdict {
     Verdict { levels, rank: [0; 5], action: 0.0, faults: [Faults::default(); MAX_SOLES] }
 }
 
-impl Method for Ncp {
-    fn manner(&self) -> Manner {
-        Manner::Stepping
+impl ContactSolver for Ncp {
+    fn scheme(&self) -> Scheme {
+        Scheme::TimeStepping
     }
 
-    fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
-        self.answer(p, question, out)
+    fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+        self.answer(p, input, out)
     }
 
-    fn impulse(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
-        self.answer(p, question, out)
+    fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+        self.answer(p, input, out)
     }
 
     fn respond(&mut self, _: &Problem, _: &States, _: &mut Solution) {}

@@ -1,14 +1,28 @@
 //! The one-step method: no trial states (`contact.md` section 10, the paper's section III.B). [`crate::contact::methods::decision`] decides
 //! from present quantities, then there is one solve.
 
+use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::decision;
-use crate::contact::methods::method::{Manner, Method, Question};
+use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{SoleState, States};
 use crate::contact::search::candidate::{Kernel, share_static};
 use crate::contact::search::judge::judge;
 use crate::contact::search::select::Selection;
+
+/// What scenarios and reports need to know of this method.
+pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
+    name: "one-step",
+    doc: "One decision per vertex from the present quantities, without trials.",
+    only_semi_implicit: None,
+    restitution: false,
+    unforced: None,
+    colour: "#D55E00",
+    is_configured: |_| false,
+    unknowns: None,
+    solver: |_, p| Box::new(OneStep::new(p)),
+};
 
 /// See the module.
 pub struct OneStep {
@@ -23,16 +37,16 @@ impl OneStep {
 }
 
 impl OneStep {
-    fn decide(p: &mut Problem, question: &Question, last: &Solution) -> States {
-        let rules = question.rules;
+    fn decide(p: &mut Problem, input: &SelectionInput, last: &Solution) -> States {
+        let rules = input.rules;
         let mut states = States::default();
         for s in 0..p.soles.len() {
             let before = rules.previous[s];
             let pattern = decision::pattern(p, s, before, last, &rules.tolerances);
             states[s] = decision::mode(p, s, pattern, &rules.previous, last, &rules.tolerances);
-            if !(question.allowed)(s, states[s]) {
+            if !(input.allowed)(s, states[s]) {
                 let k = p.soles[s].vertices.len();
-                states[s] = SoleState::all(k).find(|&x| (question.allowed)(s, x)).unwrap_or(states[s]);
+                states[s] = SoleState::all(k).find(|&x| (input.allowed)(s, x)).unwrap_or(states[s]);
                 // What was decided about sliding was not about this state.
                 decision::oppose(&mut p.soles[s], rules.tolerances.rest);
             }
@@ -40,28 +54,28 @@ impl OneStep {
         states
     }
 
-    fn answer(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
-        let states = Self::decide(p, question, out);
+    fn answer(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+        let states = Self::decide(p, input, out);
         self.kernel.solve(p, &states, out);
         share_static(p, &states, out);
-        let verdict = judge(p, &states, out, true, question.rules);
+        let verdict = judge(p, &states, out, true, input.rules);
         // It does not claim validity, so it is never inconsistent: its errors show in the residuals.
         Selection { states, tested: 1, consistent: true, verdict }
     }
 }
 
-impl Method for OneStep {
-    fn manner(&self) -> Manner {
-        Manner::Deciding
+impl ContactSolver for OneStep {
+    fn scheme(&self) -> Scheme {
+        Scheme::DecidedPerStep
     }
 
-    fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+    fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
         debug_assert_eq!(p.level, Level::Acceleration);
-        self.answer(p, question, out)
+        self.answer(p, input, out)
     }
 
-    fn impulse(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
-        self.answer(p, question, out)
+    fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+        self.answer(p, input, out)
     }
 
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution) {

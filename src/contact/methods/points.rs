@@ -13,8 +13,8 @@
 use crate::contact::methods::exact::covering;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
+use crate::contact::model::solution::wrench_at;
 use crate::contact::model::state::{Mode, SoleState, States};
-use crate::contact::search::candidate::wrench_at;
 use nalgebra::{Matrix3, Vector3};
 
 /// Part of the greatest normal impulse below which a point carries nothing.

@@ -2,7 +2,7 @@
 
 use crate::contact::model::problem::Problem;
 use crate::contact::model::state::MAX_SOLES;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 /// Wrenches, motions and vertex forces of a problem. The problem fixes the length of each list.
 #[derive(Clone, Debug)]
@@ -41,10 +41,38 @@ impl Solution {
         self.inside = other.inside;
     }
 
+    /// Sets the force on vertex `i` of sole `s`, floor axes, N or N s.
+    pub fn set_vertex_force(&mut self, s: usize, i: usize, force: Vector3<f64>) {
+        self.normal[s][i] = force.z;
+        self.tangent[s][i] = force.xy();
+    }
+
+    /// Computes wrenches and motions from the forces on the vertices.
+    pub fn gather_vertex_forces(&mut self, p: &Problem) {
+        for (s, sole) in p.soles.iter().enumerate() {
+            let wrench = &mut self.wrench[6 * s..6 * s + 6];
+            wrench.fill(0.0);
+            for ((v, n), t) in sole.vertices.iter().zip(&self.normal[s]).zip(&self.tangent[s]) {
+                let one = wrench_at(&v.r, &Vector3::new(t.x, t.y, *n));
+                wrench.iter_mut().zip(one).for_each(|(a, b)| *a += b);
+            }
+        }
+        let n = p.dim();
+        for (i, m) in self.motion.iter_mut().enumerate() {
+            *m = p.b[i] + p.w[i * n..(i + 1) * n].iter().zip(&self.wrench).map(|(w, f)| w * f).sum::<f64>();
+        }
+    }
+
     /// Scales wrenches and forces, to read impulses over a step as forces.
     pub fn scale(&mut self, factor: f64) {
         self.wrench.iter_mut().for_each(|w| *w *= factor);
         self.normal.iter_mut().flatten().for_each(|n| *n *= factor);
         self.tangent.iter_mut().flatten().for_each(|t| *t *= factor);
     }
+}
+
+/// Wrench at the reference point of a force at `r`.
+pub(crate) fn wrench_at(r: &Vector3<f64>, f: &Vector3<f64>) -> [f64; 6] {
+    let m = r.cross(f);
+    [f.x, f.y, f.z, m.x, m.y, m.z]
 }

@@ -21,7 +21,7 @@
 
 use crate::contact::model::pressure;
 use crate::contact::model::problem::{Problem, SoleProblem};
-use crate::contact::model::solution::Solution;
+use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
@@ -45,12 +45,6 @@ pub struct Kernel {
     first: [usize; MAX_SOLES],
     /// Loaded vertices of each sliding face, one bit each.
     loaded: [u64; MAX_SOLES],
-}
-
-/// Wrench at the reference point of a force at `r`.
-pub(crate) fn wrench_at(r: &Vector3<f64>, f: &Vector3<f64>) -> Six {
-    let m = r.cross(f);
-    [f.x, f.y, f.z, m.x, m.y, m.z]
 }
 
 fn dot(a: &[f64], b: &Six) -> f64 {

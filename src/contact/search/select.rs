@@ -48,6 +48,14 @@ pub struct Selection {
     pub verdict: Verdict,
 }
 
+impl Selection {
+    /// Of a method that tries no candidates and claims no validity: its errors show in the residuals.
+    pub fn labelled(states: States) -> Self {
+        let verdict = Verdict { levels: [0.0; 3], rank: [0; 5], action: 0.0, faults: Default::default() };
+        Selection { states, tested: 0, consistent: true, verdict }
+    }
+}
+
 /// The state search, with its scratch.
 #[derive(Clone, Debug)]
 pub struct Selector {

@@ -16,8 +16,9 @@
 
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
+use crate::contact::model::solution::wrench_at;
 use crate::contact::model::state::{MAX_SOLES, Mode, States};
-use crate::contact::search::candidate::{Kernel, wrench_at};
+use crate::contact::search::candidate::Kernel;
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 

@@ -1,6 +1,7 @@
 //! Restores a problem from its record and repeats the selection.
 
-use crate::contact::methods::method::{self, Method, Question};
+use crate::contact::methods::contact_method::{ContactSolver, SelectionInput};
+use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, SoleState, States};
@@ -117,12 +118,13 @@ impl SelectionRecord {
     /// Those of the functions above, or an unknown method.
     pub fn replay(&self) -> Result<Answer, SelectionRecordError> {
         let (mut p, rules, forced, mut out) = (self.problem()?, self.rules()?, self.forced()?, self.last()?);
-        let mut method = method::make(&self.method, &self.parameters, &p)
-            .ok_or_else(|| SelectionRecordError::Method(self.method.clone()))?;
+        let method = MethodDescriptor::named(&self.method);
+        let method = method.ok_or_else(|| SelectionRecordError::Method(self.method.clone()))?;
+        let mut method = (method.solver)(&self.parameters, &p);
         let level = p.level;
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f| allows(level, f, state));
-        let question = Question { rules: &rules, event: self.event, allowed: &allowed };
-        let selection = choose(method.as_mut(), &mut p, &question, &mut out);
+        let input = SelectionInput { rules: &rules, event: self.event, allowed: &allowed };
+        let selection = choose(method.as_mut(), &mut p, &input, &mut out);
         Ok(Answer::new(self.soles.len(), &selection, &out))
     }
 }
@@ -137,10 +139,10 @@ fn allows(level: Level, forced: SoleState, state: SoleState) -> bool {
 }
 
 /// Selects at the level of the problem.
-fn choose(method: &mut dyn Method, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+fn choose(method: &mut dyn ContactSolver, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
     match p.level {
-        Level::Acceleration => method.select(p, question, out),
-        Level::Velocity => method.impulse(p, question, out),
+        Level::Acceleration => method.select(p, input, out),
+        Level::Velocity => method.impulse(p, input, out),
     }
 }
 

@@ -11,7 +11,7 @@
 mod deserialize;
 mod serialize;
 
-use crate::contact::methods::method::Parameters;
+use crate::contact::methods::registry::MethodParameters;
 use crate::contact::model::state::{Mode, SoleState};
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +25,7 @@ pub struct SelectionRecord {
     pub method: String,
     /// Parameters of the methods.
     #[serde(default)]
-    pub parameters: Parameters,
+    pub parameters: MethodParameters,
     /// Units of numbers whose names do not contain them.
     pub units: Units,
     /// `acceleration`: motions are accelerations, wrenches forces. `velocity`: velocities after,

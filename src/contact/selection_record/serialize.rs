@@ -1,6 +1,7 @@
 //! Writes a problem and its answer into a record.
 
-use crate::contact::methods::method::{Parameters, Question};
+use crate::contact::methods::contact_method::SelectionInput;
+use crate::contact::methods::registry::MethodParameters;
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::SoleState;
@@ -26,13 +27,13 @@ impl SelectionRecord {
     /// points and the answer remain empty.
     pub fn from_problem(
         time: f64,
-        (method, parameters): (&str, &Parameters),
+        (method, parameters): (&str, &MethodParameters),
         p: &Problem,
-        question: &Question,
+        input: &SelectionInput,
         forced: &[Option<SoleState>],
         last: &Solution,
     ) -> Self {
-        let (rules, tol) = (question.rules, &question.rules.tolerances);
+        let (rules, tol) = (input.rules, &input.rules.tolerances);
         let sole = |(s, sole): (usize, &SoleProblem)| SoleRecord {
             name: String::new(),
             reference_m: [0.0; 3],
@@ -55,7 +56,7 @@ impl SelectionRecord {
                 Level::Acceleration => LevelName::Acceleration,
                 Level::Velocity => LevelName::Velocity,
             },
-            event: question.event,
+            event: input.event,
             scale: p.scale,
             step_s: p.step,
             w: p.w.clone(),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{json, non_negative};
+use crate::text::quantity::{json, non_negative};
 
 /// New values of some parameters; the others keep theirs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

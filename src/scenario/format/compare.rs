@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use crate::metrics::COLUMNS;
-use crate::scenario::format::quantity::{json, some_count};
+use crate::text::quantity::{json, some_count};
 use crate::text::suggest;
 
 /// Accuracy and cost of a run: against a reference run of the same cell, against known truths, by repeated timing. At

@@ -1,9 +1,18 @@
 //! `[contact]`, `[integrator]`: contact method and integration of a run.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize, de::Error};
+use std::{borrow::Cow, fmt};
 
-use crate::scenario::format::quantity::{count, fraction, json, non_negative, positive};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{EnumAccess, Error, VariantAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::contact::methods::exact;
+use crate::contact::methods::lcp::LcpParameters;
+use crate::contact::methods::ncp::NcpParameters;
+use crate::contact::methods::penalty::PenaltyParameters;
+use crate::contact::methods::registry::{METHODS, MethodDescriptor, MethodParameters};
+
+use crate::text::quantity::{fraction, json, non_negative, positive};
 
 /// Contact method and its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -32,124 +41,115 @@ pub struct ContactSpec {
     /// Contact states imposed for a time.
     pub forced: Vec<ForcedState>,
     /// Parameters of method `penalty`.
-    pub penalty: PenaltySpec,
+    pub penalty: PenaltyParameters,
     /// Parameters of method `lcp`.
-    pub lcp: LcpSpec,
+    pub lcp: LcpParameters,
     /// Parameters of method `ncp`.
-    pub ncp: NcpSpec,
+    pub ncp: NcpParameters,
+}
+
+impl ContactSpec {
+    /// Parameters of all methods.
+    pub fn parameters(&self) -> MethodParameters {
+        MethodParameters { penalty: self.penalty, lcp: self.lcp, ncp: self.ncp }
+    }
 }
 
 impl Default for ContactSpec {
     fn default() -> Self {
         ContactSpec {
-            method: ContactMethod::Exact,
+            method: ContactMethod::default(),
             distance_tolerance: 1e-3,
             velocity_tolerance: 0.1,
             acceleration_tolerance: 0.1,
             restitution: 0.0,
             events: EventHandling::Locate,
             forced: Vec::new(),
-            penalty: PenaltySpec::default(),
-            lcp: LcpSpec::default(),
-            ncp: NcpSpec::default(),
+            penalty: PenaltyParameters::default(),
+            lcp: LcpParameters::default(),
+            ncp: NcpParameters::default(),
         }
     }
 }
 
-/// The contact method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum ContactMethod {
-    /// Exact Coulomb friction: contact states are tested until one is consistent.
-    Exact,
-    /// One decision per vertex from the present quantities, without trials.
-    OneStep,
-    /// Springs and dampers under every vertex, regularised friction.
-    Penalty,
-    /// Time stepping with a polyhedral friction cone: one linear complementarity problem per step.
-    Lcp,
-    /// Time stepping on the true friction cone, by projected Gauss-Seidel.
-    Ncp,
-}
+/// The contact method, by name.
+#[derive(Clone, Copy)]
+pub struct ContactMethod(&'static MethodDescriptor);
 
 impl ContactMethod {
-    /// Its name in files and tables.
+    /// What there is to know of the method.
+    pub fn descriptor(self) -> &'static MethodDescriptor {
+        self.0
+    }
+
+    /// The name in files and tables.
     pub fn name(self) -> &'static str {
-        match self {
-            ContactMethod::Exact => "exact",
-            ContactMethod::OneStep => "one-step",
-            ContactMethod::Penalty => "penalty",
-            ContactMethod::Lcp => "lcp",
-            ContactMethod::Ncp => "ncp",
+        self.0.name
+    }
+}
+
+impl Default for ContactMethod {
+    fn default() -> Self {
+        ContactMethod(&exact::DESCRIPTOR)
+    }
+}
+
+impl PartialEq for ContactMethod {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for ContactMethod {}
+
+impl fmt::Debug for ContactMethod {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Serialize for ContactMethod {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for ContactMethod {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        // As an enum, so that messages about unknown names are those of all other words.
+        const NAMES: [&str; METHODS.len()] = {
+            let (mut names, mut i) = ([""; METHODS.len()], 0);
+            while i < METHODS.len() {
+                names[i] = METHODS[i].name;
+                i += 1;
+            }
+            names
+        };
+        struct Name;
+        impl<'de> Visitor<'de> for Name {
+            type Value = ContactMethod;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("the name of a contact method")
+            }
+            fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<ContactMethod, A::Error> {
+                let (name, variant) = data.variant::<String>()?;
+                variant.unit_variant()?;
+                let method = MethodDescriptor::named(&name);
+                method.map(ContactMethod).ok_or_else(|| Error::unknown_variant(&name, &NAMES))
+            }
         }
+        d.deserialize_enum("ContactMethod", &NAMES, Name)
     }
 }
 
-/// Parameters of method `penalty`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PenaltySpec {
-    /// Stiffness of the floor under each vertex, N/m.
-    #[serde(deserialize_with = "positive")]
-    #[schemars(with = "json::Positive")]
-    pub stiffness: f64,
-    /// Damping of the floor under each vertex, N s/m.
-    #[serde(deserialize_with = "non_negative")]
-    #[schemars(with = "json::NonNegative")]
-    pub damping: f64,
-    /// Speed below which friction is below its full size, m/s.
-    #[serde(deserialize_with = "positive")]
-    #[schemars(with = "json::Positive")]
-    pub slip_velocity: f64,
-}
-
-impl Default for PenaltySpec {
-    fn default() -> Self {
-        PenaltySpec { stiffness: 1e5, damping: 300.0, slip_velocity: 1e-3 }
+impl JsonSchema for ContactMethod {
+    fn schema_name() -> Cow<'static, str> {
+        "ContactMethod".into()
     }
-}
 
-/// Parameters of method `lcp`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct LcpSpec {
-    /// Number of friction directions, the first along the floor's x axis: even, 4 to 64.
-    #[serde(deserialize_with = "facets")]
-    #[schemars(range(min = 4, max = 64), extend("multipleOf" = 2))]
-    pub facets: u32,
-}
-
-impl Default for LcpSpec {
-    fn default() -> Self {
-        LcpSpec { facets: 8 }
-    }
-}
-
-fn facets<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
-    let n = u32::deserialize(d)?;
-    if n.is_multiple_of(2) && (4..=64).contains(&n) {
-        return Ok(n);
-    }
-    Err(D::Error::custom(format!("must be an even number from 4 to 64, not {n}")))
-}
-
-/// Parameters of method `ncp`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct NcpSpec {
-    /// Most sweeps over the contact points in a step.
-    #[serde(deserialize_with = "count")]
-    #[schemars(with = "json::Count")]
-    pub iterations: u32,
-    /// Change within a sweep at which the sweeps end, m/s.
-    #[serde(deserialize_with = "positive")]
-    #[schemars(with = "json::Positive")]
-    pub tolerance: f64,
-}
-
-impl Default for NcpSpec {
-    fn default() -> Self {
-        NcpSpec { iterations: 200, tolerance: 1e-9 }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let methods = METHODS.map(|m| json_schema!({ "description": m.doc, "type": "string", "const": m.name }));
+        json_schema!({ "description": "The contact method.", "oneOf": methods })
     }
 }
 

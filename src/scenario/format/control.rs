@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use crate::scenario::format::quantity::{fraction, json, positive};
+use crate::text::quantity::{fraction, json, positive};
 
 /// Highest rate, Hz: a microsecond between ticks.
 pub const FASTEST: f64 = 1e6;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{json, non_negative};
+use crate::text::quantity::{json, non_negative};
 
 /// Changes parameters during the run, ends tasks, saves the robot's state or restores a saved one. At least one of `set`,
 /// `end_tasks`, `save` and `restore` is given. The state is saved first, and parameters are set last.

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use crate::metrics::METRICS;
-use crate::scenario::format::quantity::{json, some_non_negative};
+use crate::text::quantity::{json, some_non_negative};
 use crate::text::suggest;
 
 /// One expectation: a metric with `value` and `tolerance` or `relative_tolerance`, or with `min`, `max` or both; or an outcome.

@@ -8,7 +8,7 @@ use serde::{
     de::{Error, MapAccess, Visitor, value::MapAccessDeserializer},
 };
 
-use crate::scenario::format::quantity::{angles, json, non_negative};
+use crate::text::quantity::{angles, json, non_negative};
 
 /// The floor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

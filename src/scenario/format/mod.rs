@@ -10,7 +10,6 @@ pub mod event;
 pub mod expect;
 pub mod floor;
 pub mod force;
-pub mod quantity;
 pub mod random;
 pub mod robot;
 pub mod run;

@@ -9,7 +9,6 @@ use serde::{
     ser::SerializeMap,
 };
 
-use crate::scenario::format::quantity;
 use crate::text::suggest;
 
 /// Random samples of one or more keys: one dimension of the sweep.
@@ -110,7 +109,7 @@ struct Count(u32);
 
 impl<'de> Deserialize<'de> for Count {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        quantity::count(d).map(Count)
+        crate::text::quantity::count(d).map(Count)
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{
+use crate::text::quantity::{
     angles, angular_rates, joint_positions, joint_velocities, json, non_negative, positive, some_non_negative,
     some_positive,
 };

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{json, non_negative, some_positive};
+use crate::text::quantity::{json, non_negative, some_positive};
 
 /// The log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

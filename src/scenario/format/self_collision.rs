@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use crate::scenario::format::quantity::{json, non_negative, positive};
+use crate::text::quantity::{json, non_negative, positive};
 
 /// Measures distances between the robot's bodies; methods 1 to 4 keep joint commands free of collisions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

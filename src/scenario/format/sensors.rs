@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use crate::scenario::format::quantity::{angles, json, non_negative};
+use crate::text::quantity::{angles, json, non_negative};
 
 /// Longest delay, s: delayed readings are kept in memory.
 const LONGEST: f64 = 10.0;

@@ -8,8 +8,8 @@ use serde::{
     de::{Error, MapAccess, SeqAccess, Visitor},
 };
 
-use crate::scenario::format::quantity::{count, json};
 use crate::scenario::format::random::RandomSpec;
+use crate::text::quantity::{count, json};
 use crate::text::suggest;
 
 /// Expansion of a file to runs. Keys are dotted paths of the scenario in quotes, such as `"floor.friction"` or

@@ -21,27 +21,47 @@
 
 mod step;
 
+use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput, StoredEnergy};
 use crate::contact::methods::exact::covering;
-use crate::contact::methods::method::{Manner, Method, Question, Stored};
+use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::{Problem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Pattern, SoleState, States};
-use crate::contact::search::candidate::wrench_at;
-use crate::contact::search::judge::Verdict;
 use crate::contact::search::select::Selection;
-use nalgebra::{Vector2, Vector3};
+use crate::text::quantity::{json, non_negative, positive};
+use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use step::Step;
 
-/// What the springs are like.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// What scenarios and reports need to know of this method.
+pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
+    name: "penalty",
+    doc: "Springs and dampers under every vertex, regularised friction.",
+    only_semi_implicit: None,
+    restitution: false,
+    unforced: Some("clamps no vertices"),
+    colour: "#00795A",
+    is_configured: |parameters| parameters.penalty != PenaltyParameters::default(),
+    unknowns: None,
+    solver: |parameters, p| Box::new(Penalty::new(p, parameters.penalty)),
+};
+
+/// Parameters of method `penalty`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PenaltyParameters {
-    /// Stiffness k of each vertex, N/m.
+    /// Stiffness of the floor under each vertex, N/m.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
     pub stiffness: f64,
-    /// Damping c of each vertex, N s/m.
+    /// Damping of the floor under each vertex, N s/m.
+    #[serde(deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
     pub damping: f64,
-    /// Speed s below which friction has not its full size, m/s.
+    /// Speed below which friction is less than its full size, m/s.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
     pub slip_velocity: f64,
 }
 
@@ -102,45 +122,23 @@ pub fn is_inside(v: &Vertex) -> bool {
     v.height < -SURFACE || v.height <= SURFACE && v.velocity.z < 0.0
 }
 
-/// It tries no candidates and claims nothing: its errors show in the residuals.
-fn labelled(states: States) -> Selection {
-    let verdict = Verdict { levels: [0.0; 3], rank: [0; 5], action: 0.0, faults: Default::default() };
-    Selection { states, tested: 0, consistent: true, verdict }
-}
-
-/// Fills wrenches and motions from the vertices' forces.
-fn gather(p: &Problem, out: &mut Solution) {
-    for (s, sole) in p.soles.iter().enumerate() {
-        let wrench = &mut out.wrench[6 * s..6 * s + 6];
-        wrench.fill(0.0);
-        for ((v, n), t) in sole.vertices.iter().zip(&out.normal[s]).zip(&out.tangent[s]) {
-            let one = wrench_at(&v.r, &Vector3::new(t.x, t.y, *n));
-            wrench.iter_mut().zip(one).for_each(|(a, b)| *a += b);
-        }
-    }
-    let n = p.dim();
-    for (i, m) in out.motion.iter_mut().enumerate() {
-        *m = p.b[i] + p.w[i * n..(i + 1) * n].iter().zip(&out.wrench).map(|(w, f)| w * f).sum::<f64>();
-    }
-}
-
-impl Method for Penalty {
-    fn manner(&self) -> Manner {
-        Manner::Compliant
+impl ContactSolver for Penalty {
+    fn scheme(&self) -> Scheme {
+        Scheme::Compliant
     }
 
-    fn select(&mut self, p: &mut Problem, question: &Question, out: &mut Solution) -> Selection {
+    fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
         let vertices = p.soles.iter().flat_map(|s| &s.vertices);
         self.inside.iter_mut().zip(vertices).for_each(|(inside, v)| *inside = is_inside(v));
-        self.respond(p, &question.rules.previous, out);
-        labelled(self.label(p, out, |s, i| p.soles[s].vertices[i].velocity.xy()))
+        self.respond(p, &input.rules.previous, out);
+        Selection::labelled(self.label(p, out, |s, i| p.soles[s].vertices[i].velocity.xy()))
     }
 
     /// Impulses of a step. Without a step there are none: nothing jumps.
-    fn impulse(&mut self, p: &mut Problem, _: &Question, out: &mut Solution) -> Selection {
+    fn impulse(&mut self, p: &mut Problem, _: &SelectionInput, out: &mut Solution) -> Selection {
         let dt = p.step;
         self.step.solve(p, dt, out);
-        gather(p, out);
+        out.gather_vertex_forces(p);
         let mut inside = self.inside.iter_mut();
         for (s, sole) in p.soles.iter().enumerate() {
             for (i, v) in sole.vertices.iter().enumerate() {
@@ -148,7 +146,7 @@ impl Method for Penalty {
                 inside.next().into_iter().for_each(|x| *x = after < 0.0);
             }
         }
-        labelled(self.label(p, out, |s, i| p.vertex_motion(&out.motion, s, i).xy()))
+        Selection::labelled(self.label(p, out, |s, i| p.vertex_motion(&out.motion, s, i).xy()))
     }
 
     fn respond(&mut self, p: &Problem, _: &States, out: &mut Solution) {
@@ -160,11 +158,11 @@ impl Method for Penalty {
                 out.tangent[s][i] = self.law.slip(&v.velocity.xy()) * (-v.mu_k * n);
             }
         }
-        gather(p, out);
+        out.gather_vertex_forces(p);
     }
 
-    fn stored(&self, p: &Problem) -> Stored {
-        let mut stored = Stored::default();
+    fn stored(&self, p: &Problem) -> StoredEnergy {
+        let mut stored = StoredEnergy::default();
         for v in p.soles.iter().flat_map(|s| &s.vertices).filter(|v| v.height < 0.0) {
             stored.energy += 0.5 * self.law.stiffness * v.height * v.height;
             stored.power += self.law.stiffness * v.height * v.velocity.z;

@@ -17,7 +17,7 @@
 use crate::contact::methods::penalty::PenaltyParameters;
 use crate::contact::model::problem::{Problem, Vertex};
 use crate::contact::model::solution::Solution;
-use crate::contact::search::candidate::wrench_at;
+use crate::contact::model::solution::wrench_at;
 use crate::linalg::linear::Linear;
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn without_a_step_there_is_no_impulse() {
-        use crate::contact::methods::method::{Method, Question};
+        use crate::contact::methods::contact_method::{ContactSolver, SelectionInput};
         use crate::contact::methods::penalty::Penalty;
         use crate::contact::model::problem::Tolerances;
         use crate::contact::search::judge::Rules;
@@ -272,8 +272,8 @@ mod tests {
         let mut out = Solution::new(&p);
         let previous = States::default();
         let rules = Rules { tolerances: Tolerances::default(), previous, suspect: Default::default(), hops: false };
-        let question = Question { rules: &rules, event: true, allowed: &|_, _| true };
-        Penalty::new(&p, PenaltyParameters::default()).impulse(&mut p, &question, &mut out);
+        let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true };
+        Penalty::new(&p, PenaltyParameters::default()).impulse(&mut p, &input, &mut out);
         assert!(out.wrench.iter().all(|w| *w == 0.0) && out.motion == p.b);
     }
 }

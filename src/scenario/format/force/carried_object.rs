@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{angles, json, non_negative, positive, some_positive};
+use crate::text::quantity::{angles, json, non_negative, positive, some_positive};
 
 /// A rigid object that a link holds for a time: while held it is part of the link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

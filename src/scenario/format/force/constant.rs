@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::force::ForceFrame;
-use crate::scenario::format::quantity::{json, non_negative, some_positive};
+use crate::text::quantity::{json, non_negative, some_positive};
 
 /// A constant force on a link. At least one of `force` and `moment` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

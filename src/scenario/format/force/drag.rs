@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{json, non_negative, some_positive};
+use crate::text::quantity::{json, non_negative, some_positive};
 
 /// Resistance of the air. At least one of `linear` and `quadratic` is above zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

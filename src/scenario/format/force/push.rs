@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::force::ForceFrame;
-use crate::scenario::format::quantity::{json, non_negative, positive};
+use crate::text::quantity::{json, non_negative, positive};
 
 /// Time profile of a push.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::force::ForceFrame;
-use crate::scenario::format::quantity::{json, non_negative, positive};
+use crate::text::quantity::{json, non_negative, positive};
 
 /// A force on a link that rises linearly from 0 at `start` to full at `start + duration` and then stays constant. At least one of `force`
 /// and `moment` is given.

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::force::Profile;
-use crate::scenario::format::quantity::{json, non_negative, some_count, some_positive};
+use crate::text::quantity::{json, non_negative, some_count, some_positive};
 
 /// Pushes drawn at random from the run's seed. Exactly one of `number` and `rate` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{angle, json, non_negative, positive, some_positive};
+use crate::text::quantity::{angle, json, non_negative, positive, some_positive};
 
 /// A spring and damper between a point of a link and an anchor, such as a person's hand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{json, non_negative, some_positive};
 use crate::scenario::format::task::balance_force::{ForceBalance, ForceBalanceChange};
 use crate::scenario::format::task::balance_position::{PositionBalance, PositionBalanceChange};
+use crate::text::quantity::{json, non_negative, some_positive};
 
 /// Keeps the centre of mass above the soles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,9 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{
-    fraction, json, non_negative, positive, some_fraction, some_non_negative, some_positive,
-};
+use crate::text::quantity::{fraction, json, non_negative, positive, some_fraction, some_non_negative, some_positive};
 
 /// Gains and assumptions of the force-controlled balance. Gains are accelerations per displacement (1/s^2) and per
 /// velocity (1/s), to be multiplied by the robot's own mass and inertias, so that they suit robots of any size.

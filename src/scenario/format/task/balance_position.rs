@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{json, non_negative, positive, some_non_negative, some_positive};
+use crate::text::quantity::{json, non_negative, positive, some_non_negative, some_positive};
 
 /// Gains of the position-controlled balance: displacements of the centre of mass against its error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,9 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{
-    fraction, json, non_negative, positive, some_fraction, some_non_negative, some_positive,
-};
+use crate::text::quantity::{fraction, json, non_negative, positive, some_fraction, some_non_negative, some_positive};
 
 /// Commands efforts that carry the robot in any posture and yield to pushes: the force control of `balance` without a
 /// reference.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{angle, json, non_negative, positive, some_positive};
+use crate::text::quantity::{angle, json, non_negative, positive, some_positive};
 
 /// Follows captured motion: channels of a BVH or CSV file mapped to joints, kept within their ranges and speeds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{json, non_negative, positive};
+use crate::text::quantity::{json, non_negative, positive};
 
 /// Plays a motion file: postures at times, joined by curves of least jerk.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

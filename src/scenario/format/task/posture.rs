@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{joint_positions, json, non_negative, positive};
+use crate::text::quantity::{joint_positions, json, non_negative, positive};
 
 /// Moves joints from their present positions to a posture along minimum-jerk curves, and holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::change::ChangeSpec;
-use crate::scenario::format::quantity::{json, non_negative, some_positive};
+use crate::text::quantity::{json, non_negative, some_positive};
 
 /// A task written in Luau.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

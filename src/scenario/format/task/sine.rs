@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{angle, json, non_negative, positive, some_angle, some_positive};
+use crate::text::quantity::{angle, json, non_negative, positive, some_angle, some_positive};
 
 /// Moves joints sinusoidally: `q = offset + amplitude sin(2 pi frequency t + phase)`, t from `start`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{count, json, non_negative, positive};
+use crate::text::quantity::{count, json, non_negative, positive};
 
 /// Lowers the centre of mass and raises it again over the middle of the soles. The soles do not move, and the root link
 /// stays upright.

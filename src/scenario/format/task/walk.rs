@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::format::quantity::{count, json, non_negative, positive, some_positive};
+use crate::text::quantity::{count, json, non_negative, positive, some_positive};
 
 /// Walks with two feet along a straight line, or steps on the spot. The centre of mass follows from the zero-moment point
 /// by preview control.

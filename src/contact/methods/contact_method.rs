@@ -1,0 +1,92 @@
+//! Interface of contact methods: [`ContactMethod`] is a method with its parameters, [`ContactSolver`] solves the problems of
+//! one run with it.
+//!
+//! The methods of this crate are listed in [`super::registry`]. A method outside the crate implements both traits, and
+//! `Setup::contact.method` takes it.
+
+use super::registry::MethodParameters;
+use crate::contact::model::problem::Problem;
+use crate::contact::model::solution::Solution;
+use crate::contact::model::state::{SoleState, States};
+use crate::contact::search::judge::Rules;
+use crate::contact::search::select::Selection;
+use std::fmt::Debug;
+
+/// A contact method with its parameters, shared by runs.
+pub trait ContactMethod: Debug + Send + Sync {
+    /// Name in logs, summaries and messages.
+    fn name(&self) -> &str;
+
+    /// A solver for problems of the size of `p`: soles and vertices. Allocates here what it needs later.
+    fn solver(&self, p: &Problem) -> Box<dyn ContactSolver>;
+
+    /// Parameters that records of selections store with the name.
+    fn parameters(&self) -> MethodParameters {
+        MethodParameters::default()
+    }
+}
+
+/// Input of a selection of states.
+#[derive(Clone, Copy)]
+pub struct SelectionInput<'a> {
+    /// Tolerances, the previous states, and which of them an event has put in doubt.
+    pub rules: &'a Rules,
+    /// False when nothing has happened since the previous states were selected.
+    pub event: bool,
+    /// Which states each sole may take (forced states of a scenario).
+    pub allowed: &'a dyn Fn(usize, SoleState) -> bool,
+}
+
+/// How a method advances in time, and what the simulator does for it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Scheme {
+    /// Searches for valid states: events are located, impacts are problems of their own, a step closes its gaps.
+    EventDriven,
+    /// Decides from the quantities at the start of each step, and holds the decision for the step.
+    DecidedPerStep,
+    /// Forces follow from present positions and velocities: nothing is clamped, no velocity jumps, states are labels.
+    Compliant,
+    /// Solves for the velocities at the end of a fixed step and the impulses over it. It has no forces in between, selects
+    /// no states beforehand, and gives the load of each vertex itself.
+    TimeStepping,
+}
+
+/// Energy that a compliant method stores in its springs.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct StoredEnergy {
+    /// The energy, J.
+    pub energy: f64,
+    /// Its rate with the present velocities, W.
+    pub power: f64,
+}
+
+/// Solves the contact problems of one run: selects states and computes wrenches. No call allocates.
+pub trait ContactSolver: Send {
+    /// How it advances in time.
+    fn scheme(&self) -> Scheme;
+
+    /// Are its events located, or does it only act at the start of each step?
+    fn locates_events(&self) -> bool {
+        self.scheme() == Scheme::EventDriven
+    }
+
+    /// Are the vertex forces of its solutions its own? Otherwise the wrenches of static soles are shared over their vertices.
+    fn gives_vertex_forces(&self) -> bool {
+        matches!(self.scheme(), Scheme::Compliant | Scheme::TimeStepping)
+    }
+
+    /// Selects the states at the acceleration level and leaves their wrenches in `out`, which holds the last known
+    /// solution on entry.
+    fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection;
+
+    /// Selects states and impulses at the velocity level: an impact, or a step of a time-stepping integrator.
+    fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection;
+
+    /// Wrenches for fixed states, with the directions in the problem: called at every evaluation.
+    fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution);
+
+    /// Energy of its springs with the vertices at their present positions.
+    fn stored(&self, _: &Problem) -> StoredEnergy {
+        StoredEnergy::default()
+    }
+}
