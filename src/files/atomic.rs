@@ -1,4 +1,4 @@
-//! Files that appear whole: written beside their final name in the same folder, then renamed onto it.
+//! Atomic writes: a temporary file in the same folder, renamed to its final name when complete.
 
 use crate::files::{RecordError, names};
 use std::fs::File;
@@ -6,8 +6,8 @@ use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::Path;
 use tempfile::{NamedTempFile, TempPath};
 
-/// Creates the folder of `path` if need be, and in it a file that vanishes unless [`publish`] renames it.
-pub(crate) fn beside(path: &Path) -> Result<(File, TempPath), RecordError> {
+/// Creates a temporary file in the folder of `path`, which is created if needed; it vanishes unless [`publish`] renames it.
+pub(crate) fn temporary(path: &Path) -> Result<(File, TempPath), RecordError> {
     let folder = match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p,
         _ => Path::new("."),
@@ -17,11 +17,11 @@ pub(crate) fn beside(path: &Path) -> Result<(File, TempPath), RecordError> {
     builder(&format!(".{name}.")).tempfile_in(folder).map(NamedTempFile::into_parts).map_err(RecordError::io(path))
 }
 
-/// What follows the name of a file that is not complete.
+/// Suffix of incomplete files.
 const PARTIAL: &str = ".partial";
 
-/// Removes what programs that were killed left unfinished in a folder. Nobody else may be writing there; what cannot be
-/// removed stays.
+/// Removes incomplete files of killed programs from a folder. The caller must hold the lock of the folder. Files that cannot
+/// be removed stay.
 pub(crate) fn remove_partial(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -36,7 +36,7 @@ pub(crate) fn remove_partial(folder: &Path) {
 fn builder(prefix: &str) -> tempfile::Builder<'_, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(prefix).suffix(PARTIAL);
-    // Temporary files default to owner-only; results are ordinary files, so leave it to the umask.
+    // Temporary files default to owner-only permissions; results are ordinary files under the umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder
@@ -47,20 +47,20 @@ pub(crate) fn publish(temporary: TempPath, path: &Path) -> Result<(), RecordErro
     temporary.persist(path).map_err(|e| RecordError::Io { path: path.to_owned(), source: e.error })
 }
 
-/// Writes a whole file through `fill` and publishes it; on error nothing is left and an older file stays as it was.
+/// Writes a file through `fill` and publishes it. On error, an older file stays unchanged and no temporary file remains.
 pub(crate) fn write(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), RecordError>,
 ) -> Result<(), RecordError> {
-    let (file, temporary) = beside(path)?;
+    let (file, partial) = temporary(path)?;
     let mut out = BufWriter::new(file);
     fill(&mut out)?;
     out.flush().map_err(RecordError::io(path))?;
     drop(out);
-    publish(temporary, path)
+    publish(partial, path)
 }
 
-/// What a file holds whose name a user gives.
+/// Kind of an output file named by the user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Made {
     /// A page for the browser.
@@ -76,7 +76,7 @@ pub enum Made {
 }
 
 impl Made {
-    /// How such files begin.
+    /// First bytes of such files.
     fn beginning(self) -> &'static [u8] {
         match self {
             Made::Page => b"<!DOCTYPE html",
@@ -98,17 +98,17 @@ impl Made {
     }
 }
 
-/// How a saved session begins.
+/// First line of a saved session.
 pub(crate) const SESSION: &str = "# A session at the console";
 
 /// Extensions of inputs and logs, which a user never means to replace by a table.
 const INPUTS: [&str; 3] = ["toml", "urdf", "mcap"];
 
-/// Makes sure that what is written does not replace something else: a scenario, a record. What is there must be empty, no file
-/// (a pipe, a device), or such a file as will be written.
+/// Checks that an output replaces no other kind of file, such as a scenario or a record. An existing file must be empty, not a
+/// regular file (a pipe, a device), or of the kind to be written.
 ///
 /// # Errors
-/// It would.
+/// The file exists and is of another kind.
 pub fn may_replace(path: &Path, made: Made) -> Result<(), RecordError> {
     if !path.is_file() {
         return Ok(());
@@ -121,25 +121,25 @@ pub fn may_replace(path: &Path, made: Made) -> Result<(), RecordError> {
         |names: &[&str], part: Option<&std::ffi::OsStr>| part.is_some_and(|part| names.iter().any(|n| part == *n));
     let other = match made {
         Made::Table => named(&names::PROTECTED, meant.file_name()) || named(&INPUTS, meant.extension()),
-        // What cannot be read cannot be written either, or is of no concern.
+        // An unreadable file fails later, when it is written.
         _ => read.is_ok() && !begins.starts_with(wanted),
     };
     if begins.is_empty() || !other {
         return Ok(());
     }
-    let words = format!("is there and is no {}: choose another file to write, or remove it", made.name());
-    Err(RecordError::io(path)(std::io::Error::new(ErrorKind::AlreadyExists, words)))
+    let reason = format!("exists and is not a {}: choose another file to write, or remove it", made.name());
+    Err(RecordError::io(path)(std::io::Error::new(ErrorKind::AlreadyExists, reason)))
 }
 
-/// The same for a file that the user names: a link leads to the file that is meant, and what is no file, such as a pipe, a device or
-/// `/dev/stdout`, takes what is written to it and stays what it is. See [`may_replace`].
+/// As [`write`], for a file named by the user. Follows links; writes in place to a pipe, a device or `/dev/stdout`. Checks
+/// [`may_replace`].
 pub(crate) fn write_named(
     path: &Path,
     made: Made,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), RecordError>,
 ) -> Result<(), RecordError> {
     may_replace(path, made)?;
-    // Only now is anything followed; a dangling link is replaced.
+    // A dangling link is replaced.
     match std::fs::metadata(path) {
         Ok(about) if about.is_file() => {
             let meant = path.canonicalize().map_err(RecordError::io(path))?;
@@ -161,7 +161,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_a_user_names_stays_what_it_is() {
+    fn named_outputs_keep_links_and_devices() {
         let folder = tempfile::tempdir().unwrap();
         let (file, link, away) = (folder.path().join("file"), folder.path().join("link"), folder.path().join("away"));
         std::fs::write(&file, "<?xml old").unwrap();
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_such_file_is_not_replaced() {
+    fn files_of_another_kind_are_not_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let holds = |name: &str, text: &[u8]| std::fs::write(path(name), text).unwrap();
@@ -207,13 +207,13 @@ mod tests {
         let error = may_replace(&path("b.toml"), Made::Junit).unwrap_err().to_string();
         assert!(
             error.ends_with(
-                "b.toml: is there and is no file of test results: choose another file to write, or remove it"
+                "b.toml: exists and is not a file of test results: choose another file to write, or remove it"
             )
         );
     }
 
     #[test]
-    fn a_failed_write_keeps_the_old_file_and_leaves_nothing_beside_it() {
+    fn a_failed_write_keeps_the_old_file_and_no_temporary_one() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("deep/er/file.txt");
         write(&path, |out| out.write_all(b"old").map_err(RecordError::io(Path::new("x")))).unwrap();
@@ -227,12 +227,12 @@ mod tests {
     }
 
     #[test]
-    fn what_was_left_unfinished_is_removed_and_nothing_else() {
+    fn only_incomplete_files_are_removed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file.txt");
         write(&path, |_| Ok(())).unwrap();
-        let (_, unfinished) = beside(&path).unwrap();
-        // As a program does that is killed.
+        let (_, unfinished) = temporary(&path).unwrap();
+        // As a killed program leaves it.
         let unfinished = unfinished.keep().unwrap();
         std::fs::write(folder.path().join(".hidden"), "").unwrap();
         remove_partial(folder.path());
@@ -241,7 +241,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_result_is_readable_as_any_new_file_is() {
+    fn results_have_the_permissions_of_new_files() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
         let (ours, plain) = (folder.path().join("ours"), folder.path().join("plain"));

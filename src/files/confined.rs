@@ -1,17 +1,17 @@
-//! Nothing is written outside a folder of results, whatever its names and links say.
+//! Confines writes to a folder of results, whatever the names and links in it.
 //!
-//! The folder itself is where the user says, be it through a link. Below it only folders are walked into, for a link may lead
-//! anywhere, and results of others are written over or removed with the runs that they belong to. Files are renamed onto
-//! their names ([`crate::files::atomic`]), which replaces a link and leaves alone what it leads to.
+//! The folder itself may be a link. Links below it are refused as parts of a path, since they may lead to the results of others,
+//! which a batch would overwrite or remove. Files are renamed to their names ([`crate::files::atomic`]), which replaces a link
+//! and leaves its target unchanged.
 
 use crate::files::RecordError;
 use std::io::ErrorKind;
 use std::path::{Component, Path};
 
-/// May `path`, below `root`, be written or removed?
+/// Checks that `path`, below `root`, may be written or removed.
 ///
 /// # Errors
-/// It leads out of `root` by its name, or it or a folder on the way to it is a link.
+/// Its name leads out of `root`, or it or one of its folders is a link.
 pub(crate) fn check(root: &Path, path: &Path) -> Result<(), RecordError> {
     let below =
         path.strip_prefix(root).ok().filter(|below| below.components().all(|c| matches!(c, Component::Normal(_))));
@@ -27,14 +27,14 @@ pub(crate) fn check(root: &Path, path: &Path) -> Result<(), RecordError> {
                 let target = std::fs::read_link(&here).map_err(RecordError::io(&here))?;
                 return Err(RecordError::Link { path: here, target });
             }
-            // Below what is not there nothing is.
+            // Nothing exists below a missing folder.
             None => break,
         }
     }
     Ok(())
 }
 
-/// Is it a name of one folder, and not a way to another?
+/// The name is a single path component, not a path to elsewhere.
 pub(crate) fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     matches!((parts.next(), parts.next()), (Some(Component::Normal(only)), None) if only == name)
@@ -44,7 +44,7 @@ pub(crate) fn is_plain(name: &str) -> bool {
 fn is_link(path: &Path) -> Result<Option<bool>, RecordError> {
     match std::fs::symlink_metadata(path) {
         Ok(about) => Ok(Some(about.is_symlink())),
-        // A file in the way of a folder is told by whoever makes it.
+        // Creating the folder reports a file at its path.
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
         Err(error) => Err(RecordError::io(path)(error)),
     }
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_that_lead_elsewhere_are_no_plain_ones() {
+    fn plain_names_are_single_components() {
         for name in ["a", "a.b", "...", "a b", "ä", "-", "~"] {
             assert!(is_plain(name), "{name}");
         }
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_named_outside_is_refused() {
+    fn paths_outside_are_refused() {
         let root = Path::new("results");
         for path in ["results/../a", "results/a/../../b", "elsewhere", "/results/a"] {
             assert!(matches!(check(root, Path::new(path)), Err(RecordError::Outside { .. })), "{path}");
@@ -75,7 +75,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_link_is_found_wherever_it_stands_on_the_way() {
+    fn a_link_is_found_anywhere_on_the_path() {
         let folder = tempfile::tempdir().unwrap();
         let (root, elsewhere) = (folder.path().join("root"), folder.path().join("elsewhere"));
         std::fs::create_dir_all(root.join("plain/deep")).unwrap();

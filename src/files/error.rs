@@ -1,8 +1,8 @@
-//! What can go wrong while recording.
+//! Errors of reading and writing files of runs and batches.
 
 use std::path::{Path, PathBuf};
 
-/// Errors of this room. Each names the file it is about.
+/// Errors of files. Each names its file.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// The file system refused.
@@ -13,36 +13,36 @@ pub enum RecordError {
         /// The cause.
         source: std::io::Error,
     },
-    /// A file could not be written, and neither can any other beside it.
+    /// The folder of results cannot be written any more.
     #[error("{what}; nothing more can be written into {}: {source}", folder.display())]
     NoRoom {
-        /// The file, in the words of what failed.
+        /// The file, as text.
         what: String,
         /// The folder of the results.
         folder: PathBuf,
         /// The cause.
         source: std::io::Error,
     },
-    /// A link stands where results are written.
+    /// A link at the path of results.
     #[error(
-        "{path}: a symbolic link to {target}: nothing is written through links in a folder of results; remove it, or name with --output where results shall go"
+        "{path}: a symbolic link to {target}: results are not written through links; remove it, or name another folder with --output"
     )]
     Link {
         /// The link.
         path: PathBuf,
-        /// What it leads to.
+        /// Its target.
         target: PathBuf,
     },
     /// A name leads out of the folder of results.
     #[error("{path} lies outside {root}, the folder of results")]
     Outside {
-        /// What was named.
+        /// The path.
         path: PathBuf,
         /// The folder.
         root: PathBuf,
     },
-    /// A list names what is no folder of results.
-    #[error("{path}: \"{name}\" is no name of a folder of results")]
+    /// A list has an invalid folder name.
+    #[error("{path}: \"{name}\" is not a valid folder name")]
     Name {
         /// The list.
         path: PathBuf,
@@ -50,9 +50,9 @@ pub enum RecordError {
         name: String,
     },
     /// Another program is writing these results.
-    #[error("{path}: another runner is writing these results: wait for its end, or give this one a folder of its own")]
+    #[error("{path}: another runner is writing these results: wait for it, or use another folder")]
     InUse {
-        /// The file that it has open.
+        /// The locked file.
         path: PathBuf,
     },
     /// The log could not be written.
@@ -71,19 +71,19 @@ pub enum RecordError {
         /// The cause.
         reason: String,
     },
-    /// A snapshot has another shape than the model the log was opened for.
+    /// A snapshot does not fit the model of the log.
     #[error("snapshot at {time} s has {found} {what}, the model has {expected}")]
     Shape {
         /// Time of the snapshot, s.
         time: f64,
-        /// What was counted.
+        /// The counted quantity.
         what: &'static str,
         /// How many the snapshot has.
         found: usize,
         /// How many it should have.
         expected: usize,
     },
-    /// A record is no valid JSON or lacks a field.
+    /// A record is not valid JSON or lacks a field.
     #[error("{path}: {source}")]
     Json {
         /// The record.
@@ -91,7 +91,7 @@ pub enum RecordError {
         /// The cause, with line and column.
         source: serde_json::Error,
     },
-    /// A record has a format version this program does not know.
+    /// A record has an unknown format version.
     #[error("{path}: record format {found}, this program reads {expected}")]
     Version {
         /// The record.
@@ -109,18 +109,18 @@ pub enum RecordError {
         /// The cause.
         source: polars::error::PolarsError,
     },
-    /// A record of a run that has been read already.
+    /// A second record of one run.
     #[error("{path}: the same run as {other}")]
     Twice {
         /// The record.
         path: PathBuf,
-        /// The one read before it.
+        /// The first one.
         other: PathBuf,
     },
     /// A picture of the report could not be drawn.
     #[error("cannot draw {what}: {reason}")]
     Plot {
-        /// What it shows.
+        /// Its content.
         what: String,
         /// The cause.
         reason: String,
@@ -133,7 +133,7 @@ pub enum RecordError {
         /// The cause.
         source: quick_junit::SerializeError,
     },
-    /// The report could not be put together.
+    /// The report could not be written.
     #[error("{path}: cannot write the report: {source}")]
     Report {
         /// The report.
@@ -144,7 +144,7 @@ pub enum RecordError {
 }
 
 impl RecordError {
-    /// Gives an input or output error its path.
+    /// Adds a path to an input or output error.
     pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Io { path: path.to_owned(), source }
     }

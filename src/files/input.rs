@@ -1,30 +1,29 @@
-//! Files that a user names, read whole: only such as have an end, and none larger than memory should hold.
+//! Bounded reads of regular files.
 //!
-//! A pipe waits until somebody writes, a device may never end, and a scenario may name either by mistake; both are refused
-//! before they are opened.
+//! A pipe may block and a device may never end; both are refused before opening.
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// Largest file that people write: scenarios, robot files, URDFs, scripts, packages' manifests. Bytes.
+/// Limit for files written by hand: scenarios, robot files, URDFs, scripts, packages' manifests. Bytes.
 pub const MOST_TEXT: u64 = 16 << 20;
-/// Largest file that programs write and runs are made of: meshes, motions, logs. Bytes.
+/// Limit for inputs written by programs: meshes, motions, logs. Bytes.
 pub const MOST_DATA: u64 = 1 << 30;
-/// For what the user names on the command line himself: a log may be longer than what runs are made of.
+/// No limit, for files named on the command line: a log may be longer than an input.
 pub const UNLIMITED: u64 = u64::MAX;
 
 /// The bytes of a regular file, at most `most` of them.
 ///
 /// # Errors
-/// The system's own, and: it is a folder, a pipe, a device or a socket; it is larger.
+/// System errors; a folder, pipe, device or socket; a larger file.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let (file, about) = open(path)?;
     let mut bytes = Vec::new();
     if about.len() <= most {
         let room = usize::try_from(about.len()).unwrap_or(usize::MAX).saturating_add(1);
         bytes.try_reserve_exact(room).map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
-        // It may grow while it is read, and some files of the system have another length than they say.
+        // The file may grow meanwhile, and some system files report a wrong length.
         file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
         if bytes.len() as u64 <= most {
             return Ok(bytes);
@@ -39,17 +38,17 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// Opens a regular file.
 ///
 /// # Errors
-/// The system's own, and: it is a folder, a pipe, a device or a socket.
+/// System errors; a folder, pipe, device or socket.
 pub fn open(path: &Path) -> io::Result<(File, Metadata)> {
     regular(&fs::metadata(path)?)?;
     let file = File::open(path)?;
-    // What is opened counts: between the two questions the name may have been given to something else.
+    // Check the opened file: the name may belong to another one by now.
     let about = file.metadata()?;
     regular(&about)?;
     Ok((file, about))
 }
 
-/// The same as [`read`] for a text.
+/// As [`read`], for text.
 ///
 /// # Errors
 /// As [`read`], and bytes that are not UTF-8.
@@ -60,8 +59,8 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     })
 }
 
-/// Where a file really is that a file in the folder `home` names, if that cannot be told from the names: a symbolic link between
-/// them leads out of what they have in common. Links on the way to `home` are the user's own.
+/// The target of `path`, as named by a file in the folder `home`, if a symbolic link leads out of their common folder. Links on the
+/// way to `home` are the user's choice.
 pub fn led_out(home: &Path, path: &Path) -> Option<PathBuf> {
     let (from, to) = (plain(home)?, plain(path)?);
     let common: PathBuf = from.components().zip(to.components()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect();
@@ -98,13 +97,13 @@ mod tests {
     use std::os::unix::fs::symlink;
 
     #[test]
-    fn only_links_that_lead_out_are_told() {
-        let place = tempfile::tempdir().unwrap();
+    fn only_links_that_lead_out_are_reported() {
+        let folder = tempfile::tempdir().unwrap();
         // The folder of temporary files may itself be behind a link.
-        let root = place.path().canonicalize().unwrap();
+        let root = folder.path().canonicalize().unwrap();
         let at = |name: &str| root.join(name);
-        for folder in ["robots/a/meshes", "elsewhere"] {
-            std::fs::create_dir_all(at(folder)).unwrap();
+        for name in ["robots/a/meshes", "elsewhere"] {
+            std::fs::create_dir_all(at(name)).unwrap();
         }
         for file in ["robots/a/meshes/m.stl", "elsewhere/e.stl", "robots/shared.stl"] {
             std::fs::write(at(file), "x").unwrap();
@@ -126,20 +125,20 @@ mod tests {
         ] {
             assert_eq!(led_out(&home, &home.join(name)), real.map(at), "{name}");
         }
-        // The user went through this one himself.
+        // The user chose this link.
         assert_eq!(led_out(&at("link/a"), &at("link/a/meshes/m.stl")), None);
         assert_eq!(led_out(&at("link/a"), &at("link/a/out.stl")), Some(at("elsewhere/e.stl")));
     }
 
     #[test]
-    fn what_is_larger_than_allowed_is_not_read() {
-        let place = tempfile::tempdir().unwrap();
-        let path = place.path().join("file");
+    fn files_beyond_the_limit_are_not_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
         std::fs::write(&path, [b'x'; 10]).unwrap();
         assert_eq!(read(&path, 10).unwrap().len(), 10);
         assert_eq!(read(&path, 9).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
-        assert_eq!(read(place.path(), 9).unwrap_err().kind(), io::ErrorKind::IsADirectory);
-        // It says that it is empty, and is not.
+        assert_eq!(read(folder.path(), 9).unwrap_err().kind(), io::ErrorKind::IsADirectory);
+        // Its reported length is 0, its content is not empty.
         assert!(!read(Path::new("/proc/self/status"), MOST_TEXT).unwrap().is_empty());
         assert_eq!(read(Path::new("/proc/self/status"), 9).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
         assert_eq!(read(Path::new("/dev/zero"), UNLIMITED).unwrap_err().kind(), io::ErrorKind::InvalidInput);

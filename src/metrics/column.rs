@@ -73,6 +73,8 @@ pub(crate) struct Column {
     pub source: ColumnSource,
     /// Index within its row of the table.
     pub axis: usize,
+    /// Unit; empty for counts and ratios.
+    pub unit: &'static str,
 }
 
 const COLUMN_COUNT: usize = {
@@ -86,14 +88,14 @@ const COLUMN_COUNT: usize = {
 
 /// All numeric columns, in the summary's order; they follow the swept parameters.
 pub(crate) const COLUMNS: [Column; COLUMN_COUNT] = {
-    let MetricRow { known, is_count, source, .. } = ROWS[0];
-    let mut columns = [Column { name: "", known, is_count, source, axis: 0 }; COLUMN_COUNT];
+    let MetricRow { known, is_count, source, unit, .. } = ROWS[0];
+    let mut columns = [Column { name: "", known, is_count, source, axis: 0, unit }; COLUMN_COUNT];
     let (mut next, mut row) = (0, 0);
     while row < ROWS.len() {
-        let MetricRow { columns: names, known, is_count, source, .. } = ROWS[row];
+        let MetricRow { columns: names, known, is_count, source, unit, .. } = ROWS[row];
         let mut axis = 0;
         while axis < names.len() {
-            columns[next] = Column { name: names[axis], known, is_count, source, axis };
+            columns[next] = Column { name: names[axis], known, is_count, source, axis, unit };
             next += 1;
             axis += 1;
         }
@@ -143,6 +145,19 @@ pub(crate) fn is_distance(name: &str) -> bool {
     column(name).is_some_and(|column| matches!(column.source, ColumnSource::Distance(_)))
 }
 
+/// The unit of a column, or of the error in one; empty for counts and ratios.
+pub(crate) fn unit(name: &str) -> &'static str {
+    let of_error = || column(name.strip_prefix("error_")?);
+    column(name).or_else(of_error).map_or("", |column| column.unit)
+}
+
+/// The name of a column ends with its unit, as `_rad_s` or `_m_per_s`.
+pub(crate) fn names_unit(name: &str) -> bool {
+    let compact = unit(name).replace(' ', "");
+    let suffixes = ["_", "_per_"].map(|slash| format!("_{}", compact.replace('/', slash)));
+    !compact.is_empty() && suffixes.iter().any(|suffix| name.ends_with(suffix))
+}
+
 const EXPECTABLE_COUNT: usize = {
     let (mut count, mut i) = (0, 0);
     while i < COLUMN_COUNT {
@@ -174,4 +189,33 @@ pub fn column_reference() -> String {
         page += &format!("| {names} | {} | {} |\n", row.unit, row.meaning.replace('|', "\\|"));
     }
     page
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_have_the_units_of_their_metrics() {
+        for (name, expected, is_named) in [
+            ("error_position_rms_m", "m", true),
+            ("error_final_base_x", "m", false),
+            ("error_final_base_vz", "m/s", false),
+            ("error_force_rms_N", "N", true),
+            ("error_final_base_yaw", "rad", false),
+            ("max_creep_speed_m_per_s", "m/s", true),
+            ("final_com_vx_m_s", "m/s", true),
+            ("final_base_wx_rad_s", "rad/s", true),
+            ("max_flight_spin_drift_Nms", "N m s", true),
+            ("max_signorini_Nm", "N m", true),
+            ("rms_dissipation_gap_W", "W", true),
+            ("max_cone_excess", "N", false),
+            ("energy_error_J", "J", true),
+            ("force_flickers", "", false),
+            ("error_impacts", "", false),
+            ("first_impact_speed_ratio", "", false),
+        ] {
+            assert_eq!((unit(name), names_unit(name)), (expected, is_named), "{name}");
+        }
+    }
 }

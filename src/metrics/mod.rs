@@ -12,7 +12,7 @@ mod kind;
 pub(crate) mod number;
 mod table;
 
-pub(crate) use column::{COLUMNS, Column, ColumnSource, Cost, Distance, Known, column, is_distance};
+pub(crate) use column::{COLUMNS, Column, ColumnSource, Cost, Distance, Known, column, is_distance, names_unit, unit};
 pub use column::{METRICS, NUMERIC_COLUMNS, column_reference};
 pub use number::Measure;
 pub use table::Metrics;

@@ -1,4 +1,4 @@
-//! A picture: what plotters draws, and over it what its SVG lacks: marks that say of themselves what they are.
+//! A picture: the drawing of plotters, overlaid with elements that its SVG lacks: marks with titles.
 //!
 //! Pictures are drawn in quarters of pixels, since plotters rounds to whole units. Colours are those of a light page, see
 //! [`crate::report::palette`]; the page's style sheet replaces them on a dark one.
@@ -14,23 +14,23 @@ use std::fmt::Write;
 /// Units per pixel.
 pub(super) const SCALE: u32 = 4;
 
-/// What plotters draws on.
+/// Drawing area of plotters.
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Why nothing was drawn, in words.
-pub(super) type Trouble = String;
+/// Reason of a failed drawing.
+pub(super) type DrawError = String;
 
 /// A point, in units.
-pub(super) type Point = (i32, i32);
+pub(super) type PixelPoint = (i32, i32);
 
-/// Draws a picture of `size` pixels; `label` says what it shows to those who do not see it.
+/// Draws a picture of `size` pixels; `label` describes it for screen readers.
 ///
 /// # Errors
 /// It cannot be drawn.
 pub(super) fn picture(
     label: &str,
     size: (u32, u32),
-    draw: impl FnOnce(&Area, &mut Overlay) -> Result<(), Trouble>,
+    draw: impl FnOnce(&Area, &mut Overlay) -> Result<(), DrawError>,
 ) -> Result<String, RecordError> {
     let failure = |reason: String| RecordError::Plot { what: label.to_owned(), reason };
     let mut svg = String::new();
@@ -41,7 +41,7 @@ pub(super) fn picture(
         area.present().map_err(|e| failure(e.to_string()))?;
     }
     let body = svg.trim_end().strip_suffix("</svg>").and_then(|s| s.split_once('>'));
-    let (_, body) = body.ok_or_else(|| failure("what was drawn is no SVG".into()))?;
+    let (_, body) = body.ok_or_else(|| failure("the drawing is not an SVG".into()))?;
     let (width, height) = (size.0 * SCALE, size.1 * SCALE);
     let (label, overlay) = (HtmlEscape(label), overlay.svg);
     Ok(format!(
@@ -76,11 +76,11 @@ pub(super) enum Mark {
 }
 
 impl Mark {
-    /// In the order in which they are given to curves.
+    /// In the order of curves.
     pub const ALL: [Mark; 6] = [Mark::Circle, Mark::Square, Mark::Triangle, Mark::Diamond, Mark::Down, Mark::Cross];
 
     /// Its outline about a point, about 4 pixels from the middle.
-    fn path(self, (x, y): Point) -> String {
+    fn path(self, (x, y): PixelPoint) -> String {
         match self {
             Mark::Circle => format!("M{} {y}a16 16 0 1 0 32 0a16 16 0 1 0 -32 0z", x - 16),
             Mark::Square => format!("M{} {}h28v28h-28z", x - 14, y - 14),
@@ -96,8 +96,8 @@ impl Mark {
 }
 
 impl Overlay {
-    /// A mark, full or hollow, that says `title` when pointed at.
-    pub fn mark(&mut self, mark: Mark, at: Point, colour: Colour, full: bool, title: &str) {
+    /// A mark, full or hollow, with a title.
+    pub fn mark(&mut self, mark: Mark, at: PixelPoint, colour: Colour, full: bool, title: &str) {
         let fill = if full { colour } else { palette::PAPER };
         let path = mark.path(at);
         // A String takes every write, here and below.
@@ -108,8 +108,8 @@ impl Overlay {
         );
     }
 
-    /// A line of dashes that says `title`.
-    pub fn dashes(&mut self, points: &[Point], colour: Colour, title: &str) {
+    /// A dashed line with a title.
+    pub fn dashes(&mut self, points: &[PixelPoint], colour: Colour, title: &str) {
         let points: Vec<String> = points.iter().map(|(x, y)| format!("{x},{y}")).collect();
         let _ = writeln!(
             self.svg,
@@ -120,8 +120,8 @@ impl Overlay {
         );
     }
 
-    /// A full rectangle that says `title`, if there is anything to say.
-    pub fn bar(&mut self, from: Point, to: Point, colour: Colour, title: &str) {
+    /// A full rectangle with a title, which may be empty.
+    pub fn bar(&mut self, from: PixelPoint, to: PixelPoint, colour: Colour, title: &str) {
         let (width, height) = ((to.0 - from.0).max(1), (to.1 - from.1).max(1));
         let (x, y) = from;
         let _ = write!(self.svg, "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{colour}\"");
@@ -131,8 +131,8 @@ impl Overlay {
         };
     }
 
-    /// Words that begin, or with `end` end, at a point, their middle at its height.
-    pub fn words(&mut self, at: Point, colour: Colour, end: bool, text: &str) {
+    /// Text that begins (ends, with `end`) at a point and is vertically centred on it.
+    pub fn text(&mut self, at: PixelPoint, colour: Colour, end: bool, text: &str) {
         let anchor = if end { "end" } else { "start" };
         let size = 12 * SCALE;
         let _ = writeln!(

@@ -1,16 +1,16 @@
-//! What was expected of the runs, and what came of it.
+//! The table of expectations and their results.
 
 use crate::report::ReportRun;
+use crate::report::labels::{parameters, plural, short};
 use crate::report::table::{Cell, Head, MOST_ROWS, Part, Table};
-use crate::report::words::{parameters, plural, short};
 use crate::results::Verdict;
 
-/// Those that did not hold and those that name a value; limits that held are counted in the head.
+/// Expectations that failed and those with a value; limits that held are counted in the head.
 pub(super) fn expectations(runs: &[ReportRun]) -> Table {
     let all: Vec<(&ReportRun, &Verdict)> =
         runs.iter().flat_map(|run| run.row.verdicts.iter().map(move |v| (run, v))).collect();
     let mut shown: Vec<_> = all.iter().filter(|(_, v)| !v.held || v.truth.is_some()).collect();
-    // Of too many those that did not hold come first; all stay in order.
+    // Failed expectations take precedence where not all fit; all stay in order.
     if shown.len() > MOST_ROWS {
         shown.sort_by_key(|(_, v)| v.held);
         shown.truncate(MOST_ROWS);
@@ -50,7 +50,7 @@ fn row(run: &ReportRun, v: &Verdict) -> Vec<Cell> {
         Cell::text(parameters(run.row).join(" ")),
         Cell::word(&run.row.method),
         Cell::text(v.metric.clone()),
-        // All digits, beside those of the value wanted.
+        // All digits, for comparison with the expected value.
         Cell { text: v.measured.map_or_else(|| "–".to_owned(), |x| format!("{x:?}")), class: "n" },
         Cell { text: wanted, class: "n" },
         Cell::number(v.error),

@@ -1,8 +1,8 @@
-//! What was run, where and when.
+//! The head of the page: runs, outcomes, programs, machines and dates.
 
+use crate::report::labels::plural;
 use crate::report::table::{Cell, Head, Part, Table};
-use crate::report::utc::utc;
-use crate::report::words::plural;
+use crate::report::utc_date::utc;
 use crate::results::RunStatistics;
 use crate::sim::Outcome;
 use serde::Serialize;
@@ -44,7 +44,7 @@ pub(super) fn head(statistics: &RunStatistics) -> Overview {
     }
 }
 
-/// The good ones first.
+/// Passed runs first, then by number.
 fn outcomes(counts: &[(&'static str, usize)]) -> Vec<Count> {
     let mut counts: Vec<Count> = counts.iter().map(|&(outcome, count)| Count { outcome, count }).collect();
     counts.sort_by_key(|c| (c.outcome != Outcome::Passed.name(), std::cmp::Reverse(c.count)));
@@ -67,11 +67,11 @@ fn dates(statistics: &RunStatistics) -> String {
 
 fn table(statistics: &RunStatistics) -> Table {
     let row = |sums: &crate::results::ScenarioStatistics| {
-        let words = outcomes(&sums.outcomes).into_iter().map(|c| format!("{} {}", c.count, c.outcome));
+        let counts = outcomes(&sums.outcomes).into_iter().map(|c| format!("{} {}", c.count, c.outcome));
         vec![
             Cell::text(&sums.scenario),
             Cell::count(sums.runs as u64),
-            Cell::text(words.collect::<Vec<_>>().join(", ")),
+            Cell::text(counts.collect::<Vec<_>>().join(", ")),
             Cell::text(expectations(sums.held, sums.expected).replace(" expectations held", "")),
             Cell::number(Some(sums.simulated_s)),
             Cell::number(Some(sums.cpu_s)),

@@ -1,33 +1,34 @@
-//! `report.html`: a batch on one page, without network and without scripts.
+//! Writes `report.html`: a batch on one page, without network access and scripts.
 //!
 //! | section | file |
 //! |---|---|
 //! | what was run, where and when | [`head`] |
-//! | error over cost | [`work`], drawn by [`plot_work`] |
+//! | error over cost | [`cost_section`], drawn by [`cost_plot`] |
 //! | residuals | [`residuals`] |
-//! | runs over time, from their logs | [`pictures`], drawn by [`plot_run`] |
+//! | runs over time, from their logs | [`pictures`], drawn by [`run_plot`] |
 //! | expectations | [`expectations`] |
 //! | all runs, notes, files | [`runs`] |
 //!
-//! Names, messages and paths are other people's text: the templates escape all of it. The page is bounded however many
-//! runs there are, and says what it leaves out.
+//! Names, messages and paths are untrusted text: the templates escape all of it. The size of the page is bounded for any
+//! number of runs, and the page states what it omits.
+//!
+//! Imports `results`, `log`, `metrics` and `files`. `batch` and `cli` call it.
 
+mod axis;
 mod canvas;
+mod cost_plot;
+mod cost_section;
 mod expectations;
 mod head;
-mod history;
+mod labels;
 mod palette;
 mod pictures;
-mod plot_run;
-mod plot_work;
 mod residuals;
+mod run_history;
+mod run_plot;
 mod runs;
 mod table;
-mod ticks;
-mod units;
-mod utc;
-mod words;
-mod work;
+mod utc_date;
 
 use crate::files::names;
 use crate::files::{RecordError, atomic};
@@ -44,15 +45,15 @@ use std::path::{Path, PathBuf};
 /// A run as the report shows it.
 #[derive(Clone, Copy, Debug)]
 pub struct ReportRun<'a> {
-    /// Its row of the summary.
+    /// Row of the summary.
     pub row: &'a SummaryRow,
-    /// Program and version that made it.
+    /// Program and version.
     pub program: &'a str,
-    /// Where it was made.
+    /// Machine of the run.
     pub machine: &'a Machine,
-    /// What else there is to tell a person.
+    /// Further notes for the user.
     pub notes: &'a [String],
-    /// Its files: `run.json`, and what else it left.
+    /// Files of the run: `run.json`, log and problems.
     pub files: &'a [PathBuf],
 }
 
@@ -72,20 +73,18 @@ impl<'a> ReportRun<'a> {
     }
 }
 
-/// Runs whose course over time is shown.
+/// Selection of runs to draw over time.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Pictured {
-    /// Those that ended as they should not, and the first others, as far as they have logs; a few.
+    /// A few runs with logs: failed ones, then the first others.
     #[default]
     Few,
     /// The runs of these keys.
     Keys(Vec<String>),
 }
 
-/// Writes the report on runs, in the order given, and on the references they were compared with. Paths in it are shown from
-/// `results`, the folder of the records.
-///
-/// A log that cannot be read is said so in the page.
+/// Writes the report on runs, in the given order, and on their reference runs. Paths on the page are relative to `results`, the
+/// folder of the records. The page names logs that cannot be read.
 ///
 /// # Errors
 /// The file cannot be written, or a picture cannot be drawn.
@@ -101,7 +100,7 @@ pub fn write_report(
     write_report_of(path, results, (runs, &statistics), references, pictured)
 }
 
-/// The same for some of the runs, beside what there is to say of all.
+/// Writes the report on a sample of the runs, with the statistics of all.
 ///
 /// # Errors
 /// See [`write_report`].
@@ -115,7 +114,7 @@ pub fn write_report_of(
     let page = page(results, (runs, statistics), references, pictured)?;
     let html = render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
     let fill = |out: &mut BufWriter<File>| out.write_all(html.as_bytes()).map_err(RecordError::io(path));
-    // What stands in the folder of results is replaced, not followed.
+    // A link in the folder of results is replaced, not followed.
     if path.parent() == Some(results) {
         atomic::write(path, fill)
     } else {
@@ -144,13 +143,13 @@ pub fn found_runs<'a>(rows: &'a [SummaryRow], found: &'a [FoundRun]) -> Vec<Repo
     rows.iter().zip(found).map(|(row, found)| ReportRun::found(row, found)).collect()
 }
 
-/// What the template is filled with.
+/// Values of the template.
 #[derive(Serialize)]
 struct Page {
     head: head::Overview,
-    /// What is said of too many runs.
+    /// Note on runs that are only counted.
     left_out: String,
-    work: work::Section,
+    work: cost_section::Section,
     residuals: table::Table,
     pictures: pictures::Section,
     expectations: table::Table,
@@ -170,7 +169,7 @@ fn page(
     Ok(Page {
         head: head::head(statistics),
         left_out: left_out(statistics.runs() - runs.len()),
-        work: work::work(&works)?,
+        work: cost_section::sections(&works)?,
         residuals: residuals::residuals(runs),
         pictures: pictures::pictures(runs, pictured)?,
         expectations: expectations::expectations(runs),
@@ -185,8 +184,8 @@ fn left_out(runs: usize) -> String {
     match runs {
         0 => String::new(),
         n => format!(
-            "{n} more runs are counted here and stand in summary.csv and summary.parquet; what follows is of the others: \
-             those that went wrong and the first"
+            "{n} more runs are counted here and listed in summary.csv and summary.parquet; the following shows the others: \
+             failed runs and the first ones"
         ),
     }
 }

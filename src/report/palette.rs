@@ -1,16 +1,16 @@
-//! Colours. Those of curves can be told apart with the common kinds of colour blindness, and from each other in grey.
+//! Colours. Those of curves are distinguishable with common colour blindness, and in grey.
 
 use crate::contact::methods::registry::MethodDescriptor;
 use plotters::style::RGBColor;
 
-/// A colour as SVG writes it. The style sheet knows each by this very text and has another for dark pages.
+/// A colour as SVG writes it. The style sheet matches this text and replaces the colour on dark pages.
 pub(super) type Colour = &'static str;
 
-/// What is drawn upon.
+/// Background.
 pub(super) const PAPER: Colour = "#FFFFFF";
-/// Words.
+/// Text.
 pub(super) const INK: Colour = "#1F2933";
-/// Words of less weight.
+/// Secondary text.
 pub(super) const FAINT: Colour = "#52606D";
 /// Axes.
 pub(super) const AXIS: Colour = "#8895A4";
@@ -19,7 +19,7 @@ pub(super) const GRID: Colour = "#DDE2E8";
 /// Lines between.
 pub(super) const FINE: Colour = "#EEF1F4";
 
-/// Curves of what has no colour of its own.
+/// Colours of curves.
 const CURVES: [Colour; 6] = ["#0B62A4", "#D55E00", "#00795A", "#9C3587", "#8A6A00", "#5B6770"];
 
 /// A sole that sticks.
@@ -29,7 +29,7 @@ pub(super) const DYNAMIC: Colour = "#D55E00";
 /// A state of another name.
 pub(super) const OTHER: Colour = "#5B6770";
 
-/// All there are, for the test that the style sheet knows them.
+/// All colours, for the test of the style sheet.
 #[cfg(test)]
 pub(super) const ALL: [&[Colour]; 2] = [&[PAPER, INK, FAINT, AXIS, GRID, FINE], &CURVES];
 
@@ -38,12 +38,12 @@ pub(super) fn method(name: &str) -> Colour {
     MethodDescriptor::named(name).map_or(CURVES[CURVES.len() - 1], |method| method.colour)
 }
 
-/// The colour of the curve at a place, starting anew after the last.
-pub(super) fn curve(place: usize) -> Colour {
-    CURVES[place % CURVES.len()]
+/// The colour of the curve at an index, in a cycle.
+pub(super) fn curve(index: usize) -> Colour {
+    CURVES[index % CURVES.len()]
 }
 
-/// As plotters wants it.
+/// The colour as plotters takes it.
 pub(super) fn rgb(colour: Colour) -> RGBColor {
     let part = |at: usize| colour.get(at..at + 2).and_then(|hex| u8::from_str_radix(hex, 16).ok()).unwrap_or(0);
     RGBColor(part(1), part(3), part(5))

@@ -1,27 +1,27 @@
-//! Chosen runs over time, from their logs.
+//! The section on selected runs over time, from their logs.
 
 use crate::files::RecordError;
 use crate::files::names;
 use crate::log::Trajectory;
-use crate::report::history::History;
-use crate::report::plot_run::{legend, run_over_time};
-use crate::report::words::{name, plural};
+use crate::report::labels::{name, plural};
+use crate::report::run_history::History;
+use crate::report::run_plot::{legend, run_over_time};
 use crate::report::{Pictured, ReportRun};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Runs drawn when none are named: those that ended as they should not, and of others enough for this many.
+/// Number of runs drawn by default: failed ones first, then others.
 const FEW: usize = 6;
 const MOST_REFUSED: usize = 8;
-/// Logs longer than this are read only when they are asked for, bytes.
+/// Longer logs are read on request only, bytes.
 const LONG: u64 = 32 << 20;
 
 /// The section.
 #[derive(Debug, Serialize)]
 pub(super) struct Section {
     pub runs: Vec<Picture>,
-    /// What is left out, in words.
+    /// Note on omitted runs.
     pub more: String,
 }
 
@@ -32,11 +32,11 @@ pub(super) struct Picture {
     pub key: String,
     pub outcome: &'static str,
     pub refused: bool,
-    /// Name and look of each sole's force.
+    /// Name and swatch of each sole's force.
     pub legend: Vec<(String, String)>,
-    /// None when there is nothing to draw; then `words` say why.
+    /// Empty when there is nothing to draw; `note` gives the reason.
     pub svg: String,
-    pub words: String,
+    pub note: String,
 }
 
 pub(super) fn pictures(runs: &[ReportRun], pictured: &Pictured) -> Result<Section, RecordError> {
@@ -55,7 +55,7 @@ fn choose<'a>(runs: &'a [ReportRun<'a>], pictured: &Pictured) -> (Vec<(&'a Repor
     let (refused, good): (Vec<usize>, Vec<usize>) =
         (0..logged.len()).filter(|&i| is_short(logged[i].1)).partition(|&i| logged[i].0.is_refused());
     let mut chosen: Vec<usize> = refused.into_iter().take(MOST_REFUSED).collect();
-    // Of the others first one of each scenario.
+    // One run of each scenario first.
     let mut scenarios = BTreeSet::new();
     let (first, further): (Vec<usize>, Vec<usize>) =
         good.into_iter().partition(|&i| scenarios.insert(&logged[i].0.row.scenario));
@@ -77,12 +77,12 @@ fn picture(run: &ReportRun, log: &Path) -> Result<Picture, RecordError> {
         refused: run.is_refused(),
         legend: Vec::new(),
         svg: String::new(),
-        words: run.row.message.clone(),
+        note: run.row.message.clone(),
     };
     let history = match Trajectory::read(log) {
         Ok(log) => History::of(&log),
         Err(error) => {
-            picture.words = error.to_string();
+            picture.note = error.to_string();
             return Ok(picture);
         }
     };
@@ -90,18 +90,15 @@ fn picture(run: &ReportRun, log: &Path) -> Result<Picture, RecordError> {
         Some(history) if !history.height.is_empty() || !history.soles.is_empty() => {
             picture.svg = run_over_time(&picture.name, &history)?;
             picture.legend = legend(&history);
-            picture.words = [picture.words, extremes(&history)]
-                .into_iter()
-                .filter(|w| !w.is_empty())
-                .collect::<Vec<_>>()
-                .join("; ");
+            picture.note =
+                [picture.note, extremes(&history)].into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join("; ");
         }
-        _ => picture.words = "its log has neither the topic `state` nor `contact`, or no instants".into(),
+        _ => picture.note = "its log has neither the topic `state` nor `contact`, or no instants".into(),
     }
     Ok(picture)
 }
 
-/// `base height 0.28 to 0.31 m; left: 12 changes of state`
+/// Such as `base height 0.28 to 0.31 m; left: 12 changes of state`.
 fn extremes(history: &History) -> String {
     let heights = history.height.iter().map(|p| p.1);
     let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));

@@ -1,11 +1,11 @@
-//! What the contact laws and the energy balance miss in each run, the worst of each scenario marked.
+//! The table of residuals of contact laws and energy balance, with the greatest of each scenario marked.
 
 use crate::report::ReportRun;
+use crate::report::labels::parameters;
 use crate::report::table::{Cell, Head, Part, Table, bounded};
-use crate::report::words::parameters;
 use crate::results::metric;
 
-/// Columns of the summary; of all of them more is worse.
+/// Columns of the summary; greater values are worse.
 const COLUMNS: [&str; 14] = [
     "max_penetration_m",
     "rms_penetration_m",
@@ -32,19 +32,19 @@ pub(super) fn residuals(runs: &[ReportRun]) -> Table {
         let worst = COLUMNS.map(|column| worst(part.iter().filter_map(|&i| metric(runs[i].row, column))));
         let row = |&i: &usize| {
             let row = runs[i].row;
-            let words = [Cell::text(parameters(row).join(" ")), Cell::word(&row.method), Cell::word(&row.integrator)];
+            let texts = [Cell::text(parameters(row).join(" ")), Cell::word(&row.method), Cell::word(&row.integrator)];
             let number = |(column, worst): (&&str, &Option<f64>)| cell(metric(row, column), *worst);
-            words.into_iter().chain(COLUMNS.iter().zip(&worst).map(number)).collect()
+            texts.into_iter().chain(COLUMNS.iter().zip(&worst).map(number)).collect()
         };
         table.parts.push(Part { title: runs[part[0]].row.scenario.clone(), rows: part.iter().map(row).collect() });
     }
     table
 }
 
-/// Sizes that are rounding, in any of the units: none is worse than another.
+/// Values below this are rounding, in any of the units, and not ranked.
 const ROUNDING: f64 = 1e-12;
 
-/// The greatest size, if there are different ones: of equals none is worse.
+/// The greatest value, unless all are equal.
 fn worst(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for size in values.map(f64::abs).filter(|v| v.is_finite()) {

@@ -1,13 +1,13 @@
-//! All runs in a table, what they had to say, and the files they left.
+//! The table of all runs, their notes and their files.
 
 use crate::report::ReportRun;
+use crate::report::labels::{parameters, short};
 use crate::report::table::{Cell, Head, Part, Table, bounded};
-use crate::report::words::{parameters, short};
 use crate::results::pareto::{Work, error_columns};
 use crate::sim::Outcome;
 use std::path::Path;
 
-/// Files named, at the most.
+/// Greatest number of files listed.
 const MOST_FILES: usize = 2000;
 
 pub(super) fn runs(runs: &[ReportRun], works: &[Work]) -> Table {
@@ -57,7 +57,7 @@ pub(super) fn runs(runs: &[ReportRun], works: &[Work]) -> Table {
     Table { head, parts: parts.collect(), more }
 }
 
-/// Runs that others were compared with.
+/// The table of reference runs.
 pub(super) fn references(runs: &[ReportRun]) -> Table {
     if runs.is_empty() {
         return Table::default();
@@ -109,22 +109,22 @@ fn error(work: &Work, column: &str) -> Cell {
     Cell { text: value.map_or_else(|| "–".to_owned(), short), class }
 }
 
-/// What runs had to tell: scenario, key and words.
+/// Notes of runs, with scenario and key.
 pub(super) fn notes(runs: &[ReportRun]) -> Vec<String> {
-    let told = |run: &ReportRun| {
+    let notes = |run: &ReportRun| {
         let name = format!("{} {}", run.row.scenario, run.row.key);
         run.notes.iter().map(move |note| format!("{name}: {note}")).collect::<Vec<_>>()
     };
-    runs.iter().flat_map(told).take(MOST_FILES).collect()
+    runs.iter().flat_map(notes).take(MOST_FILES).collect()
 }
 
-/// Files of the batch and of its runs, from the folder of the results on.
+/// Files of the batch and of its runs, relative to the folder of results; and the number of those omitted.
 pub(super) fn files(results: &Path, runs: &[ReportRun], references: &[ReportRun]) -> (Vec<String>, usize) {
     let batch = crate::files::names::SUMMARIES.map(|name| results.join(name));
     let batch = batch.into_iter().filter(|path| path.is_file());
     let own = runs.iter().chain(references).flat_map(|run| run.files.iter().cloned());
-    let words = |path: &Path| path.strip_prefix(results).unwrap_or(path).display().to_string();
-    let all: Vec<String> = batch.chain(own).map(|path| words(&path)).collect();
+    let relative = |path: &Path| path.strip_prefix(results).unwrap_or(path).display().to_string();
+    let all: Vec<String> = batch.chain(own).map(|path| relative(&path)).collect();
     let more = all.len().saturating_sub(MOST_FILES);
     (all.into_iter().take(MOST_FILES).collect(), more)
 }

@@ -1,29 +1,29 @@
 //! Tables of the page.
 
+use crate::metrics::{names_unit, unit};
 use crate::report::ReportRun;
-use crate::report::units::{is_said, unit};
-use crate::report::words::short;
+use crate::report::labels::short;
 use serde::Serialize;
 
-/// Rows of a table, at the most.
+/// Greatest number of rows of a table.
 pub(super) const MOST_ROWS: usize = 1000;
 
-/// A table in parts with a heading each.
+/// A table in parts, each with a heading.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Table {
     pub head: Vec<Head>,
     pub parts: Vec<Part>,
-    /// What is left out, in words.
+    /// Note on omitted rows.
     pub more: String,
 }
 
 /// The head of a column.
 #[derive(Debug, Serialize)]
 pub(super) struct Head {
-    /// Its name, in the pieces between which a line may break.
+    /// Its name, in pieces between which a line may break.
     pub pieces: Vec<String>,
     pub unit: &'static str,
-    /// Right-aligned?
+    /// Right-aligned.
     pub number: bool,
 }
 
@@ -44,20 +44,20 @@ pub(super) struct Cell {
 }
 
 impl Head {
-    /// Of words.
+    /// A column of text.
     pub fn text(name: &str) -> Self {
         Self { pieces: vec![name.to_owned()], unit: "", number: false }
     }
 
-    /// Of numbers of a unit.
+    /// A column of numbers with a unit.
     pub fn number(name: &str, unit: &'static str) -> Self {
         Self { pieces: vec![name.to_owned()], unit, number: true }
     }
 
-    /// Of a column of the summary, under its name; most names say their units.
+    /// A column of the summary. Its unit is added where the name lacks it.
     pub fn column(name: &str) -> Self {
-        let says_unit = is_said(name);
-        // A unit stays with the word before it.
+        let says_unit = names_unit(name);
+        // No line break before a unit.
         let mut pieces: Vec<String> = name.split_inclusive('_').map(str::to_owned).collect();
         if says_unit && pieces.len() > 1 {
             let end = pieces.pop().unwrap_or_default();
@@ -72,12 +72,12 @@ impl Cell {
         Self { text: text.into(), class: "" }
     }
 
-    /// A word that is not to be broken.
+    /// Text without line breaks.
     pub fn word(word: &str) -> Self {
         Self { text: word.to_owned(), class: "word" }
     }
 
-    /// A number in three digits; none is a dash.
+    /// A number to three digits; none is a dash.
     pub fn number(x: Option<f64>) -> Self {
         Self { text: x.map_or_else(|| "–".to_owned(), short), class: "n" }
     }
@@ -88,17 +88,17 @@ impl Cell {
     }
 }
 
-/// Positions of the runs that a table has room for, in order: of too many all that ended as they should not, before the
-/// first others; and what is left out in words.
+/// Positions of the runs of a table, in order, and a note on the omitted ones. Failed runs take precedence where not all
+/// fit.
 pub(super) fn bounded(runs: &[ReportRun]) -> (Vec<usize>, String) {
     let mut order: Vec<usize> = (0..runs.len()).collect();
-    // Stable: both kinds stay in order.
+    // A stable sort keeps both kinds in order.
     order.sort_by_key(|&i| !runs[i].is_refused());
     order.truncate(MOST_ROWS);
     order.sort_unstable();
     let more = match runs.len() - order.len() {
         0 => String::new(),
-        left => format!("{left} more runs are in summary.csv; shown are those that went wrong and the first others"),
+        left => format!("{left} more runs are in summary.csv; this table has the failed ones and the first others"),
     };
     (order, more)
 }

@@ -1,4 +1,4 @@
-//! JUnit XML, the format in which continuous integration reads results: a suite per scenario, a case per run.
+//! JUnit XML for continuous integration: a suite per scenario, a case per run.
 
 use crate::files::{RecordError, atomic};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
@@ -9,53 +9,52 @@ use std::time::Duration;
 /// One run as a test case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JunitCase {
-    /// The suite it belongs to.
+    /// Its suite.
     pub suite: String,
-    /// Its name, unlike that of any other case of the suite.
+    /// Its name, unique in the suite.
     pub name: String,
-    /// How long it took, wall clock; none when it was not started.
+    /// Wall-clock time; none when it was not started.
     pub time: Option<Duration>,
-    /// How it ended.
+    /// Its status.
     pub status: JunitStatus,
-    /// What else is known of it, by names.
+    /// Named properties.
     pub properties: Vec<(&'static str, String)>,
-    /// What else there is to tell a person, by lines.
+    /// Lines of further output.
     pub output: Vec<String>,
 }
 
-/// How a test case ended.
+/// Status of a test case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum JunitStatus {
-    /// As it should.
+    /// As expected.
     Passed,
-    /// It ended, and not as it should.
+    /// It finished, against an expectation.
     Failed {
-        /// In a line.
+        /// One line.
         message: String,
-        /// Line by line.
+        /// All lines.
         detail: String,
     },
-    /// It did not come to an end.
+    /// It did not finish.
     Error {
-        /// What kind of error.
+        /// Kind of error.
         kind: String,
-        /// In a line.
+        /// One line.
         message: String,
     },
-    /// Nothing is known of it.
+    /// It has no result.
     Skipped {
-        /// Why.
+        /// Reason.
         message: String,
     },
 }
 
-/// Writes cases, those of a suite side by side in the order in which they are given, as a whole file. `time` is what all of
-/// them together took.
+/// Writes cases, grouped by suite in the given order. `time` is the total time.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write_junit(path: &Path, cases: &[JunitCase], time: Duration) -> Result<(), RecordError> {
-    // By their whole names: what XML takes of two of them may be the same.
+    // Suites are found by unchanged names, since cleaned names may coincide.
     let mut suites: Vec<(&str, TestSuite)> = Vec::new();
     let mut last = 0;
     for case in cases {
@@ -109,7 +108,7 @@ fn test_case(case: &JunitCase) -> TestCase {
     out
 }
 
-/// Without the two characters that XML has no place for and the writer lets through; others it drops itself.
+/// Removes the two characters that XML forbids and the writer does not remove.
 fn clean(text: &str) -> String {
     text.replace(['\u{fffe}', '\u{ffff}'], "")
 }

@@ -1,19 +1,19 @@
-//! Verdicts: what was expected of a run, what was measured, and how far apart they are.
+//! Verdicts: expected and measured values of a run, and their distance.
 
 use crate::metrics::number;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// One expectation held against a run. Numbers are in the metric's unit.
+/// The result of one expectation in a run. Numbers are in the metric's unit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Verdict {
     /// A numeric column of the summary, or `outcome`.
     pub metric: String,
-    /// What was measured; none for an outcome, and for what never happened.
+    /// Measured value; none for an outcome, and for an event that never came.
     #[serde(with = "number::some_real")]
     #[schemars(with = "crate::results::Measure")]
     pub measured: Option<f64>,
-    /// What was wanted; none where there are only limits.
+    /// Expected value; none where there are only limits.
     pub truth: Option<f64>,
     /// Greatest distance from `truth` that holds.
     pub allowed: Option<f64>,
@@ -21,12 +21,12 @@ pub struct Verdict {
     pub min: Option<f64>,
     /// Greatest value that holds.
     pub max: Option<f64>,
-    /// Measured less wanted; with limits what lies beyond them, 0 between.
+    /// Measured less expected value; with limits the distance beyond them, 0 between.
     #[serde(with = "number::some_real")]
     #[schemars(with = "crate::results::Measure")]
     pub error: Option<f64>,
-    /// Did it hold?
+    /// The expectation held.
     pub held: bool,
-    /// In words why not.
+    /// The reason of a failure.
     pub message: String,
 }

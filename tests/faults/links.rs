@@ -150,7 +150,7 @@ fn merging_neither_follows_links_nor_names() {
         let (head, runs) = text.split_once('\n').unwrap();
         fs::write(&list, format!("{head}\n{}", runs.replace("\"s\"", &format!("{name:?}")))).unwrap();
         let done = place.runner(&MERGE).exits(2);
-        assert!(done.stderr.contains(&format!("\"{name}\" is no name of a folder of results")), "{}", done.stderr);
+        assert!(done.stderr.contains(&format!("\"{name}\" is not a valid folder name")), "{}", done.stderr);
         elsewhere_is_as_it_was(&place);
     }
     fs::write(&list, text).unwrap();

@@ -38,7 +38,7 @@ pub(super) struct Channel {
 
 impl LogFile {
     fn create(path: &Path) -> Result<Self, RecordError> {
-        let (file, temporary) = atomic::beside(path)?;
+        let (file, temporary) = atomic::temporary(path)?;
         let writer = WriteOptions::new()
             .library(concat!("stiction ", env!("CARGO_PKG_VERSION")))
             // For a 25-joint robot, level 1 leaves 3.4 kB a tick (LZ4 4.0, none 9.0) for 3 us more than LZ4.

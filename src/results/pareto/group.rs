@@ -1,4 +1,4 @@
-//! Runs that can be held against each other, and the curves among them.
+//! Groups of comparable runs, and the curves in them.
 
 use crate::results::pareto::Work;
 use crate::results::record::compare_values;
@@ -6,13 +6,13 @@ use crate::results::{ParamValue, is_truth};
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// Keys that say how a run computes, by their first word; runs that differ in others are different problems.
-const MANNER: [&str; 4] = ["contact", "integrator", "compare", "log"];
+/// First words of the keys of numerical methods; runs that differ in other keys solve different problems.
+const NUMERICAL: [&str; 4] = ["contact", "integrator", "compare", "log"];
 
-/// Keys below those that say what is computed all the same.
+/// Keys below these that belong to the problem.
 const PROBLEM: [&str; 2] = ["contact.restitution", "contact.forced"];
 
-/// Runs of one problem: the same scenario, and the same value of each swept key that is not about how to compute.
+/// Runs of one problem: the same scenario, and the same value of each swept key of the problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// Name of the scenario.
@@ -39,15 +39,15 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// Method, integrator and variant in words.
+    /// Method, integrator and variant.
     pub fn name(&self) -> String {
-        let words = [&self.method, &self.integrator, &self.variant];
-        words.into_iter().filter(|w| !w.is_empty()).cloned().collect::<Vec<_>>().join(" ")
+        let parts = [&self.method, &self.integrator, &self.variant];
+        parts.into_iter().filter(|w| !w.is_empty()).cloned().collect::<Vec<_>>().join(" ")
     }
 }
 
 impl Group {
-    /// Scenario and problem in words.
+    /// Scenario and problem.
     pub fn name(&self) -> String {
         [&self.scenario, &self.problem].into_iter().filter(|w| !w.is_empty()).cloned().collect::<Vec<_>>().join("  ")
     }
@@ -58,11 +58,11 @@ impl Group {
     }
 }
 
-/// Sorts runs into groups, and those into curves, both in the order in which they are first met.
+/// Sorts runs into groups and curves, both in the order of first appearance.
 pub fn groups(works: &[Work]) -> Vec<Group> {
     let problem = |w: &Work| {
-        let keys = w.row.parameters.iter().filter(|(name, _)| !is_manner(name) && !is_truth(name));
-        (w.row.scenario.clone(), words(keys))
+        let keys = w.row.parameters.iter().filter(|(name, _)| !is_numerical(name) && !is_truth(name));
+        (w.row.scenario.clone(), parameter_text(keys))
     };
     let cells = split(0..works.len(), |&i| problem(&works[i]));
     let group = |((scenario, problem), rows): ((String, String), Vec<usize>)| Group {
@@ -76,25 +76,28 @@ pub fn groups(works: &[Work]) -> Vec<Group> {
     cells.into_iter().map(group).collect()
 }
 
-fn is_manner(name: &str) -> bool {
+fn is_numerical(name: &str) -> bool {
     let first = name.split('.').next().unwrap_or_default();
-    MANNER.contains(&first) && !PROBLEM.iter().any(|key| name.starts_with(key))
+    NUMERICAL.contains(&first) && !PROBLEM.iter().any(|key| name.starts_with(key))
 }
 
 /// The curves of one method and integrator.
 fn curves(works: &[Work], method: &str, integrator: &str, rows: &[usize]) -> Vec<Curve> {
     let varying = varying(works, rows);
     let along = along(works, rows, &varying);
-    // Keys that change together with the one along the curve are told by it.
+    // Keys that change together with the one along the curve need no mention.
     let tied = |key: &str| {
         along.as_deref().is_some_and(|along| {
-            let by_value = split(rows.iter().copied(), |&i| word(works, i, along));
-            by_value.iter().all(|(_, same)| same.iter().all(|&i| word(works, i, key) == word(works, same[0], key)))
+            let by_value = split(rows.iter().copied(), |&i| value_text(works, i, along));
+            by_value
+                .iter()
+                .all(|(_, same)| same.iter().all(|&i| value_text(works, i, key) == value_text(works, same[0], key)))
         })
     };
     let others: Vec<&String> = varying.iter().filter(|key| !tied(key)).collect();
     let variant = |&i: &usize| {
-        let named = others.iter().map(|key| (key.as_str(), word(works, i, key))).filter(|(_, value)| !value.is_empty());
+        let named =
+            others.iter().map(|key| (key.as_str(), value_text(works, i, key))).filter(|(_, value)| !value.is_empty());
         (named.map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(" "), works[i].row.seed)
     };
     split(rows.iter().copied(), variant)
@@ -109,12 +112,12 @@ fn curves(works: &[Work], method: &str, integrator: &str, rows: &[usize]) -> Vec
         .collect()
 }
 
-/// Swept keys about how to compute whose values differ between the rows, but for method and integrator themselves.
+/// Swept keys of numerical methods whose values differ between the rows, except method and integrator.
 fn varying(works: &[Work], rows: &[usize]) -> Vec<String> {
     let mut keys: Vec<&String> = Vec::new();
     for (name, _) in rows.iter().flat_map(|&i| &works[i].row.parameters) {
         let own_column = ["contact.method", "integrator.method"].contains(&name.as_str());
-        if is_manner(name) && !own_column && !is_truth(name) && !keys.contains(&name) {
+        if is_numerical(name) && !own_column && !is_truth(name) && !keys.contains(&name) {
             keys.push(name);
         }
     }
@@ -122,12 +125,12 @@ fn varying(works: &[Work], rows: &[usize]) -> Vec<String> {
     keys.into_iter().filter(differs).cloned().collect()
 }
 
-/// The key that a curve runs along: of those that are numbers the one with the most values, the integrator's first.
+/// The key along a curve: the numeric one with the most values; keys of the integrator take precedence.
 fn along(works: &[Work], rows: &[usize], varying: &[String]) -> Option<String> {
     let numeric =
         |key: &&String| rows.iter().all(|&i| parameter(works, i, key).is_none_or(|value| value.number().is_some()));
-    let values = |key: &str| split(rows.iter().copied(), |&i| word(works, i, key)).len();
-    // Of equals the last is taken.
+    let values = |key: &str| split(rows.iter().copied(), |&i| value_text(works, i, key)).len();
+    // `max_by_key` takes the last of equals.
     let mut candidates: Vec<&String> = varying.iter().filter(numeric).collect();
     candidates.reverse();
     candidates.into_iter().max_by_key(|key| (values(key), key.starts_with("integrator."))).cloned()
@@ -137,26 +140,26 @@ fn parameter<'a>(works: &[Work<'a>], row: usize, key: &str) -> Option<&'a ParamV
     works[row].row.parameters.iter().find(|(name, _)| name == key).map(|(_, value)| value)
 }
 
-fn word(works: &[Work], row: usize, key: &str) -> String {
+fn value_text(works: &[Work], row: usize, key: &str) -> String {
     parameter(works, row, key).map_or_else(String::new, ToString::to_string)
 }
 
-/// `name=value`, blank between.
-pub(super) fn words<'a>(parameters: impl Iterator<Item = &'a (String, ParamValue)>) -> String {
+/// Such as `name=value name=value`.
+pub(super) fn parameter_text<'a>(parameters: impl Iterator<Item = &'a (String, ParamValue)>) -> String {
     parameters.map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" ")
 }
 
-/// Items by their key, both in the order in which they are first met.
+/// Items by their key, both in the order of first appearance.
 fn split<T, K: Hash + Eq + Clone>(items: impl Iterator<Item = T>, key: impl Fn(&T) -> K) -> Vec<(K, Vec<T>)> {
     let mut parts: Vec<(K, Vec<T>)> = Vec::new();
-    let mut places: HashMap<K, usize> = HashMap::new();
+    let mut positions: HashMap<K, usize> = HashMap::new();
     for item in items {
         let own = key(&item);
-        let place = *places.entry(own.clone()).or_insert(parts.len());
-        if place == parts.len() {
+        let position = *positions.entry(own.clone()).or_insert(parts.len());
+        if position == parts.len() {
             parts.push((own, Vec::new()));
         }
-        parts[place].1.push(item);
+        parts[position].1.push(item);
     }
     parts
 }

@@ -1,8 +1,10 @@
-//! Work and precision: what an error costs.
+//! Work and precision: error over cost.
 //!
 //! The cost of a run is processor seconds per simulated second; an error is any column `error_...` of the summary. Runs
-//! that differ in how they compute, and not in what is computed, can be held against each other: they form a [`Group`].
-//! Of a group the *Pareto front* are the runs beside which no other is both cheaper and more accurate.
+//! of the same problem with different numerical methods are comparable: they form a [`Group`]. The *Pareto front* of a group
+//! are the runs for which no other is both cheaper and more accurate.
+//!
+//! Imports `results::{record, summary}`. `report` and the terminal output call it.
 
 mod group;
 mod table;
@@ -14,23 +16,23 @@ use crate::metrics::NUMERIC_COLUMNS;
 use crate::results::{SummaryRow, TruthError, metric};
 use crate::sim::Outcome;
 
-/// What one run says about work and precision.
+/// Cost and errors of one run.
 #[derive(Clone, Debug)]
 pub struct Work<'a> {
     /// The run.
     pub row: &'a SummaryRow,
     /// Processor seconds per simulated second; none when nothing was simulated.
     pub cost: Option<f64>,
-    /// Simulated over wall-clock time: of repetitions alone on the machine the fastest, if there were any.
+    /// Simulated over wall-clock time; of the fastest repetition, if there were any.
     pub real_time_factor: f64,
-    /// Columns `error_...` that have a value. Only finite ones of runs that reached their end can be held against others.
+    /// Columns `error_...` with a value. Only finite ones of finished runs are comparable.
     pub errors: Vec<(String, f64)>,
 }
 
 impl<'a> Work<'a> {
-    /// What a row of the summary says.
+    /// Cost and errors from a row of the summary.
     pub fn of(row: &'a SummaryRow) -> Self {
-        // The least of repeated times is the one with the least of the machine's other work in it.
+        // The shortest of repeated times has the least disturbance by other programs.
         let cost = row.repeats.map_or(row.cpu_s, |r| r.cpu_min_s) / row.metrics.duration_s;
         let fixed = NUMERIC_COLUMNS.iter().filter(|name| is_error(name)).map(|name| (*name).to_owned());
         let columns = fixed.chain(row.comparison.truth.iter().map(TruthError::column));
@@ -45,7 +47,7 @@ impl<'a> Work<'a> {
     /// Cost and size of an error.
     ///
     /// # Errors
-    /// Why this run cannot be held against others, in words.
+    /// The reason why this run is not comparable.
     pub fn point(&self, column: &str) -> Result<(f64, f64), String> {
         let comparison = &self.row.comparison;
         if !matches!(self.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen) {
@@ -66,12 +68,12 @@ impl<'a> Work<'a> {
     }
 }
 
-/// A column that says how wrong a run is: the balance of energy is a residual and not among them.
+/// The column is a distance from a reference or truth; `energy_error_J` is a residual.
 fn is_error(column: &str) -> bool {
     column.starts_with("error_")
 }
 
-/// Columns `error_...` that any of the runs has a value for, in the order in which they are first met.
+/// Columns `error_...` with a value in any of the runs, in the order of first appearance.
 pub fn error_columns(works: &[Work]) -> Vec<String> {
     let mut columns: Vec<String> = Vec::new();
     for (name, _) in works.iter().flat_map(|w| &w.errors) {
@@ -82,15 +84,14 @@ pub fn error_columns(works: &[Work]) -> Vec<String> {
     columns
 }
 
-/// The Pareto front as far as three digits tell: what they do not tell apart is equally cheap, or equally accurate. Clocks are
-/// no finer, and a front of differences that nobody sees would be none.
+/// The Pareto front of costs and errors rounded to three digits, the resolution of clocks and of the tables.
 pub fn front_as_shown(points: &[(f64, f64)]) -> Vec<bool> {
     let three = |x: f64| format!("{x:.2e}").parse().unwrap_or(x);
     front(&points.iter().map(|&(cost, error)| (three(cost), three(error))).collect::<Vec<_>>())
 }
 
-/// Which of the points (cost, error) are on the Pareto front: no other point is at most as costly and at most as wrong,
-/// and better in one of the two. Points that are not finite are not on it.
+/// Which of the points (cost, error) are on the Pareto front: no other point is at most as costly and at most as
+/// inaccurate, and better in one of the two. Points that are not finite are not on it.
 pub fn front(points: &[(f64, f64)]) -> Vec<bool> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.retain(|&i| points[i].0.is_finite() && points[i].1.is_finite());
@@ -98,7 +99,7 @@ pub fn front(points: &[(f64, f64)]) -> Vec<bool> {
     let mut on = vec![false; points.len()];
     let mut best: Option<(f64, f64)> = None;
     for i in order {
-        // From cheap to costly: a further one must be more accurate than all before, or equal to the last in both.
+        // In the order of cost, a point of the front is more accurate than all before it, or equal to the last one.
         if best.is_none_or(|b| points[i].1 < b.1 || points[i] == b) {
             on[i] = true;
             best = Some(points[i]);

@@ -1,10 +1,10 @@
-//! The work-precision picture: error over cost, both logarithmic, one curve per method.
+//! Draws the work-precision picture: error over cost, both logarithmic, one curve per method.
 
 use crate::files::RecordError;
-use crate::report::canvas::{Area, Mark, Overlay, Point, SCALE, Trouble, picture, swatch, text};
+use crate::metrics::unit;
+use crate::report::axis::{self, logarithmic};
+use crate::report::canvas::{Area, DrawError, Mark, Overlay, PixelPoint, SCALE, picture, swatch, text};
 use crate::report::palette::{self, Colour};
-use crate::report::ticks::{self, logarithmic};
-use crate::report::units::unit;
 use crate::results::is_truth;
 use crate::results::pareto::{Curve, Group, Work, front_as_shown};
 use plotters::prelude::{ChartBuilder, LineSeries};
@@ -13,20 +13,20 @@ use plotters::style::Color;
 /// Pixels.
 const SIZE: (u32, u32) = (560, 380);
 
-/// How the curves of a group look; those of one name look the same.
-pub(super) struct Looks {
+/// Styles of the curves of a group, by their names.
+pub(super) struct CurveStyles {
     names: Vec<(String, String)>,
 }
 
-/// How a curve looks.
+/// How a curve styles.
 #[derive(Clone, Copy)]
-pub(super) struct Look {
+pub(super) struct CurveStyle {
     pub colour: Colour,
     pub mark: Mark,
 }
 
-impl Looks {
-    /// Of a group.
+impl CurveStyles {
+    /// Styles for the curves of a group.
     pub fn of(group: &Group) -> Self {
         let mut names: Vec<(String, String)> = Vec::new();
         for curve in &group.curves {
@@ -38,17 +38,17 @@ impl Looks {
         Self { names }
     }
 
-    fn look(&self, name: &str) -> Look {
-        let place = self.names.iter().position(|(n, _)| n == name).unwrap_or(0);
-        let method = self.names.get(place).map_or("", |(_, method)| method);
-        Look { colour: palette::method(method), mark: Mark::ALL[place % Mark::ALL.len()] }
+    fn style(&self, name: &str) -> CurveStyle {
+        let index = self.names.iter().position(|(n, _)| n == name).unwrap_or(0);
+        let method = self.names.get(index).map_or("", |(_, method)| method);
+        CurveStyle { colour: palette::method(method), mark: Mark::ALL[index % Mark::ALL.len()] }
     }
 
-    /// Name and picture of each.
+    /// Name and swatch of each curve.
     pub fn legend(&self) -> Vec<(String, String)> {
         let entry = |(name, _): &(String, String)| {
-            let look = self.look(name);
-            (name.clone(), swatch(Some(look.mark), look.colour))
+            let style = self.style(name);
+            (name.clone(), swatch(Some(style.mark), style.colour))
         };
         self.names.iter().map(entry).collect()
     }
@@ -70,14 +70,14 @@ pub(super) fn work_precision(
     works: &[Work],
     group: &Group,
     column: &str,
-    looks: &Looks,
+    styles: &CurveStyles,
 ) -> Result<Option<String>, RecordError> {
     let spots = spots(works, group, column);
     if spots.is_empty() {
         return Ok(None);
     }
     let label = format!("{column} over cost, {}", group.name());
-    picture(&label, SIZE, |area, overlay| draw(works, group, column, looks, &spots, area, overlay)).map(Some)
+    picture(&label, SIZE, |area, overlay| draw(works, group, column, styles, &spots, area, overlay)).map(Some)
 }
 
 fn spots(works: &[Work], group: &Group, column: &str) -> Vec<Spot> {
@@ -91,22 +91,22 @@ fn draw(
     works: &[Work],
     group: &Group,
     column: &str,
-    looks: &Looks,
+    styles: &CurveStyles,
     spots: &[Spot],
     area: &Area,
     overlay: &mut Overlay,
-) -> Result<(), Trouble> {
-    let words = |e: &dyn std::fmt::Display| e.to_string();
+) -> Result<(), DrawError> {
+    let text_of = |e: &dyn std::fmt::Display| e.to_string();
     let nonzero = || spots.iter().map(|s| s.error).filter(|e| *e > 0.0);
-    // Without an error there is a decade like any other.
+    // All errors are 0: any decade will do.
     let least = nonzero().fold(f64::INFINITY, f64::min);
-    let least = ticks::within(if least.is_finite() { least } else { 1e-15 });
-    // Where no error at all is drawn: a whole decade below the least.
+    let least = axis::within(if least.is_finite() { least } else { 1e-15 });
+    // Errors of 0 are drawn a whole decade below the least.
     let floor = 10f64.powf((least.log10() - 1.0).floor());
     let zeros = spots.iter().any(|s| s.error == 0.0);
     let mut y = logarithmic(nonzero().chain(zeros.then_some(floor)));
     if zeros {
-        // Below, the axis has no scale.
+        // The axis has no scale below this line.
         y.ticks.retain(|v| *v > 1.01 * floor);
         y.fine.retain(|v| *v > 1.01 * floor);
     }
@@ -117,7 +117,7 @@ fn draw(
         .x_label_area_size(38 * SCALE)
         .y_label_area_size(60 * SCALE)
         .build_cartesian_2d(x.clone(), y.clone())
-        .map_err(|e| words(&e))?;
+        .map_err(|e| text_of(&e))?;
     let unit = unit(column);
     let y_words = if unit.is_empty() { "error".to_owned() } else { format!("error, {unit}") };
     chart
@@ -132,44 +132,44 @@ fn draw(
         .x_label_formatter(&|v| x.label(*v))
         .y_label_formatter(&|v| y.label(*v))
         .draw()
-        .map_err(|e| words(&e))?;
-    let place = |s: &Spot| {
-        let error = if s.error > 0.0 { ticks::within(s.error) } else { floor };
-        (ticks::within(s.cost), error)
+        .map_err(|e| text_of(&e))?;
+    let point = |s: &Spot| {
+        let error = if s.error > 0.0 { axis::within(s.error) } else { floor };
+        (axis::within(s.cost), error)
     };
     let find = |row: &usize| spots.iter().find(|s| s.row == *row);
     for curve in &group.curves {
-        let look = looks.look(&curve.name());
-        // A line to no error at all would lead nowhere on this axis.
+        let style = styles.style(&curve.name());
+        // The logarithmic axis has no point for an error of 0, so no line leads there.
         let own: Vec<&Spot> = curve.rows.iter().filter_map(find).collect();
         for part in own.split(|s| s.error == 0.0).filter(|part| part.len() > 1) {
-            let line = LineSeries::new(part.iter().map(|s| place(s)), palette::rgb(look.colour).stroke_width(6));
-            chart.draw_series(line).map_err(|e| words(&e))?;
+            let line = LineSeries::new(part.iter().map(|s| point(s)), palette::rgb(style.colour).stroke_width(6));
+            chart.draw_series(line).map_err(|e| text_of(&e))?;
         }
     }
-    let at = |s: &Spot| chart.backend_coord(&place(s));
+    let at = |s: &Spot| chart.backend_coord(&point(s));
     let (left, right) = (chart.backend_coord(&(x.from, y.from)).0, chart.backend_coord(&(x.to, y.from)).0);
     if zeros {
         let height = chart.backend_coord(&(x.from, floor)).1;
         overlay.dashes(&[(left, height), (right, height)], palette::AXIS, "no error at all");
-        overlay.words((left - 24, height), palette::FAINT, true, "0");
+        overlay.text((left - 24, height), palette::FAINT, true, "0");
     }
     overlay.dashes(&stairs(spots, at, right), palette::FAINT, "Pareto front");
     for curve in &group.curves {
-        let look = looks.look(&curve.name());
+        let style = styles.style(&curve.name());
         for spot in curve.rows.iter().filter_map(find) {
             let title = title(&works[spot.row], curve, column, unit, spot);
-            overlay.mark(look.mark, at(spot), look.colour, spot.on_front, &title);
+            overlay.mark(style.mark, at(spot), style.colour, spot.on_front, &title);
         }
     }
     Ok(())
 }
 
-/// What can be had for at most each cost: down at each run of the front, level between them.
-fn stairs(spots: &[Spot], at: impl Fn(&Spot) -> Point, right: i32) -> Vec<Point> {
+/// The Pareto front as a step curve: least error for at most each cost.
+fn stairs(spots: &[Spot], at: impl Fn(&Spot) -> PixelPoint, right: i32) -> Vec<PixelPoint> {
     let mut front: Vec<&Spot> = spots.iter().filter(|s| s.on_front).collect();
     front.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let mut points: Vec<Point> = Vec::new();
+    let mut points: Vec<PixelPoint> = Vec::new();
     for spot in front {
         let (x, y) = at(spot);
         if let Some(&(_, before)) = points.last() {
@@ -183,7 +183,7 @@ fn stairs(spots: &[Spot], at: impl Fn(&Spot) -> Point, right: i32) -> Vec<Point>
     points
 }
 
-/// What a mark says when pointed at.
+/// Title of a mark.
 fn title(work: &Work, curve: &Curve, column: &str, unit: &str, spot: &Spot) -> String {
     let row = work.row;
     let mut lines = vec![format!("{} {}", curve.method, curve.integrator)];

@@ -1,4 +1,4 @@
-//! Dates of files, in words.
+//! Formats times of files as UTC dates.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -10,7 +10,7 @@ pub(super) fn utc(time: SystemTime) -> Option<String> {
     Some(format!("{year}-{month:02}-{day:02} {:02}:{:02} UTC", minutes / 60, minutes % 60))
 }
 
-/// Year, month and day, so many days after 1970-01-01.
+/// Year, month and day, from days since 1970-01-01.
 fn civil(mut days: u64) -> (u64, usize, u64) {
     let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
     let mut year = 1970;

@@ -1,12 +1,12 @@
-//! What a picture of a run over time shows: height of the base, normal force and state of each sole, from its log.
+//! Time series of a run for its picture, from its log: height of the base, normal force and state of each sole.
 
 use crate::log::Trajectory;
 use nalgebra::{Rotation3, Vector3};
 
-/// Columns that a picture is wide, at the most: what is finer cannot be seen.
+/// Width of a picture in columns; finer detail is invisible.
 const COLUMNS: usize = 480;
 
-/// A run over time. Series are thinned to what a picture can show, their extremes kept.
+/// A run over time. Series are thinned to the resolution of a picture; extremes are kept.
 pub(super) struct History {
     /// First and last time, s.
     pub span: (f64, f64),
@@ -22,7 +22,7 @@ pub(super) struct SoleHistory {
     /// Sum of the vertices' forces along the floor's normal, N, over time, s.
     pub normal: Vec<(f64, f64)>,
     pub stays: Vec<Stay>,
-    /// Changes of state between logged instants; more than there are stays where those were too short to be shown.
+    /// Changes of state between logged instants; may exceed the number of stays, since short ones are merged.
     pub changes: usize,
 }
 
@@ -35,7 +35,7 @@ pub(super) struct Stay {
 }
 
 impl History {
-    /// Of a logged run; none when the log has no instants.
+    /// The series of a logged run; none when the log has no instants.
     pub fn of(log: &Trajectory) -> Option<Self> {
         let (&first, &last) = (log.times.first()?, log.times.last()?);
         let normal = floor_normal(log);
@@ -58,7 +58,7 @@ impl History {
     }
 }
 
-/// The floor's upward normal in the world: of the scenario's tilt.
+/// The floor's upward normal in the world, from the scenario's tilt.
 fn floor_normal(log: &Trajectory) -> Vector3<f64> {
     let rpy = || {
         let scenario: toml::Table = log.scenario_text()?.parse().ok()?;
@@ -70,7 +70,7 @@ fn floor_normal(log: &Trajectory) -> Vector3<f64> {
     Rotation3::from_euler_angles(roll, pitch, yaw) * Vector3::z()
 }
 
-/// Least and greatest value of each of [`COLUMNS`] columns, in order of time. What is no number is left out.
+/// Least and greatest value of each of [`COLUMNS`] columns, in order of time, without NaN.
 fn thin(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let finite: Vec<_> = points.iter().copied().filter(|(_, value)| value.is_finite()).collect();
     if finite.len() <= 2 * COLUMNS {
@@ -84,7 +84,7 @@ fn thin(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         ends
     };
-    // The first and the last instant say where the series begins and ends.
+    // Keep the first and the last instant, the ends of the series.
     let ends = |p: &[(f64, f64)]| (p.first().copied(), p.last().copied());
     let (first, last) = ends(&finite);
     let inner = finite.chunks(size).flat_map(extremes);
@@ -93,7 +93,7 @@ fn thin(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     thinned
 }
 
-/// Equal states in a row are one stay, until the next begins.
+/// Merges consecutive equal states into one stay.
 fn stays(times: &[f64], states: &[String]) -> Vec<Stay> {
     let mut stays: Vec<Stay> = Vec::new();
     for (&time, state) in times.iter().zip(states) {
@@ -108,7 +108,7 @@ fn stays(times: &[f64], states: &[String]) -> Vec<Stay> {
     stays
 }
 
-/// Of more stays than can be seen, per column the state that took most of it.
+/// Thins stays to one per column: the state with the longest time in it.
 fn merge(stays: Vec<Stay>, first: f64, last: f64) -> Vec<Stay> {
     if stays.len() <= COLUMNS / 2 {
         return stays;

@@ -1,10 +1,10 @@
-//! A run over time: height of the base, normal force of each sole, and below a line per sole with its contact states.
+//! Draws a run over time: height of the base, normal force of each sole, and a bar per sole with its contact states.
 
 use crate::files::RecordError;
-use crate::report::canvas::{Area, Overlay, SCALE, Trouble, picture, swatch, text};
-use crate::report::history::{History, SoleHistory, Stay};
+use crate::report::axis::{Axis, linear};
+use crate::report::canvas::{Area, DrawError, Overlay, SCALE, picture, swatch, text};
 use crate::report::palette::{self, Colour};
-use crate::report::ticks::{Axis, linear};
+use crate::report::run_history::{History, SoleHistory, Stay};
 use plotters::prelude::{ChartBuilder, LineSeries};
 use plotters::style::Color;
 
@@ -15,7 +15,7 @@ const TIME: u32 = 36;
 const STATES: u32 = 26;
 const LEFT: u32 = 76;
 
-/// Soles that are drawn; of a creature with more feet the first.
+/// Greatest number of soles drawn.
 const MOST_SOLES: usize = 12;
 
 /// Draws a run.
@@ -40,7 +40,7 @@ type Line = (Colour, Vec<(f64, f64)>);
 /// Curves of one quantity, or the states.
 struct Part {
     height: u32,
-    words: &'static str,
+    title: &'static str,
     /// None for the states.
     curves: Option<Vec<Line>>,
     /// Least span of the axis, in its unit.
@@ -51,23 +51,23 @@ fn parts(history: &History) -> Vec<Part> {
     let mut parts = Vec::new();
     if !history.height.is_empty() {
         let curve = vec![(palette::INK, history.height.clone())];
-        parts.push(Part { height: CURVES, words: "base height, m", curves: Some(curve), least: 1e-3 });
+        parts.push(Part { height: CURVES, title: "base height, m", curves: Some(curve), least: 1e-3 });
     }
     let soles: Vec<&SoleHistory> = history.soles.iter().take(MOST_SOLES).collect();
     if !soles.is_empty() {
         let curves = soles.iter().enumerate().map(|(i, s)| (palette::curve(i), s.normal.clone())).collect();
-        parts.push(Part { height: CURVES, words: "normal force, N", curves: Some(curves), least: 1e-3 });
+        parts.push(Part { height: CURVES, title: "normal force, N", curves: Some(curves), least: 1e-3 });
         let height = STATES * soles.len() as u32 + 16;
-        parts.push(Part { height, words: "", curves: None, least: 0.0 });
+        parts.push(Part { height, title: "", curves: None, least: 0.0 });
     }
     parts
 }
 
-fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -> Result<(), Trouble> {
-    let words = |e: &dyn std::fmt::Display| e.to_string();
+fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -> Result<(), DrawError> {
+    let text_of = |e: &dyn std::fmt::Display| e.to_string();
     let (from, to) = history.span;
     let time = linear([from, to].into_iter(), 8, 1e-6);
-    // The axis of time ends where the run does.
+    // The time axis ends with the run.
     let (from, to) = if from < to { (from, to) } else { (time.from, time.to) };
     let ticks: Vec<f64> = time.ticks.iter().copied().filter(|t| (from..=to).contains(t)).collect();
     let time = Axis { from, to, ticks, ..time };
@@ -88,7 +88,7 @@ fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -
             .x_label_area_size(below * SCALE)
             .y_label_area_size(LEFT * SCALE)
             .build_cartesian_2d(time.clone(), y.clone())
-            .map_err(|e| words(&e))?;
+            .map_err(|e| text_of(&e))?;
         let grid = palette::rgb(palette::GRID).stroke_width(4);
         chart
             .configure_mesh()
@@ -98,17 +98,17 @@ fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -
             .label_style(text(12, palette::FAINT))
             .axis_desc_style(text(13, palette::INK))
             .x_desc(if last { "simulated time, s" } else { "" })
-            .y_desc(part.words)
+            .y_desc(part.title)
             .x_label_formatter(&|v| time.label(*v))
             .y_label_formatter(&|v| y.label(*v))
             .draw()
-            .map_err(|e| words(&e))?;
+            .map_err(|e| text_of(&e))?;
         let curves = part.curves.as_deref().unwrap_or_default();
         for (i, (colour, points)) in curves.iter().enumerate() {
-            // The first is the widest: one that lies below another still shows.
+            // The first curve is the widest, so that it shows below the others.
             let width = 5 + 4 * (curves.len() - 1 - i).min(2) as u32;
             let line = LineSeries::new(points.iter().copied(), palette::rgb(colour).stroke_width(width));
-            chart.draw_series(line).map_err(|e| words(&e))?;
+            chart.draw_series(line).map_err(|e| text_of(&e))?;
         }
         if part.curves.is_none() {
             let soles: Vec<&SoleHistory> = history.soles.iter().take(MOST_SOLES).collect();
@@ -120,7 +120,7 @@ fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -
                     chart.backend_coord(&(t, foot + share * (head - foot)))
                 };
                 let left = chart.backend_coord(&(from, (top + bottom) / 2.0));
-                overlay.words((left.0 - 24, left.1), palette::INK, true, &brief(&sole.name));
+                overlay.text((left.0 - 24, left.1), palette::INK, true, &brief(&sole.name));
                 sole.stays.iter().for_each(|stay| band(overlay, &sole.name, stay, &at));
             }
         }
@@ -128,7 +128,7 @@ fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -
     Ok(())
 }
 
-/// A sole's bar while it touches: high for the face, less for an edge, low for a vertex.
+/// A bar while a sole is in contact: high for a face, medium for an edge, low for a vertex.
 fn band(overlay: &mut Overlay, sole: &str, stay: &Stay, at: &impl Fn(f64, f64) -> (i32, i32)) {
     let share = match stay.state.split('-').next() {
         Some("free") => return,
@@ -145,7 +145,7 @@ fn band(overlay: &mut Overlay, sole: &str, stay: &Stay, at: &impl Fn(f64, f64) -
     overlay.bar(at(stay.from, share), at(stay.to, 0.0), colour, &title);
 }
 
-/// A name that fits beside the picture.
+/// A name shortened to the margin of the picture.
 fn brief(name: &str) -> String {
     const MOST: usize = 11;
     if name.chars().count() <= MOST { name.to_owned() } else { name.chars().take(MOST - 1).chain(['…']).collect() }

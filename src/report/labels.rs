@@ -1,12 +1,12 @@
-//! Numbers and names in words.
+//! Labels of the page: short numbers, names of runs, plurals.
 
 use crate::results::{ParamValue, SummaryRow, is_truth};
 
-/// Three digits: plain where that is short, else with an exponent. Enough to compare by; the summary has all digits.
+/// A number to three digits, with an exponent where that is shorter. The summary has all digits.
 pub(super) fn short(x: f64) -> String {
     let size = x.abs();
     if x == 0.0 {
-        // Of both zeros.
+        // Positive and negative zero.
         "0".to_owned()
     } else if !x.is_finite() || !(1e-3..1e5).contains(&size) {
         format!("{x:.2e}")
@@ -17,14 +17,14 @@ pub(super) fn short(x: f64) -> String {
     }
 }
 
-/// Swept values of a run, `name=value`: all but those that have columns of their own and swept truths.
+/// Swept values of a run, `name=value`, without truths and those with their own columns.
 pub(super) fn parameters(row: &SummaryRow) -> Vec<String> {
     let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || is_truth(name);
     let named = row.parameters.iter().filter(|(name, _)| !own(name));
     named.map(|(name, value)| format!("{name}={}", brief(value))).collect()
 }
 
-/// A file by its name, others as they are.
+/// The name of a file without its folders; other values unchanged.
 fn brief(value: &ParamValue) -> String {
     let text = value.to_string();
     let is_file = [".toml", ".urdf"].iter().any(|end| text.ends_with(end));
@@ -33,15 +33,15 @@ fn brief(value: &ParamValue) -> String {
 
 /// Scenario, method, integrator and swept values of a run.
 pub(super) fn name(row: &SummaryRow) -> String {
-    format!("{} {}", row.scenario, manner(row))
+    format!("{} {}", row.scenario, method_and_parameters(row))
 }
 
 /// Method, integrator and swept values of a run.
-pub(super) fn manner(row: &SummaryRow) -> String {
+pub(super) fn method_and_parameters(row: &SummaryRow) -> String {
     [row.method.clone(), row.integrator.clone()].into_iter().chain(parameters(row)).collect::<Vec<_>>().join(" ")
 }
 
-/// `1 run`, `2 runs`
+/// Such as `1 run`, `2 runs`.
 pub(super) fn plural(n: usize, word: &str) -> String {
     if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") }
 }
@@ -53,8 +53,8 @@ mod tests {
     #[test]
     fn numbers_have_three_digits() {
         let numbers = [0.0, -0.0, 1.0, 0.25, 1234.5, 99_999.0, 1e5, 9.81, -0.001234, 1e-4, f64::NAN, f64::INFINITY];
-        let words = numbers.map(short);
+        let texts = numbers.map(short);
         let expected = ["0", "0", "1", "0.25", "1234", "99999", "1.00e5", "9.81", "-0.00123", "1.00e-4", "NaN", "inf"];
-        assert_eq!(words, expected);
+        assert_eq!(texts, expected);
     }
 }

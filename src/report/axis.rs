@@ -1,4 +1,4 @@
-//! Axes: their range, the values that are labelled, and where a value is drawn.
+//! Axes: range, labelled values, and position of a value.
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use std::ops::Range;
@@ -8,11 +8,11 @@ use std::ops::Range;
 pub(super) struct Axis {
     pub from: f64,
     pub to: f64,
-    /// Labelled.
+    /// Labelled values.
     pub ticks: Vec<f64>,
-    /// Between these.
+    /// Values of fine lines between the labels.
     pub fine: Vec<f64>,
-    /// Are equal ratios equally long, or equal differences?
+    /// The scale is logarithmic, else linear.
     pub logarithmic: bool,
 }
 
@@ -21,9 +21,9 @@ impl Ranged for Axis {
     type ValueType = f64;
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let place = |v: f64| if self.logarithmic { v.log10() } else { v };
+        let scaled = |v: f64| if self.logarithmic { v.log10() } else { v };
         // Halves: the difference of two numbers may be too large for one.
-        let (from, to, value) = (place(self.from) / 2.0, place(self.to) / 2.0, place(*value) / 2.0);
+        let (from, to, value) = (scaled(self.from) / 2.0, scaled(self.to) / 2.0, scaled(*value) / 2.0);
         let share = (value - from) / (to - from);
         limit.0 + (share * f64::from(limit.1 - limit.0)).round() as i32
     }
@@ -38,13 +38,13 @@ impl Ranged for Axis {
 }
 
 impl Axis {
-    /// What stands at a tick.
+    /// The label of a tick.
     pub fn label(&self, value: f64) -> String {
         if self.logarithmic { logarithmic_label(value) } else { linear_label(value, self) }
     }
 }
 
-/// Sizes beyond this, and below its inverse, are drawn at it: the ends of double precision have no room around them.
+/// Larger values, and those below its inverse, are drawn at this limit, which leaves room to the ends of double precision.
 const HUGE: f64 = 1e250;
 
 /// Decades with fine lines between them.
@@ -69,7 +69,7 @@ pub(super) fn logarithmic(values: impl Iterator<Item = f64>) -> Axis {
     };
     let stride = (last - first) / MOST_LABELS + 1;
     let (ticks, fine) = match decades.len() {
-        // Too few decades to read a value by.
+        // Fewer than two labels at powers of ten.
         0..=2 => (mantissas(&[1.0, 2.0, 5.0]), mantissas(&[3.0, 4.0, 6.0, 7.0, 8.0, 9.0])),
         _ => {
             let labelled = decades.iter().filter(|d| *d % stride == 0).map(|d| power(*d)).collect();

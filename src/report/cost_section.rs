@@ -1,25 +1,25 @@
-//! Error over cost, per group of runs that can be held against each other.
+//! The section on error over cost, per group of comparable runs.
 
 use crate::files::RecordError;
-use crate::report::plot_work::{Looks, work_precision};
-use crate::report::words::{manner, plural};
+use crate::report::cost_plot::{CurveStyles, work_precision};
+use crate::report::labels::{method_and_parameters, plural};
 use crate::results::pareto::{Group, Work, error_columns, groups};
 use serde::Serialize;
 
-/// Pictures, at the most.
+/// Greatest number of pictures.
 const MOST_PICTURES: usize = 24;
-/// Marks in all pictures together, about; at 300 bytes each.
+/// Approximate limit of marks in all pictures, at 300 bytes each.
 const MOST_MARKS: usize = 10_000;
 /// Entries of a legend.
 const MOST_CURVES: usize = 40;
-/// Runs named of those left out for one reason.
+/// Number of omitted runs named for one reason.
 const MOST_NAMED: usize = 5;
 
 /// The section.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Section {
     pub groups: Vec<Pictures>,
-    /// What is left out, in words.
+    /// Note on omitted groups.
     pub more: String,
 }
 
@@ -27,16 +27,16 @@ pub(super) struct Section {
 #[derive(Debug, Serialize)]
 pub(super) struct Pictures {
     pub name: String,
-    /// Name and look of each curve.
+    /// Name and style of each curve.
     pub legend: Vec<(String, String)>,
     pub more_curves: usize,
     /// Column and picture.
     pub pictures: Vec<(String, String)>,
-    /// Runs that are in no picture or not in all, and why.
+    /// Runs that lack a mark in some picture, with the reason.
     pub left_out: Vec<String>,
 }
 
-pub(super) fn work(works: &[Work]) -> Result<Section, RecordError> {
+pub(super) fn sections(works: &[Work]) -> Result<Section, RecordError> {
     let mut section = Section::default();
     let (mut pictures, mut marks, mut left) = (0, 0, 0);
     for group in groups(works) {
@@ -62,14 +62,14 @@ pub(super) fn work(works: &[Work]) -> Result<Section, RecordError> {
 }
 
 fn draw(works: &[Work], group: &Group, columns: &[String]) -> Result<Pictures, RecordError> {
-    let looks = Looks::of(group);
+    let styles = CurveStyles::of(group);
     let mut pictures = Vec::new();
     for column in columns {
-        if let Some(svg) = work_precision(works, group, column, &looks)? {
+        if let Some(svg) = work_precision(works, group, column, &styles)? {
             pictures.push((column.clone(), svg));
         }
     }
-    let mut legend = looks.legend();
+    let mut legend = styles.legend();
     let more_curves = legend.len().saturating_sub(MOST_CURVES);
     legend.truncate(MOST_CURVES);
     let left_out = left_out(works, group, columns);
@@ -89,12 +89,13 @@ fn left_out(works: &[Work], group: &Group, columns: &[String]) -> Vec<String> {
             }
         }
     }
-    let words = |(reason, rows): (String, Vec<usize>)| {
-        let mut names: Vec<String> = rows.iter().take(MOST_NAMED).map(|&i| manner(works[i].row)).collect();
+    let line = |(reason, rows): (String, Vec<usize>)| {
+        let mut names: Vec<String> =
+            rows.iter().take(MOST_NAMED).map(|&i| method_and_parameters(works[i].row)).collect();
         if rows.len() > MOST_NAMED {
             names.push(format!("and {} more", rows.len() - MOST_NAMED));
         }
         format!("{reason} ({}): {}", plural(rows.len(), "run"), names.join("; "))
     };
-    reasons.into_iter().map(words).collect()
+    reasons.into_iter().map(line).collect()
 }
