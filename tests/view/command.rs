@@ -92,20 +92,20 @@ fn output_writes_a_page_as_a_file() {
 #[test]
 fn unreadable_logs_are_reported() {
     let place = results();
-    let told = |arguments: &[&str], code, words: &str| {
+    let refused = |arguments: &[&str], code, words: &str| {
         let said = place.runner(arguments).exits(code);
         assert!(said.stderr.contains(words), "{}", said.stderr);
     };
-    told(&["view", "nowhere"], 2, "nowhere");
-    told(&["view", "slide.toml"], 2, "no log of this program");
-    told(&["view", "results", "-o", "x.html"], 2, "holds 2 runs");
-    told(&["view", "results/silent"], 4, "none of which left a log");
-    told(&["view", "--port", "99999"], 2, "99999");
+    refused(&["view", "nowhere"], 2, "nowhere");
+    refused(&["view", "slide.toml"], 2, "no log of this program");
+    refused(&["view", "results", "-o", "x.html"], 2, "holds 2 runs");
+    refused(&["view", "results/silent"], 4, "none of which left a log");
+    refused(&["view", "--port", "99999"], 2, "99999");
     let log = format!("{}/log.mcap", folders(&place, "slide")[0]);
     let before = std::fs::read(place.path(&log)).unwrap();
-    told(&["view", &log, "-o", &log], 2, "is the log itself");
+    refused(&["view", &log, "-o", &log], 2, "is the log itself");
     assert_eq!(std::fs::read(place.path(&log)).unwrap(), before);
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
-    told(&["view", &log, "--port", &port], 2, "cannot listen on port");
+    refused(&["view", &log, "--port", &port], 2, "cannot listen on port");
 }
