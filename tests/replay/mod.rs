@@ -106,7 +106,10 @@ fn base_gives_the_folder_of_relative_paths() {
     let folder = format!("../{folder}");
     let lost = from(&["replay", &folder]).exits(2);
     says(&lost, "block.toml");
-    says(&lost, "its scenario was slide.toml, which does not exist in this directory: run this command where the batch was started");
+    says(
+        &lost,
+        "its scenario was slide.toml, which does not exist in this directory: run this command where the batch was started",
+    );
     says(&from(&["replay", &folder, "--base", ".."]).exits(0), "same bits");
     tamper(&place, &folder[3..], |record| drop(record["timing"].as_object_mut().unwrap().remove("file")));
     says(&from(&["replay", &folder]).exits(2), "--base FOLDER");
