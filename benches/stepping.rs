@@ -14,7 +14,7 @@ use stiction::contact::search::select::Selector;
 use stiction::robot;
 use stiction::scenario;
 use stiction::sim::plant::Plant;
-use stiction::sim::{Blind, Setup, Simulation};
+use stiction::sim::{NullObserver, Setup, Simulation};
 
 const ADAPTIVE: &str = "method = \"dopri5\", max_step = 1e-3";
 
@@ -42,8 +42,8 @@ fn setup(method: &str, integrator: &str) -> Setup {
 /// A run that has left its start behind.
 fn swaying(method: &str, integrator: &str) -> Simulation {
     let mut sim = Simulation::new(setup(method, integrator)).expect("the physics can do it");
-    sim.begin(&mut Blind).expect("it begins");
-    (0..20).for_each(|_| sim.step(&mut Blind).expect("it steps"));
+    sim.begin(&mut NullObserver).expect("it begins");
+    (0..20).for_each(|_| sim.step(&mut NullObserver).expect("it steps"));
     sim
 }
 
@@ -72,7 +72,7 @@ fn right_hand_side(bencher: Bencher) {
 ])]
 fn step(bencher: Bencher, (method, integrator): (&str, &str)) {
     let mut sim = swaying(method, integrator);
-    super::each(bencher, || sim.step(&mut Blind).is_ok());
+    super::each(bencher, || sim.step(&mut NullObserver).is_ok());
 }
 
 /// The search for the states of both soles, starting from one foot in the air.

@@ -10,9 +10,9 @@ use stiction::log::{AttachedText, LogHeader, LogWriter, MessageSink, TopicGroups
 use stiction::remote::{Address, MotorServer, Pace, Remote};
 use stiction::robot;
 use stiction::scenario;
-use stiction::sim::estimate::EstimatorSetup;
-use stiction::sim::remote::RemoteRun;
-use stiction::sim::{Blind, Observer, Setup, Simulation};
+use stiction::sim::RemoteRun;
+use stiction::sim::sensing::EstimatorSetup;
+use stiction::sim::{NullObserver, Observer, Setup, Simulation};
 
 /// 100 control ticks, s.
 const TICKS: f64 = 0.1;
@@ -70,7 +70,7 @@ fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn MessageSink>
 /// No client, no log file.
 #[divan::bench]
 fn nothing(bencher: Bencher) {
-    each(bencher, Setup { log_rate: 0.0, ..setup() }, &mut Blind);
+    each(bencher, Setup { log_rate: 0.0, ..setup() }, &mut NullObserver);
 }
 
 #[divan::bench]
@@ -162,10 +162,10 @@ fn lock_step(bencher: Bencher) {
         let there = Setup { log_rate: 0.0, ..setup() };
         let address = Address { at, key: None };
         let mut robot = Remote::connect(&address, &there.model, 1000.0, None, None).expect("somebody is there");
-        RemoteRun::new(there).run(&mut robot, &mut Blind, &AtomicBool::new(false))
+        RemoteRun::new(there).run(&mut robot, &mut NullObserver, &AtomicBool::new(false))
     });
     server.wait(None).expect("tasks come");
-    here.commander = Some(Box::new(server));
+    here.command_source = Some(Box::new(server));
     here.estimator = EstimatorSetup::Truth;
-    each(bencher, here, &mut Blind);
+    each(bencher, here, &mut NullObserver);
 }

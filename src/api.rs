@@ -6,7 +6,7 @@ use crate::assemble;
 use crate::batch::{Batch, BatchError, Findings, Options, Progress, Report, prepare, simulate};
 use crate::robot::{self, InertiaPolicy, Robot, RobotError};
 use crate::scenario::{self, Diagnostics, InertiaSpec, Run, ScenarioFile};
-use crate::sim::{Setup, Simulation, Stop};
+use crate::sim::{RunError, Setup, Simulation};
 use std::path::{Path, PathBuf};
 
 /// Errors of the front door; each displays file, line, what was found and what is expected.
@@ -20,7 +20,7 @@ pub enum Error {
     Robot(#[from] RobotError),
     /// The run cannot start, or has ended early.
     #[error(transparent)]
-    Run(#[from] Stop),
+    Run(#[from] RunError),
     /// Scenarios of a batch are not valid.
     #[error("{}", .0.iter().map(|finding| finding.render(false)).collect::<Vec<_>>().join("\n"))]
     Plan(Findings),

@@ -75,5 +75,5 @@ pub use force::{AppliedForces, Force, ForceContext};
 pub use nalgebra;
 pub use robot::{LinkId, Model, Robot};
 pub use scenario::Run;
-pub use sim::{Metrics, Observer, Outcome, Setup, SimEvent, Simulation, Snapshot, Stop};
+pub use sim::{Metrics, Observer, Outcome, RunError, Setup, SimEvent, Simulation, Snapshot};
 pub use task::{Command, Context, Status, Task, TaskResult};

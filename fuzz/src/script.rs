@@ -2,7 +2,7 @@
 
 use stiction::assemble;
 use stiction::scenario::Run;
-use stiction::sim::{Blind, Simulation};
+use stiction::sim::{NullObserver, Simulation};
 
 use super::{scenario, tree};
 
@@ -54,9 +54,9 @@ pub fn take(data: &[u8]) {
         Err(wrong) => return scenario::show(&wrong),
     };
     let Ok(mut simulation) = Simulation::new(setup) else { return };
-    if simulation.begin(&mut Blind).is_ok() {
+    if simulation.begin(&mut NullObserver).is_ok() {
         for _ in 0..STEPS {
-            if simulation.step(&mut Blind).is_err() {
+            if simulation.step(&mut NullObserver).is_err() {
                 break;
             }
         }

@@ -3,12 +3,17 @@
 use crate::assemble::{floor, forces, model, pairing};
 use crate::robot::{Model, Robot};
 use crate::scenario::{Diagnostic, Event, ForceSpec, Run, ScriptForce};
-use crate::sim::change::Change;
+use crate::sim::ScenarioEvent;
 use std::sync::Arc;
 
 /// The changes in order of time, and the number of saved states. `model` is the robot at the start. Stops at the first
 /// event that does not fit the robot.
-pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<Diagnostic>) -> (Vec<Change>, usize) {
+pub(super) fn changes(
+    run: &Run,
+    robot: &Robot,
+    model: &Model,
+    errors: &mut Vec<Diagnostic>,
+) -> (Vec<ScenarioEvent>, usize) {
     // In the order in which they are saved: later names change no index.
     let mut names: Vec<&str> = Vec::new();
     for name in run.events.iter().filter_map(|e| e.save.as_deref()) {
@@ -22,16 +27,16 @@ pub(super) fn changes(run: &Run, robot: &Robot, model: &Model, errors: &mut Vec<
     for (k, event) in run.events.iter().enumerate() {
         let after = &event.after;
         let touches = |part: &str| event.set.iter().any(|key| key.starts_with(part));
-        let mut change = Change {
+        let mut change = ScenarioEvent {
             at: event.at,
-            words: summary(event),
+            message: summary(event),
             end_tasks: event.end_tasks.clone(),
             save: slot(&event.save),
             restore: slot(&event.restore),
             gravity: touches("gravity").then(|| after.scenario.gravity.into()),
             restitution: touches("contact.").then_some(after.scenario.contact.restitution),
             floor: touches("floor.").then(|| floor(after, errors)),
-            ..Change::default()
+            ..ScenarioEvent::default()
         };
         if change.restitution.is_some() {
             pairing::check_restitution(after, errors);

@@ -22,8 +22,9 @@ use crate::robot::{Model, Robot};
 use crate::scenario::{
     Diagnostic, Diagnostics, EventHandling, FloorSpec, IntegratorMethod, IntegratorSpec, JointLimits, PatchSpec, Run,
 };
-use crate::sim::patch::Patch;
-use crate::sim::setup::{ContactSetup, Floor, Forced, IntegratorSetup, Setup};
+use crate::sim::Floor;
+use crate::sim::floor::Patch;
+use crate::sim::setup::{ContactSetup, Forced, IntegratorSetup, Setup};
 use crate::text::suggest;
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
@@ -39,9 +40,9 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let floor = floor(run, &mut errors);
     let start = start::start(run, &model, &floor, &mut errors);
     let forces = forces::forces(run, &model, &mut errors);
-    let loads = forces::loads(run, &model, &mut errors);
+    let carried_objects = forces::loads(run, &model, &mut errors);
     let tasks = tasks::tasks(run, &model, &start, &mut notes, &mut errors);
-    let self_contact = self_contact::self_contact(run, robot, &model, &start, &mut notes, &mut errors);
+    let self_collision = self_contact::self_contact(run, robot, &model, &start, &mut notes, &mut errors);
     let contact = ContactSetup {
         method: s.contact.method.descriptor().with(s.contact.parameters()),
         tolerances: Tolerances {
@@ -61,13 +62,13 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     pairing::check_soles(run, &model, &mut errors);
     facets(run, &model, &mut errors);
     // What is wrong at the start would be reported again for each event.
-    let (changes, saved_states) =
+    let (events, saved_states) =
         if errors.is_empty() { events::changes(run, robot, &model, &mut errors) } else { Default::default() };
     if !errors.is_empty() {
         return Err(Diagnostics(names::first(errors)));
     }
     Ok(Setup {
-        changes,
+        events,
         saved_states,
         model: Arc::new(model),
         gravity: s.gravity.into(),
@@ -77,13 +78,13 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         start,
         joint_stops: s.robot.joint_limits == JointLimits::Stop,
         tasks,
-        commander: None,
+        command_source: None,
         forces,
-        loads,
+        carried_objects,
         sensors: sensors::errors(&s.sensors),
         imu,
         estimator,
-        self_contact,
+        self_collision,
         seed: s.seed,
         duration: s.end(),
         log_rate: s.log.rate,

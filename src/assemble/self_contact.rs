@@ -4,7 +4,7 @@ use crate::collision::avoidance::{Limits, Settings};
 use crate::collision::{Detector, LinkPose, link_poses, shared_model};
 use crate::robot::{DriveMode, Joint, Model, Robot};
 use crate::scenario::{Diagnostic, JointLimits, Run};
-use crate::sim::self_contact::SelfContactSetup;
+use crate::sim::self_collision::SelfCollisionSetup;
 use crate::sim::setup::Start;
 
 /// Least control rate, Hz, at which kinematic joints follow their commands between ticks to some micrometres.
@@ -18,13 +18,13 @@ pub(super) fn self_contact(
     start: &Start,
     notes: &mut Vec<String>,
     errors: &mut Vec<Diagnostic>,
-) -> Option<SelfContactSetup> {
+) -> Option<SelfCollisionSetup> {
     let spec = run.scenario.self_collision.as_ref()?;
     let collision = shared_model(model, &robot.self_collision);
     if collision.pairs.is_empty() {
         notes.push(format!("`self_collision`: no two bodies of `{}` are checked", model.name));
     }
-    let mut setup = SelfContactSetup { collision: collision.clone(), margin: spec.margin, avoid: None };
+    let mut setup = SelfCollisionSetup { collision: collision.clone(), margin: spec.margin, avoid: None };
     if spec.method == 0 {
         return Some(setup);
     }

@@ -2,9 +2,7 @@
 
 use crate::robot::{Base, Model};
 use crate::scenario::{AccelerationSource, Diagnostic, Estimator, OrientationError, Run, SensorError, SensorsSpec};
-use crate::sim::estimate::EstimatorSetup;
-use crate::sim::imu::Imu;
-use crate::sim::sensors::{ChannelError, SensorErrors, TurnError};
+use crate::sim::sensing::{ChannelError, EstimatorSetup, Imu, RotationError, SensorErrors};
 use crate::text::suggest;
 
 /// The IMU that is read: the one that the scenario names, or the robot's first.
@@ -29,7 +27,7 @@ pub(super) fn errors(spec: &SensorsSpec) -> Option<SensorErrors> {
     }
     let channel =
         |e: &SensorError| ChannelError { noise: e.noise, bias: e.bias, resolution: e.resolution, delay: e.delay };
-    let turn = |e: &OrientationError| TurnError { noise: e.noise, bias: e.bias.into(), delay: e.delay };
+    let turn = |e: &OrientationError| RotationError { noise: e.noise, bias: e.bias.into(), delay: e.delay };
     Some(SensorErrors {
         joint_position: channel(&spec.joint_position),
         joint_velocity: channel(&spec.joint_velocity),

@@ -5,7 +5,8 @@ use crate::assemble::names::{in_range, joints};
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::robot::{Base, Model};
 use crate::scenario::{Diagnostic, Run};
-use crate::sim::setup::{Floor, Start};
+use crate::sim::Floor;
+use crate::sim::setup::Start;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Initial state. Without a base position the robot stands above the world's origin, its lowest sole vertex on the

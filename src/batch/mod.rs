@@ -44,5 +44,5 @@ pub use run::live_clients::LiveClients;
 pub use run::outputs::{Body, RunOutputs, Track};
 pub use run::plausibility::marks_implausible;
 pub(crate) use run::simulate::{open_log_of, topics};
-pub use run::simulate::{simulate, simulate_with_clients, simulate_with_commander};
+pub use run::simulate::{simulate, simulate_with_clients, simulate_with_command_source};
 pub use runner::{Batch, Interrupter};

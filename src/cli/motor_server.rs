@@ -6,10 +6,10 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use clap::{Args, ValueHint};
-use stiction::batch::{Batch, NoListener, Options, Progress, simulate_with_commander};
+use stiction::batch::{Batch, NoListener, Options, Progress, simulate_with_command_source};
 use stiction::remote::{Address, Impairment, MotorServer, Pace, read_key};
-use stiction::sim::commander::Commander;
-use stiction::sim::{Problems, Stop};
+use stiction::sim::CommandSource;
+use stiction::sim::{Problems, RunError};
 
 use super::Exit;
 use super::live::{Live, tell};
@@ -98,7 +98,7 @@ impl Server {
         // A run that somebody else drives has no end of its own: asked once, it ends.
         let asked = when_asked_to_end(move |_| (0..2).for_each(|_| interrupter.interrupt()));
         let report = batch.run_with_listener(Progress::on_stderr(0, false), &mut NoListener, &|job, wanted, cancel| {
-            simulate_with_commander(job, wanted, cancel, audience.as_deref(), |setup, cancelled| {
+            simulate_with_command_source(job, wanted, cancel, audience.as_deref(), |setup, cancelled| {
                 let rate = job.run.scenario.control.rate;
                 let mut server = MotorServer::bind(
                     &address,
@@ -111,8 +111,8 @@ impl Server {
                 if let Some(at) = server.local() {
                     complain(&format!("{} at {at}", setup.model.name));
                 }
-                server.wait(self.wait).map_err(Stop::from)?;
-                Ok(Box::new(server) as Box<dyn Commander>)
+                server.wait(self.wait).map_err(RunError::from)?;
+                Ok(Box::new(server) as Box<dyn CommandSource>)
             })
         });
         tell(audience.as_deref());

@@ -6,7 +6,7 @@ use crate::export::ExportError;
 use crate::files::RecordError;
 use crate::log::LogError;
 use crate::scenario::Diagnostics;
-use crate::sim::Stop;
+use crate::sim::RunError;
 
 /// Why a line does nothing, or ends the session's run.
 #[derive(Debug, thiserror::Error)]
@@ -23,7 +23,7 @@ pub enum ConsoleError {
         /// When, s.
         time: f64,
         /// Why.
-        stop: Stop,
+        stop: RunError,
     },
     /// A `expect` that does not hold.
     #[error("{0}")]

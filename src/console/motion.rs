@@ -8,7 +8,7 @@ use crate::console::commands::EVENTS;
 use crate::console::error::ConsoleError;
 use crate::console::session::Session;
 use crate::console::words::Words;
-use crate::sim::{Outcome, SimEvent, Stop};
+use crate::sim::{Outcome, RunError, SimEvent};
 use crate::text::suggest;
 
 /// How long a piece of work lasts before somebody else may have a word.
@@ -202,7 +202,7 @@ impl Session {
                 return Err(self.end(stop));
             }
             let happened = goal.event.as_ref().is_some_and(|(kind, subject)| {
-                let meant = |e: &SimEvent| *kind == e.kind && subject.as_ref().is_none_or(|s| *s == e.subject);
+                let meant = |e: &SimEvent| e.kind == kind.as_str() && subject.as_ref().is_none_or(|s| *s == e.subject);
                 self.tap.since(before).any(meant)
             });
             if happened || self.tick_number() >= goal.tick {
@@ -218,7 +218,7 @@ impl Session {
     }
 
     /// Simulates to the next control tick.
-    pub(super) fn tick(&mut self) -> Result<(), Stop> {
+    pub(super) fn tick(&mut self) -> Result<(), RunError> {
         if !self.simulation.has_begun() {
             self.simulation.begin(&mut self.tap)?;
         }
@@ -227,7 +227,7 @@ impl Session {
         while self.time() < next {
             // A tick may be long.
             if self.cancel.as_ref().is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
-                return Err(Stop::new(Outcome::Cancelled, "interrupted"));
+                return Err(RunError::new(Outcome::Cancelled, "interrupted"));
             }
             self.simulation.step(&mut self.tap)?;
         }

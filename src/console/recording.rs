@@ -76,8 +76,8 @@ impl Session {
         self.tap.log = Some(self.log_writer(&path, crate::batch::topics(&self.run.scenario.log.topics))?);
         (self.tap.instants, self.tap.last) = (0, None);
         // An instant that the log has by its rate comes with the next step.
-        if self.simulation.has_begun() && !self.simulation.logs_now() {
-            let first = self.simulation.look();
+        if self.simulation.has_begun() && !self.simulation.snapshot_due() {
+            let first = self.simulation.inspect();
             let log = self.tap.log.as_mut().map_or(Ok(()), |log| log.snapshot(&first));
             log.map_err(ConsoleError::usage)?;
             (self.tap.instants, self.tap.last) = (1, Some(first.time));
@@ -92,7 +92,7 @@ impl Session {
         }
         // The present is the last instant, as of every run.
         if self.over.is_none() && self.tap.last != Some(self.time()) {
-            let last = if self.simulation.has_begun() { self.simulation.look_last() } else { self.begun_look()? };
+            let last = if self.simulation.has_begun() { self.simulation.inspect_end() } else { self.begun_look()? };
             self.tap.snapshot(&last).map_err(ConsoleError::usage)?;
         }
         let Some(log) = self.tap.log.take().filter(|_| self.tap.instants > 0) else { return Ok(false) };

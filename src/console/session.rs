@@ -22,7 +22,7 @@ use crate::console::tap::Tap;
 use crate::console::words::Words;
 use crate::robot::{Model, Robot};
 use crate::scenario::{Run, Scenario};
-use crate::sim::{Observer, Outcome, SimEvent, Simulation, Stop};
+use crate::sim::{Observer, Outcome, RunError, SimEvent, Simulation};
 
 /// A session at the console.
 ///
@@ -39,7 +39,7 @@ pub struct Session {
     pub(super) simulation: Simulation,
     pub(super) tap: Tap,
     /// Why it goes on no more.
-    pub(super) over: Option<Stop>,
+    pub(super) over: Option<RunError>,
     /// How far it is to run.
     pub(super) goal: Option<Goal>,
     /// Simulated seconds per second; none: as fast as it goes.
@@ -207,7 +207,7 @@ impl Session {
         if self.simulation.has_begun() {
             let mut setup = setup(&run, &self.robot).map_err(|found| document.wrong(found))?;
             let notes = std::mem::take(&mut setup.notes);
-            if let Err(stop) = self.simulation.go_on_as(setup) {
+            if let Err(stop) = self.simulation.continue_as(setup) {
                 return Err(self.end(stop));
             }
             self.remember(document, run);
@@ -292,7 +292,7 @@ impl Session {
     }
 
     /// Remembers that the run goes on no more.
-    pub(super) fn end(&mut self, stop: Stop) -> ConsoleError {
+    pub(super) fn end(&mut self, stop: RunError) -> ConsoleError {
         self.goal = None;
         self.over = Some(stop.clone());
         ConsoleError::Over { time: self.time(), stop }

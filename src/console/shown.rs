@@ -40,11 +40,11 @@ impl Session {
     /// to be looked at.
     pub(super) fn begun_look(&mut self) -> Result<Snapshot, ConsoleError> {
         if self.simulation.has_begun() {
-            return Ok(self.simulation.look());
+            return Ok(self.simulation.inspect());
         }
         let mut begun = simulation(&self.document, &self.run, &self.robot)?;
         begun.begin(&mut Tap::default()).map_err(|stop| ConsoleError::Over { time: 0.0, stop })?;
-        Ok(begun.look())
+        Ok(begun.inspect())
     }
 
     /// The values of columns at the instant looked at, by names and patterns; all of them when there are none.

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::remote::wire::SHORTEST_SECRET;
-use crate::sim::{Outcome, Stop};
+use crate::sim::{Outcome, RunError};
 
 /// Why a link does not come about or ends.
 #[derive(Debug, Error)]
@@ -86,9 +86,9 @@ pub enum LinkError {
     Long(usize),
 }
 
-impl From<LinkError> for Stop {
+impl From<LinkError> for RunError {
     fn from(error: LinkError) -> Self {
         let outcome = if matches!(error, LinkError::Cancelled) { Outcome::Cancelled } else { Outcome::Error };
-        Stop::new(outcome, error.to_string())
+        RunError::new(outcome, error.to_string())
     }
 }

@@ -15,8 +15,8 @@ use crate::remote::impair::Impairment;
 use crate::remote::wire::{Hello, Kind, Refused, Welcome, fingerprint, flags, read_control, write_sensing};
 use crate::remote::{SILENCE, nonce};
 use crate::robot::Model;
-use crate::sim::Stop;
-use crate::sim::commander::Commander;
+use crate::sim::CommandSource;
+use crate::sim::RunError;
 use crate::task::{Command, Sensed};
 
 /// How the robot's clock goes.
@@ -269,13 +269,13 @@ impl MotorServer {
     }
 }
 
-impl Commander for MotorServer {
-    fn exchange(&mut self, sensed: &Sensed, command: &mut Command) -> Result<Option<u64>, Stop> {
-        MotorServer::exchange(self, sensed, command).map_err(Stop::from)
+impl CommandSource for MotorServer {
+    fn exchange(&mut self, sensed: &Sensed, command: &mut Command) -> Result<Option<u64>, RunError> {
+        MotorServer::exchange(self, sensed, command).map_err(RunError::from)
     }
 
-    fn finish(&mut self, sensed: &Sensed) -> Result<(), Stop> {
-        MotorServer::finish(self, sensed).map_err(Stop::from)
+    fn finish(&mut self, sensed: &Sensed) -> Result<(), RunError> {
+        MotorServer::finish(self, sensed).map_err(RunError::from)
     }
 
     fn leave(&mut self) -> Vec<String> {

@@ -12,8 +12,8 @@ use crate::remote::impair::Impairment;
 use crate::remote::wire::{Hello, Kind, Refused, Welcome, fingerprint, flags, read_sensing, write_control};
 use crate::remote::{SILENCE, nonce};
 use crate::robot::Model;
-use crate::sim::Stop;
-use crate::sim::remote::Robot;
+use crate::sim::RemoteRobot;
+use crate::sim::RunError;
 use crate::task::{Command, Sensed};
 
 /// How often a robot is asked for a session.
@@ -138,7 +138,7 @@ impl Remote {
     }
 
     /// Answers a tick: what the joints are asked, and the next tick at which there is something to decide.
-    pub fn answer(&mut self, tick: u64, command: &Command, next: Option<u64>) -> Result<(), LinkError> {
+    pub fn command(&mut self, tick: u64, command: &Command, next: Option<u64>) -> Result<(), LinkError> {
         match &mut self.answered {
             Some((answered, kept, then)) => {
                 (*answered, *then) = (tick, next);
@@ -175,16 +175,16 @@ impl Remote {
     }
 }
 
-impl Robot for Remote {
-    fn sense(&mut self, sensed: &mut Sensed) -> Result<Option<u64>, Stop> {
+impl RemoteRobot for Remote {
+    fn sense(&mut self, sensed: &mut Sensed) -> Result<Option<u64>, RunError> {
         Ok(match Remote::sense(self, sensed)? {
             Heard::Tick(tick) => Some(tick),
             Heard::Last => None,
         })
     }
 
-    fn answer(&mut self, tick: u64, command: &Command, next: Option<u64>) -> Result<(), Stop> {
-        Ok(Remote::answer(self, tick, command, next)?)
+    fn command(&mut self, tick: u64, command: &Command, next: Option<u64>) -> Result<(), RunError> {
+        Ok(Remote::command(self, tick, command, next)?)
     }
 
     fn leave(&mut self) -> Vec<String> {

@@ -1,51 +1,52 @@
-//! One run: state, coupling of the physics rooms, outcome.
+//! One run: integrates the robot on its floor, calls tasks and sensors, and measures.
+//!
+//! [`Setup`] describes a run, [`Simulation`] executes it, an [`Observer`] receives snapshots, events and samples.
+//!
+//! | room | content |
+//! |---|---|
+//! | `plant` | equations of motion with the contact states held fixed |
+//! | `actuation` | drives, joint friction and stops, lag, speed limits, paths of kinematic joints |
+//! | `floor` | the plane and its friction regions |
+//! | `sensing` | sensors with errors, IMU, base estimators |
+//! | `run` | state of a run apart from its stepper: control ticks, scenario events, carried objects |
+//! | `contact_states` | choice of contact states at an instant |
+//! | `stepper` | explicit and semi-implicit time stepping |
+//! | `measure` | residuals, energy balance, milestones, samples, snapshots |
+//!
+//! Imports robot, dynamics, contact, collision, force and task. Called by `assemble` (which builds a
+//! [`Setup`] from a scenario), `batch`, `console` and library users. Knows nothing of files and logs.
 
-pub mod actuator;
-pub mod change;
-pub mod commander;
-mod comply;
-mod damp;
-mod decide;
-mod direction;
-pub mod error;
-pub mod estimate;
-mod explicit;
-mod extend;
-mod fixed;
-mod freeze;
-mod guide;
-mod imposed;
-mod impulse;
-pub mod imu;
-mod jam;
-mod lag;
-pub mod layout;
-mod ledger;
-mod limits;
-mod loads;
-mod marks;
-mod measure;
-pub mod observe;
-pub mod patch;
+pub mod actuation;
+pub mod carried_object;
+pub mod command_source;
+mod contact_states;
+mod continuation;
+pub mod event_kind;
+pub mod floor;
+pub mod measure;
 pub mod plant;
-mod prescribe;
-mod project;
-pub mod remote;
+pub mod remote_run;
 pub mod report;
-mod sample;
-pub mod self_contact;
-pub mod sensors;
+mod run;
+pub mod run_error;
+pub mod saved_state;
+pub mod scenario_event;
+pub mod self_collision;
+pub mod sensing;
 pub mod setup;
 pub mod simulation;
-mod speed;
+mod stepper;
 mod stepping;
-mod tick;
-mod watch;
-mod zones;
+mod termination;
 
-pub use error::Stop;
-pub use ledger::Balance;
-pub use loads::Load;
+pub use carried_object::CarriedObject;
+pub use command_source::CommandSource;
+pub use event_kind::EventKind;
+pub use floor::Floor;
+pub use measure::energy_balance::EnergyBalance;
+pub use remote_run::{RemoteRobot, RemoteRun};
 pub use report::*;
+pub use run_error::RunError;
+pub use scenario_event::ScenarioEvent;
 pub use setup::Setup;
 pub use simulation::Simulation;

@@ -1,7 +1,8 @@
 //! What a run tells the outside: snapshots, events, metrics and an outcome. Plain data, written by [`crate::sim`], read
 //! by [`crate::results`]; nothing here steps or writes.
 
-use super::ledger::Balance;
+use super::event_kind::EventKind;
+use super::measure::energy_balance::EnergyBalance;
 use crate::contact::model::residual::Residual;
 use crate::contact::model::state::SoleState;
 use crate::contact::selection_record::SelectionRecord;
@@ -53,7 +54,7 @@ pub struct Snapshot {
     /// What the contact laws miss.
     pub residual: Residual,
     /// The energy balance since the start.
-    pub energy: Balance,
+    pub energy: EnergyBalance,
     /// What the robot knew at its last control tick; none when sensors and estimator tell the truth.
     pub estimate: Option<EstimateSnapshot>,
     /// How near the robot is to touching itself; none when nobody asks.
@@ -147,7 +148,7 @@ pub struct SimEvent {
     /// Simulated time, s.
     pub time: f64,
     /// Short kind: `touchdown`, `liftoff`, `slip`, `stick`, `impact`, `jam`, `inconsistent`, `state`, `border`, `forced`, `fallen`, `task`, `event`, `self-collision`, ...
-    pub kind: &'static str,
+    pub kind: EventKind,
     /// What it is about (a sole, a joint, a task), may be empty.
     pub subject: String,
     /// Words for a person.
@@ -260,9 +261,9 @@ impl Observer for () {
 }
 
 /// An observer that looks away.
-pub struct Blind;
+pub struct NullObserver;
 
-impl Observer for Blind {
+impl Observer for NullObserver {
     fn snapshot(&mut self, _: &Snapshot) -> Result<(), String> {
         Ok(())
     }

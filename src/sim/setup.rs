@@ -1,55 +1,20 @@
-//! Everything one run needs, in plain physics terms. Built from a scenario by [`crate::assemble`].
+//! Description of one run in physical terms. [`crate::assemble`] builds it from a scenario.
 
-use super::change::Change;
-use super::commander::Commander;
-use super::estimate::EstimatorSetup;
-use super::imu::Imu;
-use super::loads::Load;
-use super::patch::Patch;
-use super::self_contact::SelfContactSetup;
-use super::sensors::SensorErrors;
+use super::carried_object::CarriedObject;
+use super::command_source::CommandSource;
+use super::floor::Floor;
+use super::scenario_event::ScenarioEvent;
+use super::self_collision::SelfCollisionSetup;
+use super::sensing::{EstimatorSetup, Imu, SensorErrors};
 use crate::contact::methods::contact_method::ContactMethod;
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::state::SoleState;
 use crate::force::Force;
-use crate::geometry::Plane;
 use crate::integrate::Tableau;
 use crate::robot::Model;
 use crate::task::TaskServer;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use std::sync::Arc;
-
-/// The floor plane.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Floor {
-    /// Floor axes in the world; the third column is the upward normal.
-    pub rotation: Matrix3<f64>,
-    /// A point of the plane, m.
-    pub point: Vector3<f64>,
-    /// Static friction coefficient.
-    pub mu_s: f64,
-    /// Kinetic friction coefficient.
-    pub mu_k: f64,
-    /// Regions with friction of their own; where they overlap the last one counts.
-    pub patches: Vec<Patch>,
-}
-
-impl Floor {
-    /// The plane alone.
-    pub fn plane(&self) -> Plane {
-        Plane { rotation: self.rotation, point: self.point }
-    }
-
-    /// World vector in floor axes.
-    pub fn to_floor(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.tr_mul(v)
-    }
-
-    /// Height of a world point above the plane, m.
-    pub fn height(&self, p: &Vector3<f64>) -> f64 {
-        self.rotation.column(2).dot(&(p - self.point))
-    }
-}
 
 /// A state imposed on a sole for a span of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +29,7 @@ pub struct Forced {
     pub to: f64,
 }
 
-/// How contact is treated.
+/// Contact method and parameters.
 #[derive(Debug)]
 pub struct ContactSetup {
     /// The method: one of [`crate::contact::methods::registry::METHODS`], or another.
@@ -73,13 +38,13 @@ pub struct ContactSetup {
     pub tolerances: Tolerances,
     /// Coefficient of restitution e for approach speeds above v_t.
     pub restitution: f64,
-    /// Locate events inside steps, or look only at step ends.
+    /// Locate events inside steps, or check only step ends.
     pub locate: bool,
     /// Imposed states.
     pub forced: Vec<Forced>,
 }
 
-/// How time is stepped.
+/// Time integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IntegratorSetup {
     /// An embedded Runge-Kutta pair with error control.
@@ -107,7 +72,7 @@ pub enum IntegratorSetup {
     },
 }
 
-/// Where the robot starts.
+/// Initial state of the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// Base position, world, m.
@@ -136,27 +101,27 @@ pub struct Setup {
     pub start: Start,
     /// Do joint limits stop the joints?
     pub joint_stops: bool,
-    /// Tasks.
+    /// Tasks, which compute joint commands.
     pub tasks: TaskServer,
-    /// Who decides what the joints are asked, if not the tasks.
-    pub commander: Option<Box<dyn Commander>>,
+    /// Source of joint commands, if not the tasks.
+    pub command_source: Option<Box<dyn CommandSource>>,
     /// External forces.
     pub forces: Vec<Box<dyn Force>>,
     /// Objects that links carry for a time.
-    pub loads: Vec<Load>,
-    /// Errors of the sensors; none: they tell the truth.
+    pub carried_objects: Vec<CarriedObject>,
+    /// Errors of the sensors; none: all readings are exact.
     pub sensors: Option<SensorErrors>,
-    /// Where the IMU is.
+    /// Mounting of the IMU.
     pub imu: Imu,
-    /// Where tasks have the base's state from.
+    /// Source of the base's state for tasks.
     pub estimator: EstimatorSetup,
-    /// What is done about self-collision; none: nothing is known of it.
-    pub self_contact: Option<SelfContactSetup>,
+    /// Monitoring and avoidance of self-collision; none: not monitored.
+    pub self_collision: Option<SelfCollisionSetup>,
     /// Seed of all random numbers drawn while running.
     pub seed: u64,
     /// Events, in the order in which they happen.
-    pub changes: Vec<Change>,
-    /// How many states they save under different names.
+    pub events: Vec<ScenarioEvent>,
+    /// Number of different states that they save.
     pub saved_states: usize,
     /// Simulated time, s.
     pub duration: f64,
@@ -164,7 +129,7 @@ pub struct Setup {
     pub log_rate: f64,
     /// End the run when the base is lower than this above the floor, m.
     pub fallen_below: Option<f64>,
-    /// What else there is to tell a person.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
@@ -172,11 +137,11 @@ impl Setup {
     /// Instants at which something jumps, s, ascending: steps end there.
     pub fn corners(&self) -> Vec<f64> {
         let mut corners: Vec<f64> = self.forces.iter().flat_map(|force| force.corners().to_vec()).collect();
-        corners.extend(self.loads.iter().flat_map(|load| [load.from, load.to]));
+        corners.extend(self.carried_objects.iter().flat_map(|object| [object.from, object.to]));
         corners.extend(self.contact.forced.iter().flat_map(|f| [f.from, f.to]));
-        for change in &self.changes {
-            corners.push(change.at);
-            corners.extend(change.forces.iter().flat_map(|(_, force)| force.corners().to_vec()));
+        for event in &self.events {
+            corners.push(event.at);
+            corners.extend(event.forces.iter().flat_map(|(_, force)| force.corners().to_vec()));
         }
         corners.retain(|c| *c > 0.0 && *c < self.duration);
         corners.sort_by(f64::total_cmp);

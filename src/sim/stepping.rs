@@ -1,7 +1,7 @@
 //! Stepping a simulation by hand and reading its state: the part of [`Simulation`] that programs use.
 
-use super::error::Stop;
 use super::report::{Observer, Outcome, Snapshot};
+use super::run_error::RunError;
 use super::simulation::Simulation;
 use crate::contact::model::state::SoleState;
 use crate::dynamics::State;
@@ -14,11 +14,11 @@ impl Simulation {
     ///
     /// # Errors
     /// Why the run ended early; it cannot be continued then.
-    pub fn advance_to(&mut self, time: f64, observer: &mut dyn Observer) -> Result<(), Stop> {
-        if !self.started {
+    pub fn advance_to(&mut self, time: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
+        if !self.run.started {
             self.begin(observer)?;
         }
-        while self.time() < time.min(self.duration) {
+        while self.time() < time.min(self.run.duration) {
             self.step(observer)?;
         }
         Ok(())
@@ -28,35 +28,35 @@ impl Simulation {
     ///
     /// # Errors
     /// Why the run ended early. The metrics describe it up to there.
-    pub fn run_to_end(&mut self, observer: &mut dyn Observer) -> Result<(), Stop> {
+    pub fn run_to_end(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         match self.run(observer, &AtomicBool::new(false)) {
             (Outcome::Passed, _) => Ok(()),
-            (outcome, message) => Err(Stop::new(outcome, message)),
+            (outcome, message) => Err(RunError::new(outcome, message)),
         }
     }
 
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
-        self.plant.state.time
+        self.run.plant.state.time
     }
 
     /// The robot as simulated.
     pub fn model(&self) -> &Model {
-        &self.plant.model
+        &self.run.plant.model
     }
 
     /// Positions and velocities of base and joints.
     pub fn state(&self) -> &State {
-        &self.plant.state
+        &self.run.plant.state
     }
 
     /// Everything a log holds at one instant, at the present one. Changes nothing of the run.
     pub fn snapshot(&mut self) -> Snapshot {
-        self.look()
+        self.inspect()
     }
 
     /// Contact state of each sole, in the order of the model's soles.
     pub fn contact_states(&self) -> impl Iterator<Item = SoleState> + '_ {
-        (0..self.plant.model.soles.len()).map(|sole| self.plant.states[sole])
+        (0..self.run.plant.model.soles.len()).map(|sole| self.run.plant.states[sole])
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{SILENT, simulation, wheel};
 use crate::analytic::support::{Told, finish, rk4};
-use stiction::sim::Blind;
+use stiction::sim::NullObserver;
 
 fn spinning(settings: &str, friction: &str, start: f64) -> String {
     format!(
@@ -32,7 +32,7 @@ fn a_wheel_runs_down_by_the_law() {
         let text = spinning(tight, &format!(", friction = {LAW}"), start)
             .replace("duration = 1.0", &format!("duration = {t}"));
         let mut sim = simulation(Some(&wheel(inertia)), &text, SILENT);
-        let metrics = finish(&mut sim, &mut Blind);
+        let metrics = finish(&mut sim, &mut NullObserver);
         let [truth] = rk4([start], t, 100_000, slowing);
         // Error control at 1e-10 over some hundred steps.
         assert!((sim.plant().state.v[0] - truth).abs() < 1e-8, "{} {truth}", sim.plant().state.v[0]);
@@ -42,7 +42,7 @@ fn a_wheel_runs_down_by_the_law() {
         let text = spinning(tight, "", start).replace("duration = 1.0", &format!("duration = {t}"));
         let text = format!("{text}[[force]]\ntype = \"joint-friction\"\njoints = {{ axle = {LAW} }}\n");
         let mut sim = simulation(Some(&wheel(inertia)), &text, SILENT);
-        let metrics = finish(&mut sim, &mut Blind);
+        let metrics = finish(&mut sim, &mut NullObserver);
         assert!((sim.plant().state.v[0] - truth).abs() < 1e-8);
         assert!((metrics.external_work_j + lost).abs() < 1e-8, "{metrics:?}");
     }
@@ -57,7 +57,7 @@ fn a_loaded_joint_creeps_by_the_inverse_of_the_tangent() {
     ] {
         let text = spinning(settings, ", friction = { coulomb = 2.0 }", 0.0);
         let mut sim = simulation(Some(&wheel(0.01)), &text, Some(|_, _| [0.0, 0.0, 1.0]));
-        finish(&mut sim, &mut Blind);
+        finish(&mut sim, &mut NullObserver);
         // At 300/s the approach is over; both end in the same balance of efforts.
         assert!((sim.plant().state.v[0] - creep).abs() < 1e-9, "{settings} {}", sim.plant().state.v[0]);
     }
@@ -69,7 +69,7 @@ fn static_friction_holds_what_coulomb_friction_would_not() {
     let end = |load: f64| {
         let text = spinning("", friction, 0.0);
         let mut sim = simulation(Some(&wheel(0.1)), &text, Some(move |_, _| [0.0, 0.0, load]));
-        finish(&mut sim, &mut Blind);
+        finish(&mut sim, &mut NullObserver);
         sim.plant().state.v[0]
     };
     // 1.4 of 1.5: creeps at v_s atanh(1.4 / 1.5); 1.6 breaks away and ends near (1.6 - 1) / 0.1 per second.

@@ -6,7 +6,7 @@ use crate::analytic::support::{Told, finish, rk4, root};
 use stiction::assemble;
 use stiction::dynamics::body;
 use stiction::scenario;
-use stiction::sim::Blind;
+use stiction::sim::NullObserver;
 
 const TIGHT: &str = "integrator = { relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }";
 
@@ -95,7 +95,7 @@ fn a_body_recoils_from_its_prescribed_arm_by_the_closed_form() {
 fn steps_do_not_depend_on_how_light_the_link_is() {
     let steps = |m: f64| {
         let text = swing("", "{ mode = \"kinematic\" }");
-        let metrics = finish(&mut simulation(Some(&floating(m, 1e-3 * m)), &text, SILENT), &mut Blind);
+        let metrics = finish(&mut simulation(Some(&floating(m, 1e-3 * m)), &text, SILENT), &mut NullObserver);
         (metrics.steps, metrics.rejected_steps)
     };
     assert_eq!(steps(1e-6), steps(1e-9));

@@ -2,7 +2,7 @@
 
 use super::{SILENT, hinge, link, robot, simulation, wheel};
 use crate::analytic::support::{Told, finish, rk4};
-use stiction::sim::Blind;
+use stiction::sim::NullObserver;
 
 /// A wheel of 0.2 kg m^2 whose actuator has a time constant of 0.03 s.
 const INERTIA: f64 = 0.2;
@@ -85,7 +85,7 @@ fn a_position_servo_with_lag_moves_by_its_characteristic_cubic() {
     {
         let text = driven(settings, &drive, 0.5) + "velocity = { axle = 1.5 }\n";
         let mut sim = simulation(Some(&wheel(INERTIA)), &text, SILENT);
-        let metrics = finish(&mut sim, &mut Blind);
+        let metrics = finish(&mut sim, &mut NullObserver);
         // At the start the actuator holds what is asked: -kd qd.
         let f = |_: f64, [q, v, z]: &[f64; 3]| [*v, z / INERTIA, (-kp * q - kd * v - z) / T];
         let [q, v, z] = rk4([0.0, 1.5, -kd * 1.5], 0.5, 100_000, f);
@@ -153,7 +153,7 @@ fn a_lag_too_short_to_see_leaves_the_motion_as_it_is() {
     ]);
     let end = |lag: &str| {
         let mut sim = simulation(Some(&arm), &text(lag), SILENT);
-        finish(&mut sim, &mut Blind);
+        finish(&mut sim, &mut NullObserver);
         sim.plant().state.clone()
     };
     let (plain, short) = (end(""), end(", lag = 1e-9"));

@@ -3,7 +3,7 @@
 use super::support::{finish, simulation};
 use nalgebra::Vector3;
 use stiction::dynamics::body;
-use stiction::sim::Blind;
+use stiction::sim::NullObserver;
 
 fn scenario(spin: [f64; 3], duration: f64) -> String {
     format!(
@@ -29,7 +29,7 @@ fn the_centre_of_mass_flies_a_parabola_and_angular_momentum_stays() {
         let mut sim = simulation(&scenario(spin, duration));
         let (start, before) = (body::center_of_mass(&sim.plant().ws), body::momentum(&sim.plant().ws));
         let velocity = body::center_of_mass_velocity(&sim.plant().ws);
-        let m = finish(&mut sim, &mut Blind);
+        let m = finish(&mut sim, &mut NullObserver);
         let (end, after) = (body::center_of_mass(&sim.plant().ws), body::momentum(&sim.plant().ws));
         let fall = Vector3::new(0.0, 0.0, -9.81);
         // Integration at relative tolerance 1e-12 over about a thousand steps.

@@ -4,7 +4,7 @@ use super::support::{finish, root};
 use nalgebra::Vector3;
 use std::sync::{Arc, Mutex};
 use stiction::assemble;
-use stiction::sim::{Blind, Simulation};
+use stiction::sim::{NullObserver, Simulation};
 use stiction::task::{Command, Context, Needs, Status, Task, TaskResult};
 use stiction::{robot, scenario};
 
@@ -85,7 +85,7 @@ fn probe(text: &str, needs: Needs) -> Vec<Seen> {
     let seen = Arc::new(Mutex::new(Vec::new()));
     setup.tasks.add(0.0, Box::new(Probe(seen.clone(), needs)));
     let mut sim = Simulation::new(setup).unwrap();
-    finish(&mut sim, &mut Blind);
+    finish(&mut sim, &mut NullObserver);
     let seen = seen.lock().unwrap();
     seen.clone()
 }

@@ -288,5 +288,5 @@ fn a_moved_imu_says_so_to_scripts() {
         [[task]]\ntype = \"script\"\nfile = {:?}\n",
         folder.path().join("look.luau")
     ));
-    super::support::finish(&mut sim, &mut stiction::sim::Blind);
+    super::support::finish(&mut sim, &mut stiction::sim::NullObserver);
 }

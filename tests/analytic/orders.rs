@@ -2,7 +2,7 @@
 
 use super::body::{Body, G};
 use super::support::{finish, run, simulation};
-use stiction::sim::{Blind, Metrics};
+use stiction::sim::{Metrics, NullObserver};
 
 /// Integrator tables for steps of `h`, each with its order; controlled ones with tolerances that nothing reaches. Their
 /// first steps are shorter, as they begin with 1 ms.
@@ -21,7 +21,7 @@ const REFERENCE: &str = "relative_tolerance = 1e-13, absolute_tolerance = 1e-14,
 /// Positions and velocities at the end.
 fn end(scenario: &str, integrator: &str) -> (Vec<f64>, Metrics) {
     let mut sim = simulation(&format!("integrator = {{ {integrator} }}\nlog = {{ rate = 0 }}\n{scenario}"));
-    let metrics = finish(&mut sim, &mut Blind);
+    let metrics = finish(&mut sim, &mut NullObserver);
     let state = &sim.plant().state;
     let turned = state.rotation.scaled_axis();
     let parts = [state.position.as_slice(), turned.as_slice(), &state.joints, &state.v];
@@ -117,6 +117,6 @@ fn an_unstable_step_is_found_out() {
         "duration = 10.0\nrobot = { model = \"robots/hoap2/hoap2.toml\" }\ncontact = { method = \"penalty\", \
          penalty = { stiffness = 1e9 } }\nintegrator = { method = \"rk4\", step = 0.02 }\nlog = { rate = 0 }\n",
     );
-    let (outcome, message) = sim.run(&mut Blind, &std::sync::atomic::AtomicBool::new(false));
+    let (outcome, message) = sim.run(&mut NullObserver, &std::sync::atomic::AtomicBool::new(false));
     assert_eq!(outcome, stiction::sim::Outcome::Diverged, "{message}");
 }

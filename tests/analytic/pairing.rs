@@ -4,7 +4,7 @@ use super::support::root;
 use std::sync::atomic::AtomicBool;
 use stiction::assemble;
 use stiction::scenario;
-use stiction::sim::{Blind, Outcome, Simulation};
+use stiction::sim::{NullObserver, Outcome, Simulation};
 
 const METHODS: [&str; 5] = ["exact", "one-step", "penalty", "lcp", "ncp"];
 const INTEGRATORS: [&str; 4] = ["dopri5", "bs23", "rk4", "semi-implicit"];
@@ -30,7 +30,7 @@ fn every_method_runs_with_the_integrators_of_the_table_and_no_other() {
             match attempt(method, integrator, "") {
                 Ok(mut sim) => {
                     assert!(wanted, "{method} with {integrator} is not refused");
-                    let (outcome, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+                    let (outcome, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));
                     assert_eq!(outcome, Outcome::Passed, "{method} with {integrator}: {message}");
                     // It slides on at mu g, 0.6 by default, as far as a step of 10 ms tells.
                     let speed = sim.metrics().final_base_velocity[0];
@@ -62,7 +62,7 @@ fn restitution_and_imposed_states_are_refused_where_they_do_nothing() {
                 match attempt(method, integrator, line) {
                     Ok(mut sim) => {
                         assert!(wanted, "{method} with {integrator} takes {key}");
-                        assert_eq!(sim.run(&mut Blind, &AtomicBool::new(false)).0, Outcome::Passed);
+                        assert_eq!(sim.run(&mut NullObserver, &AtomicBool::new(false)).0, Outcome::Passed);
                     }
                     Err(error) => {
                         let says = format!("`contact.{key}` does not work with `contact.method` = \"{method}\"");

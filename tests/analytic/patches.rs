@@ -344,7 +344,7 @@ fn vertices_start_in_the_zone_they_stand_in() {
             floor = {{ friction = 0.5, patches = [{{ polygon = [[0.1, -1], [3, -1], [3, 1], [0.1, 1]], friction = 0.1 }}] }}\n"
         );
         let mut sim = simulation(&text);
-        sim.begin(&mut stiction::sim::Blind).expect("it stands");
+        sim.begin(&mut stiction::sim::NullObserver).expect("it stands");
         let p = &sim.plant().problem.soles[0];
         p.vertices.iter().map(|v| v.mu_s).collect::<Vec<_>>()
     };

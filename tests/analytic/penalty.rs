@@ -4,7 +4,7 @@
 use super::body::{Body, G};
 use super::support::{finish, run, simulation, watch};
 use std::f64::consts::PI;
-use stiction::sim::{Blind, Metrics};
+use stiction::sim::{Metrics, NullObserver};
 
 const FINE: &str = "relative_tolerance = 1e-10, absolute_tolerance = 1e-12";
 
@@ -237,7 +237,7 @@ fn a_robot_stands_on_its_springs_with_its_weight() {
              integrator = {{ {integrator} }}\n"
         ));
         let weight = sim.plant().model.mass() * G;
-        let m: Metrics = finish(&mut sim, &mut Blind);
+        let m: Metrics = finish(&mut sim, &mut NullObserver);
         // It still sways on its servos, and creeps.
         assert!((m.final_normal_force_n.expect("at its end") / weight - 1.0).abs() < 1e-3, "{m:?}");
         assert!(m.max_penetration_m > 0.5 * weight / 8e5 && m.max_penetration_m < 5.0 * weight / 8e5, "{m:?}");

@@ -9,7 +9,7 @@
 
 use super::body::G;
 use super::support::{finish, rk4, simulation};
-use stiction::sim::Blind;
+use stiction::sim::NullObserver;
 
 const M: f64 = 1.0;
 const L: f64 = 0.5;
@@ -42,7 +42,7 @@ fn swings_as_its_equations_say_and_keeps_its_energy() {
             posture = {{ shoulder = {shoulder}, elbow = {elbow} }}
             velocity = {{ shoulder = {rate}, elbow = 0.5 }}\n"
         ));
-        let m = finish(&mut sim, &mut Blind);
+        let m = finish(&mut sim, &mut NullObserver);
         let truth = rk4([shoulder, shoulder + elbow, rate, rate + 0.5], duration, 200_000, |_, s| derivative(s));
         let (q, v) = (&sim.plant().state.joints, &sim.plant().state.v);
         // Integration at 1e-12 over some thousand steps, grown by the divergence of neighbouring swings, at most 1e3.

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::assemble;
 use stiction::force::{AppliedForces, Force, ForceContext};
 use stiction::robot::LinkId;
-use stiction::sim::{Blind, Outcome, Simulation};
+use stiction::sim::{NullObserver, Outcome, Simulation};
 
 /// Twenty nanometres up, without loss: it bounces every 0.13 ms for ever.
 const BOUNCING: &str = "
@@ -22,7 +22,7 @@ const BOUNCING: &str = "
 #[test]
 fn bouncing_for_ever_without_loss_stalls() {
     let mut sim = simulation(BOUNCING);
-    let (outcome, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    let (outcome, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Stalled, "{message}");
     assert!(message.contains("more than 5000 contact events within one second"), "{message}");
     // A bounce takes 2 sqrt(2 h / g), and each is two events: touch-down and lift-off.
@@ -60,7 +60,7 @@ fn a_force_that_turns_round_with_the_motion_it_causes_stalls() {
         let mut setup = assemble::setup(&runs[0], &robot).unwrap();
         setup.forces.push(Box::new(Contrary(force)));
         let mut sim = Simulation::new(setup).unwrap();
-        let (outcome, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+        let (outcome, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));
         println!("{force} {outcome:?} {message} {:?}", sim.metrics());
         assert_eq!(outcome == Outcome::Stalled, stalls, "{message}");
         if stalls {

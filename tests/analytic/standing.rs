@@ -2,7 +2,7 @@
 
 use super::body::G;
 use super::support::{finish, run, simulation, watch};
-use stiction::sim::Blind;
+use stiction::sim::NullObserver;
 
 fn standing(method: &str, duration: f64, integrator: &str) -> String {
     format!(
@@ -18,7 +18,7 @@ const ADAPTIVE: &str = "relative_tolerance = 1e-9, absolute_tolerance = 1e-11";
 #[test]
 fn a_standing_humanoid_does_not_creep_and_the_floor_carries_its_weight() {
     let mut sim = simulation(&standing("exact", 10.0, ADAPTIVE));
-    let (m, weight) = (finish(&mut sim, &mut Blind), sim.plant().model.mass() * G);
+    let (m, weight) = (finish(&mut sim, &mut NullObserver), sim.plant().model.mass() * G);
     assert!(m.max_static_creep_m < 1e-9, "{}", m.max_static_creep_m);
     assert_eq!((m.first_slip_s, m.first_liftoff_s, m.inconsistent), (None, None, 0));
     let (_, told) = watch(&standing("exact", 10.0, ADAPTIVE));

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::assemble;
 use stiction::robot;
 use stiction::scenario;
-use stiction::sim::{Blind, Metrics, Observer, Outcome, SimEvent, Simulation, Snapshot};
+use stiction::sim::{Metrics, NullObserver, Observer, Outcome, SimEvent, Simulation, Snapshot};
 
 /// What contact.md section 13 asks of the validation runs.
 pub const TIGHT: &str = "
@@ -29,7 +29,7 @@ pub fn simulation(text: &str) -> Simulation {
 
 /// Runs it to the end; it must get there.
 pub fn run(text: &str) -> Metrics {
-    finish(&mut simulation(text), &mut Blind)
+    finish(&mut simulation(text), &mut NullObserver)
 }
 
 /// Runs it to the end, which it must reach, and keeps what it told.

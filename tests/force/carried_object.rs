@@ -5,7 +5,7 @@ use crate::analytic::body::{Body, G};
 use crate::analytic::support::{TIGHT, Told, finish, run, simulation};
 use nalgebra::{Rotation3, Vector3};
 use stiction::dynamics::body::momentum;
-use stiction::sim::Blind;
+use stiction::sim::NullObserver;
 
 const M: f64 = 0.5;
 const R: f64 = 0.2;
@@ -39,7 +39,7 @@ fn a_spinning_body_that_catches_an_object_keeps_its_angular_momentum() {
             <[f64; 3]>::from(velocity)
         ));
         let mut sim = simulation(&spinning(&body, spin, 1.5, &text));
-        let metrics = finish(&mut sim, &mut Blind);
+        let metrics = finish(&mut sim, &mut NullObserver);
         // About the common centre of mass: the box's spin, and both on their lever arms with their
         // relative velocity.
         let angular = inertia * spin + reduced * place.cross(&velocity).z;
@@ -64,7 +64,7 @@ fn an_object_that_moves_along_is_taken_and_released_without_a_jerk() {
     let (spin, from, held, after) = (3.0, 0.5, 0.7, 0.4);
     let text = object(&format!("start = {from}\nduration = {held}"));
     let mut sim = simulation(&spinning(&body, spin, from + held + after, &text));
-    let metrics = finish(&mut sim, &mut Blind);
+    let metrics = finish(&mut sim, &mut NullObserver);
     // Together they turn as before about their centre of mass, which keeps its velocity at that
     // instant.
     let turn = |angle: f64| Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
@@ -99,7 +99,7 @@ fn an_object_carried_from_the_start_is_a_payload() {
     );
     let robot = body.floating("position = [0, 0, 9], linear_velocity = [1, 0, 0]").replace("soles", &payload);
     let mut sim = simulation(&format!("duration = 0.5\n{robot}{TIGHT}"));
-    let metrics = finish(&mut sim, &mut Blind);
+    let metrics = finish(&mut sim, &mut NullObserver);
     assert_eq!(sim.plant().state.position, carried.position, "the same numbers");
     assert_eq!(metrics.energy_change_j, carried.metrics.energy_change_j);
     assert!(carried.metrics.max_flight_path_drift_m < 1e-12, "{}", carried.metrics.max_flight_path_drift_m);
@@ -141,7 +141,7 @@ fn a_standing_box_that_catches_a_mass_is_held_by_the_floor() {
         let text = object(&format!("start = 0.2\nvelocity = {u:?}")).replace(&format!("[{R}, 0, 0]"), "[0, 0, 0]");
         let (metrics, sim) = {
             let mut sim = simulation(&standing(&body, mu, TIGHT, &text));
-            (finish(&mut sim, &mut Blind), sim)
+            (finish(&mut sim, &mut NullObserver), sim)
         };
         let whole = M + body.mass;
         let speed = if slides { (M * x - mu * M * -z) / whole } else { 0.0 };

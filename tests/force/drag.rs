@@ -4,7 +4,7 @@ use super::{G, fly};
 use crate::analytic::body::Body;
 use crate::analytic::support::{finish, simulation};
 use nalgebra::Vector3;
-use stiction::sim::Blind;
+use stiction::sim::NullObserver;
 
 fn drag(rest: &str) -> String {
     format!("[[force]]\ntype = \"drag\"\n{rest}\n")
@@ -80,7 +80,7 @@ fn stiff_drag_and_dampers_do_not_reverse_a_velocity_step() {
         for force in [drag(&format!("linear = {c}")), held] {
             let robot = body.floating("position = [0, 0, 1], linear_velocity = [1, -2, 0]");
             let mut sim = simulation(&format!("duration = 0.05\n{steps}{robot}{force}"));
-            let metrics = finish(&mut sim, &mut Blind);
+            let metrics = finish(&mut sim, &mut NullObserver);
             let v = &sim.plant().state.v;
             let truth = (1.0 + h * c / body.mass).powi(-50);
             // Rounding over 50 steps, of a velocity of 2 m/s and of the instants between them.
@@ -105,7 +105,7 @@ fn velocity_steps_of_jointed_robots_with_drag_converge() {
             drag(&format!("linear = {c}\nquadratic = {c}\nwind = [0.5, 0, 0.2]"))
         );
         let mut sim = simulation(&text);
-        let metrics = finish(&mut sim, &mut Blind);
+        let metrics = finish(&mut sim, &mut NullObserver);
         (sim.plant().state.joints.clone(), metrics)
     };
     let lead = "joint = { shoulder = { mode = \"kinematic\" } }\n[[task]]\ntype = \"sine\"

@@ -12,7 +12,7 @@ mod spring;
 use crate::analytic::body::Body;
 use crate::analytic::support::{TIGHT, finish, simulation};
 use nalgebra::Vector3;
-use stiction::sim::{Blind, Metrics};
+use stiction::sim::{Metrics, NullObserver};
 
 /// Standard gravity of a scenario, m/s^2.
 const G: f64 = 9.81;
@@ -29,7 +29,7 @@ struct End {
 fn fly(body: &Body, position: [f64; 3], velocity: [f64; 3], duration: f64, text: &str) -> End {
     let robot = body.floating(&format!("position = {position:?}, linear_velocity = {velocity:?}"));
     let mut sim = simulation(&format!("duration = {duration:?}\n{robot}{TIGHT}{text}"));
-    let metrics = finish(&mut sim, &mut Blind);
+    let metrics = finish(&mut sim, &mut NullObserver);
     let state = &sim.plant().state;
     let v = &state.v;
     End { position: state.position, velocity: Vector3::new(v[0], v[1], v[2]), metrics }

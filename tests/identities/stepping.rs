@@ -2,7 +2,7 @@
 
 use super::allocations::count;
 use crate::analytic::support::simulation;
-use stiction::sim::Blind;
+use stiction::sim::NullObserver;
 
 /// HOAP-2 standing, swaying under a push; no event falls into the steps counted.
 fn pushed(method: &str, integrator: &str, drives: &str) -> String {
@@ -58,11 +58,11 @@ fn without_allocations(drives: &str) {
         ("penalty", "method = \"semi-implicit\", step = 1e-3"),
     ] {
         let mut sim = simulation(&pushed(method, integrator, drives));
-        sim.begin(&mut Blind).expect("it begins");
+        sim.begin(&mut NullObserver).expect("it begins");
         // The first step may make its lists.
-        sim.step(&mut Blind).expect("it steps");
+        sim.step(&mut NullObserver).expect("it steps");
         let before = sim.metrics().state_changes;
-        let allocations = count(|| (0..200).for_each(|_| sim.step(&mut Blind).expect("it steps")));
+        let allocations = count(|| (0..200).for_each(|_| sim.step(&mut NullObserver).expect("it steps")));
         assert_eq!(sim.metrics().state_changes, before, "no event in the window");
         assert!(sim.plant().state.v.iter().any(|v| v.abs() > 1e-6), "it moves");
         assert_eq!(allocations, 0, "{method} {integrator} {drives}");
@@ -92,9 +92,9 @@ fn forces_allocate_nothing() {
         link = \"torso\"
         mass = 0.1\n";
     let mut sim = simulation(&format!("{}{more}", pushed("exact", "method = \"dopri5\"", "")));
-    sim.begin(&mut Blind).expect("it begins");
-    sim.step(&mut Blind).expect("it steps");
+    sim.begin(&mut NullObserver).expect("it begins");
+    sim.step(&mut NullObserver).expect("it steps");
     // Telling of a push makes words: count the steps in which none begins.
-    let quiet = (0..200).filter(|_| count(|| sim.step(&mut Blind).expect("it steps")) == 0).count();
+    let quiet = (0..200).filter(|_| count(|| sim.step(&mut NullObserver).expect("it steps")) == 0).count();
     assert!(quiet > 150, "{quiet} of 200 steps");
 }

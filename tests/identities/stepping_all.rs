@@ -8,7 +8,7 @@ use crate::analytic::imu::{HEAD, HOAP2, with};
 use crate::analytic::support::simulation;
 use std::fmt::Write;
 use stiction::scenario::schema;
-use stiction::sim::{Blind, Observer, SimEvent, Simulation, Snapshot};
+use stiction::sim::{NullObserver, Observer, SimEvent, Simulation, Snapshot};
 
 /// A task or force with which HOAP-2 is stepped: its entry without `type`.
 struct Part {
@@ -125,7 +125,7 @@ fn until(sim: &mut Simulation, time: f64) {
 /// Steps through the window; steps in which nothing was told, and allocations in them.
 fn quiet(text: &str, (from, length): (f64, f64)) -> (usize, usize) {
     let mut sim = simulation(text);
-    sim.begin(&mut Blind).unwrap_or_else(|stop| panic!("{stop:?}"));
+    sim.begin(&mut NullObserver).unwrap_or_else(|stop| panic!("{stop:?}"));
     until(&mut sim, from);
     let (mut steps, mut allocations) = (0, 0);
     while sim.plant().state.time < from + length {
@@ -226,7 +226,7 @@ fn scripts_hold_no_more_memory_from_tick_to_tick() {
         let entry = format!("[[{kind}]]\ntype = \"script\"\nfile = {file:?}");
         for integrator in [ADAPTIVE, FIXED] {
             let mut sim = simulation(&hoap2(&model, integrator, &entry));
-            sim.begin(&mut Blind).expect("it begins");
+            sim.begin(&mut NullObserver).expect("it begins");
             until(&mut sim, 0.5);
             let calls = |sim: &Simulation| sim.plant().evaluations as usize;
             let before = calls(&sim);

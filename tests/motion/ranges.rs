@@ -45,7 +45,7 @@ fn goals_are_within_ranges() {
     let run = Folder::with(&[]).run(&text).unwrap();
     let setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let mut sim = stiction::sim::Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"));
-    let (outcome, expected) = sim.run(&mut stiction::sim::Blind, &std::sync::atomic::AtomicBool::new(false));
+    let (outcome, expected) = sim.run(&mut stiction::sim::NullObserver, &std::sync::atomic::AtomicBool::new(false));
     assert_eq!(outcome, stiction::sim::Outcome::Error);
     assert!(expected.contains("a swing of `left_knee` of 1.1000 about"), "{expected}");
 }

@@ -112,7 +112,7 @@ fn events_are_on_the_topics_events_and_log() {
         let e = sample::event(tick);
         assert_eq!(
             (event.time, event.kind.as_str(), &event.subject, &event.message),
-            (e.time, e.kind, &e.subject, &e.message)
+            (e.time, e.kind.as_str(), &e.subject, &e.message)
         );
         assert_eq!(log.message, if tick == 2 { "jam left" } else { &e.message });
         let ns = u64::from(log.timestamp.unwrap().sec()) * 1_000_000_000 + u64::from(log.timestamp.unwrap().nsec());

@@ -114,7 +114,7 @@ fn residuals_energies_events_and_texts_are_read() {
     for (found, tick) in read.events.iter().zip(0..) {
         let e = sample::event(tick);
         let found = (found.time, found.kind.as_str(), &found.subject, &found.message);
-        assert_eq!(found, (e.time, e.kind, &e.subject, &e.message));
+        assert_eq!(found, (e.time, e.kind.as_str(), &e.subject, &e.message));
     }
 
     let info = &read.info;

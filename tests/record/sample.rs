@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use stiction::contact::model::residual::Residual;
 use stiction::log::{AttachedText, LogHeader, LogWriter, TopicGroups};
 use stiction::robot::{Base, Drive, Geometry, Joint, JointKind, Link, LinkId, Merged, Model, Shape, Sole};
-use stiction::sim::{Balance, Observer, SelfContactSnapshot, SimEvent, Snapshot, SoleSnapshot};
+use stiction::sim::{EnergyBalance, Observer, SelfContactSnapshot, SimEvent, Snapshot, SoleSnapshot};
 use stiction::task::PointOfInterest;
 
 pub const URDF: &str = r#"<robot name="sample">
@@ -199,7 +199,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
             creep_speed: wobble(tick, 505),
             resultant_gap: wobble(tick, 506),
         },
-        energy: Balance {
+        energy: EnergyBalance {
             change: wobble(tick, 510),
             actuators: wobble(tick, 511),
             external: wobble(tick, 512),
@@ -224,7 +224,7 @@ pub fn event(tick: usize) -> SimEvent {
     let kinds = ["touchdown", "slip", "jam", "inconsistent"];
     SimEvent {
         time: tick as f64 * 0.005 + 0.001_234_567_8,
-        kind: kinds[tick % kinds.len()],
+        kind: stiction::sim::EventKind::Force(kinds[tick % kinds.len()]),
         subject: "left".into(),
         message: if tick == 2 { String::new() } else { format!("left sole at tick {tick}") },
     }

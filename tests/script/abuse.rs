@@ -1,7 +1,7 @@
 //! Misbehaving scripts: each ends its run with file, line and message, or is refused before it.
 
 use super::{ScriptedRun, TASK, pendulum};
-use stiction::sim::{Blind, Outcome};
+use stiction::sim::{NullObserver, Outcome};
 
 fn scripted(script: &str) -> ScriptedRun {
     ScriptedRun::new(&pendulum(0.05, "mode = \"position\"", TASK), script)
@@ -9,7 +9,7 @@ fn scripted(script: &str) -> ScriptedRun {
 
 #[track_caller]
 fn ends(script: &str, expected: &str) {
-    let (outcome, message) = scripted(script).end(&mut Blind);
+    let (outcome, message) = scripted(script).end(&mut NullObserver);
     assert_eq!(outcome, Outcome::Error, "{script}\n{message}");
     assert!(message.contains(expected), "{script}\n{message}\nexpected: {expected}");
 }
@@ -74,7 +74,7 @@ fn processing_long_data_counts() {
     // Short data counts as the few calls that it takes.
     let script =
         "function run() for i = 1, 1e4 do local x = string.rep(\"ab\", 8):sub(2, 5):find(\"a\") end return false end";
-    assert_eq!(scripted(script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(scripted(script).end(&mut NullObserver).0, Outcome::Passed);
     // Errors in such functions carry the position of the call.
     ends("function run()\n\nstring.rep()\nend", "s.luau:3: missing argument #1 to 'rep'");
     ends("function run()\nlocal s = nil\nlocal x = string.upper(s)\nend", "s.luau:3: invalid argument #1 to 'upper'");
@@ -88,19 +88,19 @@ fn an_interruption_ends_scripts() {
     let mut sim = stiction::script::interruptible(flag.clone(), || scripted.simulation());
     flag.store(true, std::sync::atomic::Ordering::Relaxed);
     // Only the script reads the flag, not the run.
-    let (outcome, message) = sim.run(&mut Blind, &std::sync::atomic::AtomicBool::new(false));
+    let (outcome, message) = sim.run(&mut NullObserver, &std::sync::atomic::AtomicBool::new(false));
     assert!(outcome == Outcome::Error && message.contains("interrupted"), "{outcome:?} {message}");
     flag.store(false, std::sync::atomic::Ordering::Relaxed);
     let mut sim = stiction::script::interruptible(flag.clone(), || scripted.simulation());
     flag.store(true, std::sync::atomic::Ordering::Relaxed);
-    assert_eq!(sim.run(&mut Blind, &flag).0, Outcome::Cancelled);
+    assert_eq!(sim.run(&mut NullObserver, &flag).0, Outcome::Cancelled);
 }
 
 #[test]
 fn the_budget_applies_to_one_call() {
     // Three ticks of half the budget each.
     let script = "local n = 0\nfunction run() for i = 1, 500000 do end n += 1 return n < 3 end";
-    assert_eq!(scripted(script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(scripted(script).end(&mut NullObserver).0, Outcome::Passed);
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn memory_is_limited() {
 fn garbage_does_not_count_as_memory() {
     for n in ["1e6", "1.5e6"] {
         let script = format!("local t\nfunction run() t = table.create({n}, 0) end");
-        let (outcome, message) = scripted(&script).end(&mut Blind);
+        let (outcome, message) = scripted(&script).end(&mut NullObserver);
         assert_eq!(outcome, Outcome::Passed, "{n}: {message}");
     }
     // What is kept counts: 10 MB more at every tick.
@@ -144,7 +144,7 @@ fn errors_carry_their_line() {
     let change = format!("{TASK}change = [{{ at = 0.01, params = {{}} }}]");
     let text = pendulum(0.05, "mode = \"position\"", &change);
     let (outcome, message) =
-        ScriptedRun::new(&text, "function run() end\nfunction change()\nerror(\"no\") end").end(&mut Blind);
+        ScriptedRun::new(&text, "function run() end\nfunction change()\nerror(\"no\") end").end(&mut NullObserver);
     assert_eq!((outcome, message.contains("s.luau:3: no")), (Outcome::Error, true), "{message}");
 }
 
@@ -225,7 +225,7 @@ fn a_script_cannot_change_the_data_of_the_next_call() {
             robot.desired.position[1] = 1e9
         end";
     let mut sim = scripted(script).simulation();
-    let (outcome, message) = sim.run(&mut Blind, &std::sync::atomic::AtomicBool::new(false));
+    let (outcome, message) = sim.run(&mut NullObserver, &std::sync::atomic::AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
     assert_eq!(sim.plant().command.position[0], 0.4, "only the functions command");
 }
@@ -253,12 +253,12 @@ fn the_robot_table_is_read_only() {
     ] {
         for time in ["true", "robot.time > 0.01"] {
             let script = format!("function run(robot)\nif {time} then\n{statement}\nend\nend");
-            let (outcome, found) = scripted(&script).end(&mut Blind);
+            let (outcome, found) = scripted(&script).end(&mut NullObserver);
             assert_eq!(outcome, Outcome::Error, "{statement}");
             assert!(found.contains("s.luau:3: ") && found.contains("readonly table"), "{statement}: {found}");
         }
     }
     // What it is closed to, it may close.
     let script = "function run(robot) assert(table.isfrozen(robot) and table.isfrozen(robot.q)) end";
-    assert_eq!(scripted(script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(scripted(script).end(&mut NullObserver).0, Outcome::Passed);
 }

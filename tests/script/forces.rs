@@ -5,7 +5,7 @@ use crate::analytic::body::Body;
 use crate::analytic::support::{TIGHT, Told};
 use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;
-use stiction::sim::{Blind, Outcome};
+use stiction::sim::{NullObserver, Outcome};
 
 fn floating(body: &Body, base: &str, rest: &str) -> String {
     format!("gravity = [0, 0, 0]\n{}{TIGHT}{rest}", body.floating(base))
@@ -136,7 +136,7 @@ fn forces_are_functions_of_time_and_state() {
         ),
     ] {
         let text = format!("duration = 0.1\n{}", floating(&body, "position = [0, 0, 1]", FORCE));
-        let (outcome, message) = ScriptedRun::new(&text, &script).end(&mut Blind);
+        let (outcome, message) = ScriptedRun::new(&text, &script).end(&mut NullObserver);
         assert_eq!(outcome, Outcome::Error, "{script}");
         assert!(message.starts_with(expected), "{script}\n{message}");
         assert!(message.ends_with(" s"), "with its time: {message}");
@@ -144,7 +144,7 @@ fn forces_are_functions_of_time_and_state() {
     // Drawn before it acts, a number is a constant.
     let script = format!("local x\nfunction init() x = random() end\nfunction run() {force} end");
     let text = format!("duration = 0.1\n{}", floating(&body, "position = [0, 0, 1]", FORCE));
-    assert_eq!(ScriptedRun::new(&text, &script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(ScriptedRun::new(&text, &script).end(&mut NullObserver).0, Outcome::Passed);
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn wrong_return_values_end_the_run_at_the_function() {
     ] {
         let text = format!("duration = 0.1\n{}", floating(&body, "position = [0, 0, 1]", FORCE));
         let script = format!("-- A force.\n\nfunction run() return {answer} end");
-        let (outcome, message) = ScriptedRun::new(&text, &script).end(&mut Blind);
+        let (outcome, message) = ScriptedRun::new(&text, &script).end(&mut NullObserver);
         assert_eq!(outcome, Outcome::Error, "{answer}");
         assert!(message.starts_with(&format!("s.luau:3: {expected}")), "{answer}\n{message}");
     }
@@ -173,7 +173,8 @@ fn wrong_return_values_end_the_run_at_the_function() {
 
 #[test]
 fn tables_in_globals_are_read_only() {
-    let ends = |script: &str| ScriptedRun::new(&pendulum(0.05, "mode = \"passive\"", FORCE), script).end(&mut Blind);
+    let ends =
+        |script: &str| ScriptedRun::new(&pendulum(0.05, "mode = \"passive\"", FORCE), script).end(&mut NullObserver);
     let expected = "s.luau:3: attempt to modify a readonly table";
     for (first, body) in [
         ("memory = { n = 0 }", "memory.n += 1"),
@@ -198,6 +199,7 @@ fn scripts_read_the_present_gravity() {
             assert(if robot.time < 0.03 then g == -9.81 elseif robot.time > 0.031 then g == -1.62 else true, \"g = \" .. g)
             return {}
         end";
-    let (outcome, message) = ScriptedRun::new(&pendulum(0.05, "mode = \"passive\"", &event), script).end(&mut Blind);
+    let (outcome, message) =
+        ScriptedRun::new(&pendulum(0.05, "mode = \"passive\"", &event), script).end(&mut NullObserver);
     assert_eq!(outcome, Outcome::Passed, "{message}");
 }

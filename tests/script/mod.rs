@@ -10,7 +10,7 @@ use std::fs;
 use std::sync::atomic::AtomicBool;
 use stiction::assemble;
 use stiction::scenario::Diagnostics;
-use stiction::sim::{Blind, Observer, Outcome, Simulation};
+use stiction::sim::{NullObserver, Observer, Outcome, Simulation};
 use stiction::{robot, scenario};
 use tempfile::TempDir;
 
@@ -64,7 +64,7 @@ const FORCE: &str = "[[force]]\ntype = \"script\"\nfile = \"s.luau\"\n";
 /// Runs to the end, which it must reach.
 fn passes(scenario: &str, script: &str) -> Simulation {
     let mut sim = ScriptedRun::new(scenario, script).simulation();
-    let (outcome, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    let (outcome, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
     sim
 }

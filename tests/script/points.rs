@@ -51,7 +51,7 @@ fn errors_carry_their_line() {
     let recorded = |points: &str, call: &str| {
         let script = format!("points = {points}\nfunction run(robot)\n    robot.set_point({call})\nend\n");
         let (outcome, message) =
-            ScriptedRun::new(&pendulum(0.1, "mode = \"passive\"", TASK), &script).end(&mut stiction::sim::Blind);
+            ScriptedRun::new(&pendulum(0.1, "mode = \"passive\"", TASK), &script).end(&mut stiction::sim::NullObserver);
         assert_eq!(outcome, Outcome::Error, "{call}");
         assert!(message.contains("s.luau:3: "), "{message}");
         message

@@ -3,7 +3,7 @@
 use super::{ScriptedRun, TASK, passes, pendulum, robot};
 use crate::analytic::support::Told;
 use std::sync::atomic::AtomicBool;
-use stiction::sim::{Blind, Outcome};
+use stiction::sim::{NullObserver, Outcome};
 
 /// `posture` once more.
 const POSTURE: &str = "
@@ -226,8 +226,8 @@ fn random_numbers_come_from_the_seed() {
 fn a_task_may_end_before_it_runs() {
     let text = pendulum(0.1, "mode = \"position\"", &format!("{TASK}duration = 0.05"));
     let script = "function init() return \"done\" end function run() error(\"not called\") end";
-    assert_eq!(ScriptedRun::new(&text, script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(ScriptedRun::new(&text, script).end(&mut NullObserver).0, Outcome::Passed);
     // And at the latest when its time is over.
     let script = "function run(robot) assert(robot.time < 0.05) end";
-    assert_eq!(ScriptedRun::new(&text, script).end(&mut Blind).0, Outcome::Passed);
+    assert_eq!(ScriptedRun::new(&text, script).end(&mut NullObserver).0, Outcome::Passed);
 }

@@ -3,7 +3,7 @@
 use crate::analytic::support::{simulation, watch};
 use std::sync::atomic::AtomicBool;
 use stiction::dynamics::body;
-use stiction::sim::Blind;
+use stiction::sim::NullObserver;
 
 /// Where HOAP-2's centre of mass ends, world, m.
 fn end(task: &str) -> nalgebra::Vector3<f64> {
@@ -12,7 +12,7 @@ fn end(task: &str) -> nalgebra::Vector3<f64> {
          [log]\nrate = 0\n{task}"
     );
     let mut sim = simulation(&text);
-    let (_, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    let (_, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));
     assert_eq!(sim.metrics().state_changes, 0, "{message}");
     body::center_of_mass(&sim.plant().ws)
 }
@@ -80,7 +80,7 @@ fn a_tall_robot_comes_to_rest() {
     let text = "duration = 6\nrobot = { model = \"robots/cbi/cbi.toml\" }\n[integrator]\nmethod = \"semi-implicit\"\n[log]\nrate = 0\n\
                 [[task]]\ntype = \"balance\"\ncontrol = \"position\"\n";
     let mut sim = simulation(text);
-    let (_, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    let (_, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));
     let speed = sim.metrics().final_base_velocity.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     // What is left after some seconds decays with leaning, 1.2 1/s.
     assert!(speed < 2e-3 && sim.metrics().state_changes < 50, "{speed} {} {message}", sim.metrics().state_changes);

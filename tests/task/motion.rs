@@ -4,7 +4,7 @@ use crate::analytic::support::{simulation, watch};
 use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;
 use stiction::dynamics::body;
-use stiction::sim::{Blind, Outcome, Snapshot};
+use stiction::sim::{NullObserver, Outcome, Snapshot};
 
 const HOAP2: &str = "robot = { model = \"robots/hoap2/hoap2.toml\" }\n";
 /// Height of the centre of mass of the home posture above the soles, m.
@@ -17,7 +17,7 @@ fn a_squat_reaches_its_depth_with_fixed_feet() {
         "duration = 0.6\n{HOAP2}[log]\nrate = 0\n[[task]]\ntype = \"squat\"\ndepth = 0.02\nperiod = 0.8\nsettle = 0.2\n"
     );
     let mut sim = simulation(&text);
-    let (_, message) = sim.run(&mut Blind, &AtomicBool::new(false));
+    let (_, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));
     let metrics = sim.metrics();
     assert_eq!((metrics.state_changes, metrics.inconsistent), (0, 0), "{message}");
     let com = body::center_of_mass(&sim.plant().ws);
@@ -68,7 +68,7 @@ fn a_walk_requires_vertical_gravity() {
         let text = format!(
             "duration = 0.1\ngravity = {gravity}\nrobot = {{ model = \"robots/hoap2/hoap2.toml\" }}\n[[task]]\ntype = \"walk\"\n"
         );
-        let (outcome, words) = simulation(&text).run(&mut Blind, &AtomicBool::new(false));
+        let (outcome, words) = simulation(&text).run(&mut NullObserver, &AtomicBool::new(false));
         assert_eq!(outcome, Outcome::Error);
         assert!(words.contains("it walks where that is straight down"), "{words}");
     }

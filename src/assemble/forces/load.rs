@@ -3,12 +3,12 @@
 use crate::assemble::forces::Held;
 use crate::robot::Model;
 use crate::robot::adjustments;
-use crate::scenario::{CarriedObject, Diagnostic, ForceSpec, Run};
-use crate::sim::Load;
+use crate::scenario::{CarriedObject as ObjectSpec, Diagnostic, ForceSpec, Run};
+use crate::sim::CarriedObject;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 /// The carried objects. One that does not fit the robot is an error at its position.
-pub(in crate::assemble) fn loads(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Vec<Load> {
+pub(in crate::assemble) fn loads(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Vec<CarriedObject> {
     let entries = run.scenario.force.iter().enumerate();
     let object = |(i, spec): (usize, &ForceSpec)| match spec {
         ForceSpec::CarriedObject(object) => {
@@ -20,12 +20,12 @@ pub(in crate::assemble) fn loads(run: &Run, model: &Model, errors: &mut Vec<Diag
     entries.filter_map(object).collect()
 }
 
-fn load(run: &Run, i: usize, held: Held, spec: &CarriedObject, errors: &mut Vec<Diagnostic>) -> Option<Load> {
+fn load(run: &Run, i: usize, held: Held, spec: &ObjectSpec, errors: &mut Vec<Diagnostic>) -> Option<CarriedObject> {
     let [roll, pitch, yaw] = spec.rpy;
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
     let pose = Isometry3::from_parts(Translation3::from(spec.position), rotation);
     match adjustments::load_in(&held.pose, &held.name, spec.mass, pose, spec.inertia) {
-        Ok(body) => Some(Load {
+        Ok(body) => Some(CarriedObject {
             name: held.name,
             link: held.link,
             body,

@@ -16,7 +16,7 @@ use crate::batch::run::panic_capture;
 use crate::batch::run::run_timer::{Clock, Lap};
 use crate::batch::{Cancellation, Job, Plan, Reason};
 use crate::script::interruptible;
-use crate::sim::{Blind, Outcome, Setup, Simulation};
+use crate::sim::{NullObserver, Outcome, Setup, Simulation};
 
 /// Repeats each of these runs as often as it asks for and tells `events` of it.
 pub(in crate::batch) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events: &Sender<Event>) {
@@ -54,7 +54,7 @@ fn advance(job: &Job, cancel: &AtomicBool) -> Result<Lap, String> {
     let setup = setup(&job.run, &job.robot).map_err(|errors| errors.to_string())?;
     let mut simulation = Simulation::new(Setup { log_rate: 0.0, ..setup }).map_err(|stop| stop.message)?;
     let clock = Clock::start();
-    let (outcome, message) = simulation.run(&mut Blind, cancel);
+    let (outcome, message) = simulation.run(&mut NullObserver, cancel);
     let lap = clock.lap();
     match outcome {
         Outcome::Passed | Outcome::Fallen => Ok(lap),

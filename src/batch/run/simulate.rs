@@ -18,11 +18,11 @@ use crate::results::{Comparator, ReferenceMotion};
 use crate::robot::{Model, Robot};
 use crate::scenario::{LogTopic, Run, host_and_port};
 use crate::script::interruption_flag;
-use crate::sim::commander::Commander;
-use crate::sim::estimate::EstimatorSetup;
-use crate::sim::remote::RemoteRun;
-use crate::sim::setup::Floor;
-use crate::sim::{Observer, Outcome, Problems, Sample, Setup, SimEvent, Simulation, Snapshot, Stop};
+use crate::sim::CommandSource;
+use crate::sim::Floor;
+use crate::sim::RemoteRun;
+use crate::sim::sensing::EstimatorSetup;
+use crate::sim::{Observer, Outcome, Problems, RunError, Sample, Setup, SimEvent, Simulation, Snapshot};
 
 /// Simulates a job. Ends at the next step once `cancel` is set; scripts that are being loaded end too, if the caller made
 /// them [`interruptible`](crate::script::interruptible) by it.
@@ -50,22 +50,22 @@ pub fn simulate_with_clients(
 
 /// Simulates a job whose robot does what somebody else says instead of its tasks. `make` finds who, and may wait for it until the
 /// flag is raised.
-pub fn simulate_with_commander(
+pub fn simulate_with_command_source(
     job: &Job,
     wanted: &RunOutputs,
     cancel: &AtomicBool,
     audience: Option<&dyn LiveClients>,
-    make: impl FnOnce(&Setup, Option<Arc<AtomicBool>>) -> Result<Box<dyn Commander>, Stop>,
+    make: impl FnOnce(&Setup, Option<Arc<AtomicBool>>) -> Result<Box<dyn CommandSource>, RunError>,
 ) -> RunEnd {
     drive(job, wanted, cancel, audience, |mut setup, observer, cancel| {
-        let commander = match make(&setup, interruption_flag()) {
-            Ok(commander) => commander,
+        let command_source = match make(&setup, interruption_flag()) {
+            Ok(command_source) => command_source,
             Err(stop) => return RunEnd { outcome: stop.outcome, ..RunEnd::error(stop.message) },
         };
-        setup.commander = Some(commander);
+        setup.command_source = Some(command_source);
         // Tasks estimate, and keep bodies apart, where they run.
         setup.estimator = EstimatorSetup::Truth;
-        setup.self_contact.iter_mut().for_each(|own| own.avoid = None);
+        setup.self_collision.iter_mut().for_each(|own| own.avoid = None);
         here(setup, observer, cancel)
     })
 }
@@ -218,13 +218,13 @@ fn elsewhere(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &
     let mut robot = match connected {
         Ok(robot) => robot,
         Err(error) => {
-            let stop = Stop::from(error);
+            let stop = RunError::from(error);
             return RunEnd { outcome: stop.outcome, notes, ..RunEnd::error(stop.message) };
         }
     };
     let mut run = RemoteRun::new(setup);
     let (outcome, message) = run.run(&mut robot, observer, cancel);
-    notes.extend(crate::sim::remote::Robot::leave(&mut robot));
+    notes.extend(crate::sim::RemoteRobot::leave(&mut robot));
     let avoidance = run.avoidance_time();
     RunEnd { message, metrics: Some(run.metrics().clone()), notes, avoidance, ..RunEnd::of(outcome) }
 }

@@ -20,14 +20,18 @@ impl EventTopics {
 
     pub fn record(&mut self, e: &SimEvent, output: &mut LogOutput) -> Result<(), RecordError> {
         let time = nanoseconds(e.time);
-        let event =
-            Event { time: e.time, kind: e.kind.to_owned(), subject: e.subject.clone(), message: e.message.clone() };
+        let event = Event {
+            time: e.time,
+            kind: e.kind.as_str().to_owned(),
+            subject: e.subject.clone(),
+            message: e.message.clone(),
+        };
         output.send(&mut self.events, time, &event)?;
         let log = Log {
             timestamp: Some(timestamp(time)),
-            level: level(e.kind).into(),
+            level: level(e.kind.as_str()).into(),
             message: if e.message.is_empty() { format!("{} {}", e.kind, e.subject) } else { e.message.clone() },
-            name: e.kind.to_owned(),
+            name: e.kind.as_str().to_owned(),
             ..Default::default()
         };
         output.send(&mut self.log, time, &log)

@@ -1,0 +1,210 @@
+//! Paths of kinematic joints: prescribed motion from one control tick to the next.
+//!
+//! ```text
+//! q(t0 + s T) = q0 + (q1 - q0) (3 s^2 - 2 s^3) + T qd0 s (1 - s)^2 - T qd1 s^2 (1 - s)
+//! ```
+//!
+//! is the cubic of a tick of length T from the present position and velocity (q0, qd0) to those extrapolated from
+//! the commands for the next tick (q1, qd1). Two successive commands a and b belong to one smooth motion if
+//! `|dq - T (qd_a + qd_b) / 2| <= T |dqd| / 5`, where dqd is the change of velocity between them or the one before,
+//! if greater; then the cubic through both is continued. Otherwise the last command is continued by its own
+//! velocity, `(q_des + T qd_des, qd_des)`. If no tick follows, the joint moves to its command and rests there.
+//!
+//! Position and velocity are therefore continuous. Commands that are cubic polynomials in time are met exactly
+//! from the third tick on, others with an error of order T^4. A command that jumps is reached within one tick.
+
+use crate::dynamics::State;
+use crate::robot::{DriveMode, Model};
+use crate::task::Command;
+
+/// Greatest deviation of two commands from one smooth motion, relative to the distance that the change of
+/// velocity covers in a tick. At an inflection the deviation is 1/12 of the change j T due to the jerk j, and the
+/// greater of two successive changes is at least half of j T.
+const SMOOTH: f64 = 0.2;
+
+/// Position, velocity and acceleration of a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointMotion {
+    /// Position, rad or m.
+    pub q: f64,
+    /// Velocity.
+    pub qd: f64,
+    /// Acceleration.
+    pub qdd: f64,
+}
+
+/// The path of one joint between two instants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct JointPath {
+    /// From, to, s.
+    span: (f64, f64),
+    from: JointMotion,
+    to: JointMotion,
+}
+
+impl JointPath {
+    /// The motion at time `t`. The side of the path's end is that of `within`, a time inside the present
+    /// smooth piece.
+    fn at(&self, t: f64, within: f64) -> JointMotion {
+        let (begin, end) = self.span;
+        if within >= end {
+            return JointMotion { q: self.to.q + self.to.qd * (t - end), qd: self.to.qd, qdd: 0.0 };
+        }
+        let (length, distance) = (end - begin, self.to.q - self.from.q);
+        let s = ((t - begin) / length).clamp(0.0, 1.0);
+        let (v0, v1, mean) = (self.from.qd, self.to.qd, distance / length);
+        let r = 1.0 - s;
+        JointMotion {
+            q: if s == 1.0 {
+                self.to.q
+            } else {
+                self.from.q + distance * s * s * (3.0 - 2.0 * s) + length * s * r * (v0 * r - v1 * s)
+            },
+            qd: mean * 6.0 * s * r + v0 * r * (1.0 - 3.0 * s) + v1 * s * (3.0 * s - 2.0),
+            qdd: (mean * 6.0 * (1.0 - 2.0 * s) + v0 * (6.0 * s - 4.0) + v1 * (6.0 * s - 2.0)) / length,
+        }
+    }
+}
+
+/// The prescribed motions of one run.
+#[derive(Clone, Debug, Default)]
+pub struct KinematicPaths {
+    /// By joint; none for joints with dynamics.
+    paths: Vec<Option<JointPath>>,
+    /// The joints with a path.
+    joints: Vec<usize>,
+    /// The last command of each joint and its time; its acceleration is the mean since the command before.
+    commands: Vec<(f64, JointMotion)>,
+    /// Where all paths end, s.
+    end: f64,
+}
+
+impl KinematicPaths {
+    /// For a robot of `nj` joints, none of them kinematic yet.
+    pub fn new(nj: usize) -> Self {
+        KinematicPaths {
+            paths: vec![None; nj],
+            joints: Vec::with_capacity(nj),
+            commands: vec![(f64::NEG_INFINITY, JointMotion::default()); nj],
+            end: f64::NEG_INFINITY,
+        }
+    }
+
+    /// The joints whose motion is prescribed, in ascending order.
+    pub fn joints(&self) -> &[usize] {
+        &self.joints
+    }
+
+    /// Plans the paths of a tick of length `period` that begins at the state's time. `next` is the time of the
+    /// next command, if there is one.
+    pub fn plan(&mut self, model: &Model, command: &Command, state: &State, period: f64, next: Option<f64>) {
+        let (now, nb) = (state.time, model.nb());
+        let next = next.filter(|t| *t < now + 1.5 * period && *t > now);
+        let end = next.unwrap_or(now + period);
+        self.joints.clear();
+        for j in 0..self.paths.len() {
+            if command.mode[j] != DriveMode::Kinematic {
+                self.paths[j] = None;
+                self.commands[j].0 = f64::NEG_INFINITY;
+                continue;
+            }
+            self.joints.push(j);
+            // The path continues; a velocity-level step leaves the mean velocity in the state.
+            let before = self.paths[j].map(|p| p.at(now, now - 0.5 * period));
+            let here = JointMotion { q: state.joints[j], qd: state.v[nb + j], qdd: 0.0 };
+            let from = before.filter(|m| m.q == here.q).unwrap_or(here);
+            let command_now = JointMotion { q: command.position[j], qd: command.velocity[j], qdd: 0.0 };
+            let (when, last) = std::mem::replace(&mut self.commands[j], (now, command_now));
+            let follows = when > now - 1.5 * period && when < now;
+            if follows {
+                self.commands[j].1.qdd = (command_now.qd - last.qd) / (now - when);
+            }
+            let to = match next {
+                None => JointMotion { qd: 0.0, ..command_now },
+                Some(_) if follows => extrapolate(&last, &command_now, now - when, end - now),
+                Some(_) => JointMotion { q: command_now.q + command_now.qd * (end - now), ..command_now },
+            };
+            self.paths[j] = Some(JointPath { span: (now, end), from, to });
+        }
+        self.end = end;
+    }
+
+    /// An instant after `t` at which accelerations jump, s.
+    pub fn corner(&self, t: f64) -> Option<f64> {
+        (!self.joints.is_empty() && self.end > t).then_some(self.end)
+    }
+
+    /// Do prescribed accelerations jump at `t`?
+    pub fn ends(&self, t: f64) -> bool {
+        !self.joints.is_empty() && self.end == t
+    }
+
+    /// The prescribed motion of a kinematic joint; `within` as for forces.
+    pub fn at(&self, joint: usize, t: f64, within: f64) -> JointMotion {
+        self.paths[joint].map_or(JointMotion::default(), |p| p.at(t, within))
+    }
+}
+
+/// Extrapolates command `a` and, `before` seconds later, command `b` by `ahead` seconds.
+fn extrapolate(a: &JointMotion, b: &JointMotion, before: f64, ahead: f64) -> JointMotion {
+    let bend = b.q - a.q - before * 0.5 * (a.qd + b.qd);
+    let change = (b.qd - a.qd).abs().max(a.qdd.abs() * before);
+    if bend.abs() > SMOOTH * before * change {
+        return JointMotion { q: b.q + b.qd * ahead, ..*b };
+    }
+    // The cubic about b: acceleration and jerk from what the velocities and the bend say.
+    let jerk = -12.0 * bend / before.powi(3);
+    let acceleration = (b.qd - a.qd) / before + 0.5 * jerk * before;
+    JointMotion {
+        q: b.q + ahead * (b.qd + ahead * (0.5 * acceleration + ahead * jerk / 6.0)),
+        qd: b.qd + ahead * (acceleration + 0.5 * ahead * jerk),
+        qdd: 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn path_is_the_cubic_of_its_ends() {
+        // q = 1 + 2 t - 3 t^2 + 4 t^3 from t = 0.5 to 0.7.
+        let truth = |t: f64| JointMotion {
+            q: 1.0 + t * (2.0 + t * (-3.0 + 4.0 * t)),
+            qd: 2.0 + t * (-6.0 + 12.0 * t),
+            qdd: -6.0 + 24.0 * t,
+        };
+        let path = JointPath { span: (0.5, 0.7), from: truth(0.5), to: truth(0.7) };
+        for t in [0.5, 0.53, 0.61, 0.7] {
+            let (m, x) = (path.at(t, 0.6), truth(t));
+            // Rounding of q (about 2) over T^2 in the acceleration.
+            assert!((m.q - x.q).abs() < 1e-15 * 4.0 && (m.qd - x.qd).abs() < 1e-13, "{m:?} {x:?}");
+            assert!((m.qdd - x.qdd).abs() < 1e-12, "{m:?} {x:?}");
+        }
+        // Beyond its end: constant velocity, no acceleration.
+        assert_eq!(path.at(0.7, 0.71), JointMotion { qdd: 0.0, ..truth(0.7) });
+    }
+
+    #[test]
+    fn two_smooth_commands_extrapolate_the_cubic_through_both() {
+        let truth = |t: f64| JointMotion {
+            q: 1.0 + t * (2.0 + t * (-3.0 + 4.0 * t)),
+            qd: 2.0 + t * (-6.0 + 12.0 * t),
+            qdd: 0.0,
+        };
+        let (a, b) = (truth(0.5), truth(0.51));
+        let (found, x) = (extrapolate(&a, &b, 0.01, 0.01), truth(0.52));
+        // The bend has an error of 1e-16 relative to 1, amplified by 5 (q) and 1200 (qd).
+        assert!((found.q - x.q).abs() < 1e-14 && (found.qd - x.qd).abs() < 1e-12, "{found:?} {x:?}");
+        // A jump of the position alone is no smooth motion: the last command holds.
+        let jumped = JointMotion { q: 3.0, qd: 0.0, qdd: 0.0 };
+        assert_eq!(extrapolate(&JointMotion { q: 1.0, ..jumped }, &jumped, 0.01, 0.01), jumped);
+        // Neither is the start of a ramp.
+        let (rest, ramp) = (JointMotion::default(), JointMotion { q: 0.0, qd: 2.0, qdd: 0.0 });
+        assert_eq!(extrapolate(&rest, &ramp, 0.01, 0.01), JointMotion { q: 0.02, ..ramp });
+        // An inflection is smooth: t^3 from -0.004 to 0.006 hardly changes its velocity.
+        let inflects = |t: f64| JointMotion { q: t * t * t, qd: 3.0 * t * t, qdd: 6.0 * (t - 0.005) };
+        let (found, x) = (extrapolate(&inflects(-0.004), &inflects(0.006), 0.01, 0.01), inflects(0.016));
+        assert!((found.q - x.q).abs() < 1e-17 && (found.qd - x.qd).abs() < 1e-15, "{found:?} {x:?}");
+    }
+}

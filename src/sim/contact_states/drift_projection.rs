@@ -1,0 +1,55 @@
+//! Projection of drift out of a run's state, see [`crate::contact::hybrid::projection`].
+
+use crate::contact::hybrid::projection;
+use crate::dynamics::reduced;
+use crate::sim::run::RunState;
+
+/// Stores the positions of the vertices of sole `s`. Where events are located, touching vertices are placed on the
+/// floor itself.
+pub fn anchor(sim: &mut RunState, s: usize) {
+    let on_floor = if sim.locates_events() { 2.0 * sim.tolerances.distance } else { 0.0 };
+    let sole = &sim.plant.problem.soles[s];
+    let origin = sim.plant.sole_origin(s);
+    for (anchor, v) in sim.anchors[s].iter_mut().zip(&sole.vertices) {
+        *anchor = origin + v.r;
+        if anchor.z.abs() <= on_floor {
+            anchor.z = 0.0;
+        }
+    }
+}
+
+impl RunState {
+    /// Projects velocity and position errors of the clamped soles out of the plant's state. Needs an evaluation at it.
+    pub(in crate::sim) fn project_drift(&mut self) {
+        if (0..self.plant.problem.soles.len()).all(|s| self.plant.states[s].normal_rows() == 0) {
+            return;
+        }
+        self.project_velocity();
+        self.project_position();
+    }
+
+    fn project_velocity(&mut self) {
+        let plant = &mut self.plant;
+        let p = &mut plant.problem;
+        projection::set_velocity_errors(p, &plant.reduced.velocity);
+        plant.method.respond(p, &plant.states, &mut self.projection);
+        reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &self.projection.wrench, &mut plant.state.v);
+    }
+
+    fn project_position(&mut self) {
+        let plant = &mut self.plant;
+        let p = &mut plant.problem;
+        let (floor, reference) = (&plant.floor, &plant.reduced.reference);
+        let origin = |s: usize| floor.to_floor(&(reference[s] - floor.point));
+        let drift = projection::set_position_errors(p, &plant.states, origin, &self.anchors);
+        self.metrics.max_static_creep_m = self.metrics.max_static_creep_m.max(drift.of_static);
+        self.metrics.max_projection_m = self.metrics.max_projection_m.max(drift.greatest);
+        if drift.greatest == 0.0 {
+            return;
+        }
+        plant.method.respond(p, &plant.states, &mut self.projection);
+        self.displacement.fill(0.0);
+        reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &self.projection.wrench, &mut self.displacement);
+        plant.state.displace(&self.displacement);
+    }
+}

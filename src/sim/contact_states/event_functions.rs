@@ -1,0 +1,83 @@
+//! Event functions of a run's contact, see [`crate::contact::hybrid::events`].
+
+use crate::contact::hybrid::events::{ContactInForce, EventFunctions, FrictionBorders, sinks};
+use crate::contact::model::state::MAX_SOLES;
+use crate::sim::plant::Plant;
+use crate::sim::run::RunState;
+use nalgebra::Vector2;
+
+impl FrictionBorders for Plant {
+    fn seen_from_above(&self, s: usize, i: usize) -> Vector2<f64> {
+        Plant::seen_from_above(self, s, i)
+    }
+
+    fn border(&self, s: usize, i: usize) -> f64 {
+        Plant::border(self, s, i)
+    }
+
+    fn crossing(&self, s: usize, i: usize, from: &Vector2<f64>) -> Option<f64> {
+        self.floor.exit_from(self.region(s, i), from, &Plant::seen_from_above(self, s, i))
+    }
+}
+
+/// Calls `f` with the contact in force of a run.
+fn with_contact<T>(sim: &RunState, f: impl FnOnce(&ContactInForce) -> T) -> T {
+    let plant = &sim.plant;
+    f(&ContactInForce {
+        problem: &plant.problem,
+        states: &plant.states,
+        solution: &plant.solution,
+        directions: &plant.directions,
+        tolerances: &sim.tolerances,
+        is_compliant: plant.is_compliant(),
+        regions: (!plant.floor.patches.is_empty()).then_some(plant),
+        is_imposed: &|s| sim.is_imposed(s),
+    })
+}
+
+/// The event functions of one step of a run.
+pub struct StepEventFunctions(EventFunctions);
+
+impl StepEventFunctions {
+    /// Reserves memory for the functions of any step.
+    pub fn new() -> Self {
+        StepEventFunctions(EventFunctions::new())
+    }
+
+    /// Selects the functions of a step at its start.
+    pub fn begin(&mut self, sim: &RunState) {
+        with_contact(sim, |now| self.0.begin(now));
+    }
+
+    /// Values at the plant's present evaluation.
+    pub fn values(&self, sim: &mut RunState, out: &mut Vec<f64>) {
+        out.resize(self.0.len(), 0.0);
+        self.fill(sim, out);
+    }
+
+    /// See [`EventFunctions::overlook`].
+    pub fn overlook(&mut self, start: &mut [f64], rest: f64) -> bool {
+        self.0.overlook(start, rest)
+    }
+
+    /// As [`values`](Self::values), into a slice of the right length.
+    pub fn fill(&self, sim: &mut RunState, out: &mut [f64]) {
+        sim.plant.share_forces();
+        with_contact(sim, |now| self.0.fill(now, out));
+    }
+
+    /// See [`EventFunctions::passed_over`].
+    pub fn passed_over(&self, sim: &RunState, values: &[f64]) -> Option<f64> {
+        with_contact(sim, |now| self.0.passed_over(now, values))
+    }
+
+    /// See [`EventFunctions::suspects`].
+    pub fn suspects(&self, values: &[f64], suspect: &mut [u8; MAX_SOLES]) {
+        self.0.suspects(values, suspect);
+    }
+
+    /// See [`sinks`].
+    pub fn tolerated_too_much(&self, sim: &RunState) -> bool {
+        with_contact(sim, sinks)
+    }
+}

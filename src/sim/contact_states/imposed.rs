@@ -1,0 +1,49 @@
+//! States imposed on soles by the scenario (`contact.forced`).
+//!
+//! An imposed state is not checked: it has no event functions, no impact stops the sole, and violations do not count
+//! as inconsistent. The residuals show them: friction beyond its capacity, penetration, tension.
+
+use crate::contact::model::state::{MAX_SOLES, SoleState};
+use crate::contact::search::judge::{Faults, Verdict};
+use crate::sim::event_kind::EventKind;
+use crate::sim::report::Observer;
+use crate::sim::run::RunState;
+use crate::sim::run_error::RunError;
+
+impl RunState {
+    /// Imposed states at time `t`.
+    pub(in crate::sim) fn forced(&self, t: f64) -> [Option<SoleState>; MAX_SOLES] {
+        let mut forced = [None; MAX_SOLES];
+        for f in self.contact.forced.iter().filter(|f| f.from <= t && t < f.to) {
+            forced[f.sole] = Some(f.state);
+        }
+        forced
+    }
+
+    /// Is the state of sole `s` imposed at the present time?
+    pub(in crate::sim) fn is_imposed(&self, s: usize) -> bool {
+        self.forced(self.plant.state.time)[s].is_some()
+    }
+
+    /// Do all faults of a verdict belong to soles with imposed states?
+    pub(in crate::sim) fn all_imposed(&self, verdict: &Verdict) -> bool {
+        let forced = self.forced(self.plant.state.time);
+        forced.iter().zip(&verdict.faults).all(|(forced, faults)| forced.is_some() || *faults == Faults::default())
+    }
+
+    /// Reports the states that are imposed from now on, and those no longer imposed.
+    pub(in crate::sim) fn report_imposed(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let t = self.plant.state.time;
+        for i in 0..self.contact.forced.len() {
+            let forced = self.contact.forced[i];
+            let change = match t {
+                _ if t == forced.from => "imposed",
+                _ if t == forced.to => "no longer imposed",
+                _ => continue,
+            };
+            let sole = self.plant.model.soles[forced.sole].name.clone();
+            self.event(observer, EventKind::Forced, &sole, &format!("{} {change}", forced.state))?;
+        }
+        Ok(())
+    }
+}

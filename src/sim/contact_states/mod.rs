@@ -1,0 +1,17 @@
+//! Choice of contact states at an instant: impacts, imposed states, compliant floors, problem reports.
+//!
+//! The laws are pure functions of contact problems in [`crate::contact`]; this room applies them to the plant
+//! of a run, counts, and reports events.
+//!
+//! Imports plant, measure and contact. Called by the steppers.
+
+mod compliant;
+mod drift_projection;
+pub mod event_functions;
+mod friction;
+mod imposed;
+mod painleve;
+mod problem_report;
+mod rest_detection;
+mod selection;
+mod step_impulse;

@@ -1,0 +1,141 @@
+//! Ends sliding that no finite force continues by an impulse: Painleve's paradox in a run, see
+//! [`crate::contact::hybrid::painleve`].
+
+use crate::contact::hybrid::copositivity::{SlidingLoad, least_sliding_load};
+use crate::contact::hybrid::painleve;
+use crate::contact::model::state::{SoleState, States};
+use crate::sim::event_kind::EventKind;
+use crate::sim::report::Observer;
+use crate::sim::run::RunState;
+use crate::sim::run_error::RunError;
+
+/// Acceleration away from the floor, relative to the greatest, with which a vertex leaves it.
+const LEAVES: f64 = 1e-11;
+
+impl RunState {
+    /// Ends sliding that no finite force continues by an impulse. Returns false if there is no such sliding. Needs a free
+    /// evaluation at the plant's state, for which no valid contact state was found.
+    pub(in crate::sim) fn resolve_jam(&mut self, observer: &mut dyn Observer) -> Result<bool, RunError> {
+        // Fixed steps solve the velocity-level problem anyway, and methods that do not search find nothing inconsistent.
+        if !self.plant.method.locates_events() {
+            return Ok(false);
+        }
+        let Some(load) = self.least_sliding_load().filter(SlidingLoad::drives_into_floor) else { return Ok(false) };
+        // Without a jam the run continues with the solution of the search.
+        let left = (self.plant.problem.clone(), self.plant.solution.clone());
+        let resolved = self.apply_jam(&load, observer)?;
+        if !resolved {
+            (self.plant.problem, self.plant.solution) = left;
+        }
+        Ok(resolved)
+    }
+
+    /// Applies the impulse of a jam, if there is one.
+    fn apply_jam(&mut self, load: &SlidingLoad, observer: &mut dyn Observer) -> Result<bool, RunError> {
+        let Some(states) = self.jam_states(load) else { return Ok(false) };
+        let jump = self.plant.apply_impulses(&self.projection.wrench);
+        let loss = -jump.contact;
+        self.energy.add_jump(jump);
+        let result = format!("no finite force; slip ended by an impulse, energy lost {loss:.6e} J");
+        self.report_jam(load, &result, observer)?;
+        self.adopt(states, observer)?;
+        self.plant.evaluate_free();
+        Ok(true)
+    }
+
+    fn report_jam(&mut self, load: &SlidingLoad, result: &str, observer: &mut dyn Observer) -> Result<(), RunError> {
+        self.metrics.jams += 1;
+        let (s, i) = load.at;
+        let message = format!("vertex {i}: normal coefficient {:.6e} 1/kg, {result}", load.value);
+        let sole = self.plant.model.soles[s].name.clone();
+        self.event(observer, EventKind::Jam, &sole, &message)
+    }
+
+    /// Ends sliding whose contact force grows without bound, so that the step size collapses. Returns false if that is
+    /// not the cause. Needs a free evaluation.
+    pub(in crate::sim) fn resolve_unbounded_force(&mut self, observer: &mut dyn Observer) -> Result<bool, RunError> {
+        let Some(load) = self.least_sliding_load().filter(SlidingLoad::is_at_limit) else { return Ok(false) };
+        let (s, i) = load.at;
+        let start = self.plant.state.v.clone();
+        let slip = self.plant.problem.soles[s].vertices[i].velocity.xy();
+        if self.turns_into_floor(&load) {
+            return self.apply_jam(&load, observer);
+        }
+        let mut after_impulse = |size: f64| {
+            let plant = &mut self.plant;
+            plant.state.v.copy_from_slice(&start);
+            plant.evaluate_free();
+            let jump = plant.apply_impulses(&scaled(&load.wrench, size));
+            plant.evaluate_free();
+            // Beyond rounding, or sliding with K nearly zero would be found again.
+            let size = plant.problem.b.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
+            let leaves = plant.problem.vertex_motion(&plant.problem.b, s, i).z >= LEAVES * size;
+            (leaves, plant.problem.soles[s].vertices[i].velocity.xy().dot(&slip) > 0.0, jump)
+        };
+        // The impulse that would stop the slip bounds the search.
+        let mut most = self.tolerances.rest;
+        while after_impulse(most).1 && !after_impulse(most).0 {
+            most *= 2.0;
+        }
+        let (mut low, mut high) = (0.0, most);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            let (leaves, slips, _) = after_impulse(middle);
+            if leaves || !slips { high = middle } else { low = middle }
+        }
+        let (leaves, _, jump) = after_impulse(high);
+        self.energy.add_jump(jump);
+        let end = if leaves { "until it lets go" } else { "until it stops" };
+        let result =
+            format!("force without bound; an impulse of {high:.6e} N s {end}, energy lost {:.6e} J", -jump.contact);
+        self.report_jam(&load, &result, observer)?;
+        Ok(true)
+    }
+
+    /// The normal load of least `x . K x` on sliding vertices.
+    fn least_sliding_load(&mut self) -> Option<SlidingLoad> {
+        let plant = &mut self.plant;
+        let (p, method) = (&mut plant.problem, plant.method.as_mut());
+        least_sliding_load(p, method, &plant.states, &self.tolerances, &mut self.projection)
+    }
+
+    /// The states after the jam of a load, its impulses in `self.projection`; none where there is no jam.
+    fn jam_states(&mut self, load: &SlidingLoad) -> Option<States> {
+        let (rules, forced) = (self.rules(), self.forced(self.plant.state.time));
+        let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
+        let plant = &mut self.plant;
+        let (p, method) = (&mut plant.problem, plant.method.as_mut());
+        let out = (&mut plant.solution, &mut self.projection);
+        let (states, selection) = painleve::jam(p, method, &plant.reduced.velocity, load, &rules, &allowed, out);
+        let selection = selection?;
+        self.count(&selection);
+        if states.is_none() {
+            self.plant.evaluate_free();
+        }
+        states
+    }
+
+    /// Does an impulse along this load turn the slip of its vertex so that K falls further?
+    fn turns_into_floor(&mut self, load: &SlidingLoad) -> bool {
+        let (s, i) = load.at;
+        let start = self.plant.state.v.clone();
+        let slip = |sim: &Self| sim.plant.problem.soles[s].vertices[i].velocity.xy();
+        let before = slip(self);
+        let falls = |sim: &mut Self, size: f64| {
+            sim.plant.apply_impulses(&scaled(&load.wrench, size));
+            sim.plant.evaluate_free();
+            let found = ((slip(sim) - before).norm(), sim.least_sliding_load());
+            sim.plant.state.v.copy_from_slice(&start);
+            sim.plant.evaluate_free();
+            found
+        };
+        // By a hundredth of the slip.
+        let size = self.tolerances.rest;
+        let size = 0.01 * before.norm() * size / falls(self, size).0;
+        falls(self, size).1.is_some_and(|after| load.falls_to(&after))
+    }
+}
+
+fn scaled(wrench: &[f64], factor: f64) -> Vec<f64> {
+    wrench.iter().map(|w| w * factor).collect()
+}

@@ -1,0 +1,219 @@
+//! Choice of contact states at an instant: impacts first, then the states consistent with the accelerations.
+
+use super::drift_projection::anchor;
+use crate::contact::hybrid::impact;
+use crate::contact::methods::contact_method::SelectionInput;
+use crate::contact::model::state::{MAX_SOLES, SoleState, States};
+use crate::contact::search::judge::Rules;
+use crate::contact::search::select::Selection;
+use crate::sim::event_kind::EventKind;
+use crate::sim::report::{Observer, Outcome};
+use crate::sim::run::RunState;
+use crate::sim::run_error::RunError;
+use nalgebra::Vector2;
+
+/// Rounds of selection and settling at one instant.
+const ROUNDS: usize = 4;
+/// Impacts that may follow each other at one instant.
+const CASCADE: usize = 32;
+
+impl RunState {
+    /// Chooses the contact states at the plant's present state, with impacts where vertices hit the floor, and leaves
+    /// the plant evaluated.
+    pub(in crate::sim) fn choose_states(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        if self.plant.is_compliant() {
+            self.plant.evaluate();
+            return self.read_compliant_states(observer);
+        }
+        self.plant.evaluate_free();
+        self.update_friction(observer)?;
+        self.plant.update_directions();
+        if self.plant.method.locates_events() && self.locates_events() {
+            self.count_event()?;
+        }
+        let mut impacts = 0;
+        for round in 1..=ROUNDS {
+            // Vertices brought to rest may drive others into the floor.
+            while self.plant.method.locates_events() && self.hits() {
+                self.impact(observer)?;
+                impacts += 1;
+                if impacts > CASCADE {
+                    let t = self.plant.state.time;
+                    return Err(RunError::new(Outcome::Stalled, format!("{CASCADE} impacts in a row at {t:.9} s")));
+                }
+            }
+            let selection = self.select(observer)?;
+            self.count(&selection);
+            let invalid = !selection.consistent && !self.all_imposed(&selection.verdict);
+            // A jam is a solution only if a state is chosen after it.
+            if invalid && round < ROUNDS && self.resolve_jam(observer)? {
+                continue;
+            }
+            if invalid {
+                // The run continues with the states of least violation.
+                let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
+                self.report_inconsistent(observer, &message)?;
+            }
+            self.adopt(selection.states, observer)?;
+            // Normal motion (below v_t) and slip (below the rest speed) that the new state does not allow end here; the
+            // choice is then repeated with the consistent velocities.
+            let change = self.settle_velocities();
+            self.plant.evaluate_free();
+            if change <= self.tolerances.rest {
+                break;
+            }
+        }
+        self.suspect = [0; MAX_SOLES];
+        self.plant.evaluate();
+        Ok(())
+    }
+
+    /// As [`choose_states`](Self::choose_states), with vertices slower than `speed` (m/s) at rest.
+    pub(in crate::sim) fn choose_states_with_rest(
+        &mut self,
+        speed: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RunError> {
+        let kept = (self.plant.rest, self.tolerances.rest);
+        (self.plant.rest, self.tolerances.rest) = (kept.0.max(speed), kept.1.max(speed));
+        let chosen = self.choose_states(observer);
+        (self.plant.rest, self.tolerances.rest) = kept;
+        chosen
+    }
+
+    /// Does a vertex hit the floor?
+    fn hits(&self) -> bool {
+        let plant = &self.plant;
+        impact::is_due(&plant.problem, &plant.states, &self.tolerances, |s| self.is_imposed(s))
+    }
+
+    /// Rules of the selection.
+    pub(in crate::sim) fn rules(&self) -> Rules {
+        Rules { tolerances: self.tolerances, previous: self.plant.states, suspect: self.suspect, hops: false }
+    }
+
+    /// Selects states at the acceleration level.
+    fn select(&mut self, observer: &mut dyn Observer) -> Result<Selection, RunError> {
+        let rules = self.rules();
+        let forced = self.forced(self.plant.state.time);
+        let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
+        let input = SelectionInput { rules: &rules, event: true, allowed: &allowed };
+        self.record_problem(observer, &input, &forced);
+        let plant = &mut self.plant;
+        let selection = plant.method.select(&mut plant.problem, &input, &mut plant.solution);
+        self.record_solution(observer, &selection)?;
+        Ok(selection)
+    }
+
+    /// Counts a selection.
+    pub(in crate::sim) fn count(&mut self, selection: &Selection) {
+        self.metrics.selections += 1;
+        self.metrics.states_tested += selection.tested as u64;
+        self.metrics.states_tested_max = self.metrics.states_tested_max.max(selection.tested as u64);
+    }
+
+    /// Applies an impact.
+    pub(in crate::sim) fn impact(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let rules = self.rules();
+        let tol = self.tolerances;
+        let forced = self.forced(self.plant.state.time);
+        let plant = &mut self.plant;
+        let fastest = impact::set_impact(&mut plant.problem, &plant.reduced.velocity, &tol, self.contact.restitution);
+        let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
+        let input = SelectionInput { rules: &rules, event: true, allowed: &allowed };
+        self.record_problem(observer, &input, &forced);
+        let plant = &mut self.plant;
+        let selection = plant.method.impulse(&mut plant.problem, &input, &mut plant.solution);
+        self.record_solution(observer, &selection)?;
+        let plant = &mut self.plant;
+        let impulses = std::mem::take(&mut plant.solution.wrench);
+        let jump = plant.apply_impulses(&impulses);
+        plant.solution.wrench = impulses;
+        let loss = -jump.contact;
+        self.energy.add_jump(jump);
+        self.metrics.impacts += 1;
+        let (t, after) = (self.plant.state.time, self.plant.kinetic_energy());
+        self.milestones.take_impact(t, after, loss, &mut self.metrics);
+        self.count(&selection);
+        if !selection.consistent && !self.all_imposed(&selection.verdict) {
+            self.report_inconsistent(observer, "no contact state is valid at an impact")?;
+        }
+        let message = format!("approach {fastest:.6} m/s, energy lost {loss:.6e} J");
+        self.event(observer, EventKind::Impact, "", &message)?;
+        self.adopt(selection.states, observer)?;
+        self.plant.evaluate_free();
+        Ok(())
+    }
+
+    /// Adopts the states: counts and reports changes, and anchors the vertices of soles that changed.
+    pub(in crate::sim) fn adopt(&mut self, states: States, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let t = self.plant.state.time;
+        for s in 0..self.plant.problem.soles.len() {
+            let (old, new) = (self.plant.states[s], states[s]);
+            for (d, v) in self.plant.directions[s].iter_mut().zip(&self.plant.problem.soles[s].vertices) {
+                *d = v.direction;
+            }
+            if old == new {
+                continue;
+            }
+            if !self.started {
+                // The first choice is the initial state, not an event.
+                anchor(self, s);
+                continue;
+            }
+            let kind = match (old, new) {
+                (SoleState::FREE, _) => EventKind::Touchdown,
+                (_, SoleState::FREE) => EventKind::Liftoff,
+                _ if old.is_static() && new.is_dynamic() => EventKind::Slip,
+                _ if old.is_dynamic() && new.is_static() => EventKind::Stick,
+                _ => EventKind::State,
+            };
+            let first = match kind {
+                EventKind::Touchdown => Some(&mut self.metrics.first_touchdown_s),
+                EventKind::Liftoff => Some(&mut self.metrics.first_liftoff_s),
+                EventKind::Slip => Some(&mut self.metrics.first_slip_s),
+                EventKind::Stick => Some(&mut self.metrics.first_stick_s),
+                _ => None,
+            };
+            if let Some(first) = first {
+                first.get_or_insert(t);
+            }
+            self.metrics.state_changes += 1;
+            let subject = self.plant.model.soles[s].name.clone();
+            self.event(observer, kind, &subject, &format!("{old} to {new}"))?;
+            if new != SoleState::FREE {
+                anchor(self, s);
+            }
+        }
+        self.plant.states = states;
+        Ok(())
+    }
+
+    /// Brings the clamped directions of the adopted states to rest by a velocity jump. Returns the greatest change of a
+    /// vertex's velocity, m/s.
+    fn settle_velocities(&mut self) -> f64 {
+        let tol = self.tolerances;
+        // For a method without event location the impacts happen here.
+        let bounce = if self.plant.method.locates_events() { 0.0 } else { self.contact.restitution };
+        // Where the rest speed is above rounding it is the least change, as for drift.
+        let least = tol.rest > self.contact.tolerances.rest;
+        let plant = &mut self.plant;
+        let p = &mut plant.problem;
+        let states = impact::set_rest(p, &plant.reduced.velocity, &plant.states, &tol, bounce);
+        if least {
+            // Friction of feet that keep sliding would have impulses of either sign, and could add energy.
+            let vertices = p.soles.iter_mut().flat_map(|sole| &mut sole.vertices);
+            vertices.for_each(|v| v.direction = Vector2::zeros());
+        }
+        plant.method.respond(p, &states, &mut self.projection);
+        if least {
+            for (sole, directions) in p.soles.iter_mut().zip(&plant.directions) {
+                sole.vertices.iter_mut().zip(directions).for_each(|(v, d)| v.direction = *d);
+            }
+        }
+        let change = impact::greatest_change(p, &self.projection.motion);
+        let jump = plant.apply_impulses(&self.projection.wrench);
+        self.energy.add_jump(jump);
+        change
+    }
+}

@@ -1,0 +1,112 @@
+//! Single instants of a run for the summary: tipping, impacts, flight, and the state at the end.
+//!
+//! ```text
+//! flight        c(t) = c0 + c0' t + g t^2 / 2        k_c(t) = k_c(0)
+//! first impact  sqrt(T+ / T-), T the kinetic energy: e for a flat fall, omega+ / omega- for a rocking body
+//! balance       the weight's line of action meets the floor at the centre of pressure
+//! ```
+
+use crate::contact::model::state::{MAX_SOLES, SoleState, States};
+use crate::dynamics::body;
+use crate::sim::plant::Plant;
+use crate::sim::report::{Metrics, Snapshot};
+use nalgebra::Vector3;
+
+/// Contact states, flight and first impact so far.
+#[derive(Default)]
+pub struct Milestones {
+    states: Option<States>,
+    flight: Option<Flight>,
+    /// Time of the first impact and the kinetic energy before it.
+    first_impact: Option<(f64, f64)>,
+    /// Base position at the start, and its velocity.
+    launch: (Vector3<f64>, Vector3<f64>),
+}
+
+/// Start of a flight: the first step end without contact.
+struct Flight {
+    time: f64,
+    com: Vector3<f64>,
+    velocity: Vector3<f64>,
+    /// Angular momentum about the centre of mass.
+    spin: Vector3<f64>,
+}
+
+impl Milestones {
+    /// For a run from the plant's present state.
+    pub fn new(plant: &Plant) -> Self {
+        let v = &plant.state.v;
+        let velocity = if plant.model.nb() == 6 { Vector3::new(v[0], v[1], v[2]) } else { Vector3::zeros() };
+        Milestones { launch: (plant.state.position, velocity), ..Milestones::default() }
+    }
+
+    /// Starts a new flight after a jump of the motion. Contact states have jumped as well if a state was `restored`.
+    pub fn restart(&mut self, restored: bool) {
+        self.flight = None;
+        self.states = self.states.filter(|_| !restored);
+    }
+
+    /// Takes the end of a step. Needs kinematics at the plant's state.
+    pub fn take_step(&mut self, plant: &Plant, m: &mut Metrics) {
+        let soles = plant.problem.soles.len();
+        let (states, t) = (plant.states, plant.state.time);
+        if let Some(before) = self.states.replace(states) {
+            let tips = |s: usize| states[s] != SoleState::FREE && states[s].normal_rows() < before[s].normal_rows();
+            if (0..soles.min(MAX_SOLES)).any(tips) {
+                m.first_tip_s.get_or_insert(t);
+            }
+        }
+        if (0..soles).any(|s| states[s] != SoleState::FREE) {
+            self.flight = None;
+            return;
+        }
+        let ws = &plant.ws;
+        let (com, spin) = (body::center_of_mass(ws), body::momentum(ws).angular);
+        match &self.flight {
+            None => {
+                let velocity = body::center_of_mass_velocity(ws);
+                self.flight = Some(Flight { time: t, com, velocity, spin });
+            }
+            Some(start) => {
+                let t = t - start.time;
+                let path = start.com + start.velocity * t + plant.gravity * (0.5 * t * t);
+                m.max_flight_path_drift_m = m.max_flight_path_drift_m.max((com - path).norm());
+                m.max_flight_spin_drift_nms = m.max_flight_spin_drift_nms.max((spin - start.spin).norm());
+            }
+        }
+    }
+
+    /// Takes an impact at time `t` that dissipated the kinetic energy `loss`; `after` is left, J.
+    pub fn take_impact(&mut self, t: f64, after: f64, loss: f64, m: &mut Metrics) {
+        let (first, before) = *self.first_impact.get_or_insert((t, after + loss));
+        m.last_impact_s = Some(t);
+        // Impacts at one instant count as one.
+        if t == first && before > 0.0 {
+            m.first_impact_speed_ratio = Some((after.max(0.0) / before).sqrt());
+        }
+    }
+
+    /// Writes the state at the end into the metrics. Needs an evaluation without contact at the plant's state; the
+    /// forces are those of the last snapshot if it is of the same instant.
+    pub fn write_end(&self, plant: &Plant, last: &Snapshot, m: &mut Metrics) {
+        let (is_floating, v) = (plant.model.nb() == 6, &plant.state.v);
+        m.final_base_angular_velocity = if is_floating { [v[3], v[4], v[5]] } else { [0.0; 3] };
+        let com = body::center_of_mass(&plant.ws);
+        m.final_com_position = com.into();
+        m.final_com_velocity = body::center_of_mass_velocity(&plant.ws).into();
+        let (start, velocity) = self.launch;
+        let shift = plant.state.position - start;
+        m.final_base_shift_m = shift.norm();
+        m.final_base_sideways_m = velocity.try_normalize(0.0).map(|along| (shift - along * along.dot(&shift)).norm());
+        if last.time != plant.state.time || last.soles.is_empty() {
+            return;
+        }
+        let normal = plant.floor.rotation.column(2).into_owned();
+        m.final_normal_force_n = Some(last.soles.iter().flat_map(|s| &s.forces).map(|f| f.dot(&normal)).sum());
+        let fall = normal.dot(&plant.gravity);
+        m.final_cop_offset_m = last.centre_of_pressure.filter(|_| fall != 0.0).map(|cop| {
+            let foot = com - plant.gravity * (plant.floor.height(&com) / fall);
+            (cop - foot).norm()
+        });
+    }
+}

@@ -1,0 +1,164 @@
+//! Samples at given instants, for comparing runs whose steps end at different times.
+//!
+//! An adaptive step samples its dense output. Within a fixed step from t0 to t1 = t0 + h the configuration follows the
+//! cubic that meets position and velocity at both ends,
+//!
+//! ```text
+//! x(t0 + s h) = x0 + (3 s^2 - 2 s^3) (x1 - x0) + s (1 - s)^2 h v0 - s^2 (1 - s) h v1
+//! ```
+//!
+//! (the orientation by its rotation vector from t0). With exact v0 and v1 the error at s lies between those at the two
+//! ends: sampling adds no error. Force and contact states of a fixed step hold from t0 until before t1; at an instant
+//! where a force jumps, the sample of every method holds the values after the jump. The end of the run belongs to its
+//! last step.
+
+use crate::dynamics::State;
+use crate::sim::plant::Plant;
+use crate::sim::report::{Observer, Sample};
+use crate::sim::run_error::RunError;
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Part of the time between two samples: an instant nearer than that to the end of the run is its end.
+const SLIVER: f64 = 1e-6;
+
+/// Samples a run at a constant rate.
+pub struct Sampler {
+    rate: f64,
+    /// End of the run, s.
+    end: f64,
+    sample: Sample,
+    /// The state at the start of a fixed step.
+    step_start: State,
+    ended: bool,
+}
+
+impl Sampler {
+    /// For a run from its present state to `end`.
+    pub fn new(rate: f64, end: f64, state: &State) -> Self {
+        let sample = Sample { joints: vec![0.0; state.joints.len()], ..Sample::default() };
+        Sampler { rate, end, sample, step_start: state.clone(), ended: false }
+    }
+
+    /// Time of the next sample before the end, s.
+    pub fn next(&self) -> Option<f64> {
+        let next = self.sample.index as f64 / self.rate;
+        (next < self.end - SLIVER / self.rate).then_some(next)
+    }
+
+    /// Samples the plant's present state; needs an evaluation at it.
+    pub fn sample_state(&mut self, plant: &Plant, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let (state, sample) = (&plant.state, &mut self.sample);
+        (sample.time, sample.position, sample.rotation) = (state.time, state.position, state.rotation);
+        sample.joints.copy_from_slice(&state.joints);
+        self.emit(plant, observer)
+    }
+
+    /// Stores the state at the start of a fixed step.
+    pub fn begin_step(&mut self, state: &State) {
+        self.step_start.copy_from(state);
+    }
+
+    /// Samples the fixed step that has just ended; the plant holds its forces, states and end.
+    pub fn sample_step(&mut self, plant: &Plant, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let end = plant.state.time;
+        // Steps of 1e-3 s add up to an instant up to rounding.
+        while let Some(t) = self.next().filter(|t| *t < end - SLIVER * (end - self.step_start.time)) {
+            interpolate(&self.step_start, &plant.state, t, &mut self.sample);
+            self.emit(plant, observer)?;
+        }
+        if end >= self.end && !self.ended {
+            self.ended = true;
+            interpolate(&self.step_start, &plant.state, end, &mut self.sample);
+            self.emit(plant, observer)?;
+        }
+        Ok(())
+    }
+
+    /// Samples the end of the run, unless its last step has done so.
+    pub fn sample_end(&mut self, plant: &Plant, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let open = !std::mem::replace(&mut self.ended, true);
+        if open { self.sample_state(plant, observer) } else { Ok(()) }
+    }
+
+    /// Adds the plant's forces and states and emits the sample.
+    fn emit(&mut self, plant: &Plant, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let (floor, sample) = (&plant.floor.rotation, &mut self.sample);
+        sample.forces.clear();
+        sample.forces.extend(plant.solution.wrench.chunks_exact(6).map(|w| floor * Vector3::new(w[0], w[1], w[2])));
+        sample.states.clear();
+        sample.states.extend_from_slice(&plant.states.0[..plant.problem.soles.len()]);
+        let emitted = observer.sample(sample).map_err(RunError::internal);
+        sample.index += 1;
+        emitted
+    }
+}
+
+/// The configuration at time `t` of the step from `a` to `b`.
+fn interpolate(a: &State, b: &State, t: f64, out: &mut Sample) {
+    let h = b.time - a.time;
+    let s = ((t - a.time) / h).clamp(0.0, 1.0);
+    let nb = a.v.len() - a.joints.len();
+    let (end, start, stop) = (s * s * (3.0 - 2.0 * s), s * (1.0 - s) * (1.0 - s) * h, -s * s * (1.0 - s) * h);
+    let cubic = |x0: f64, x1: f64, v0: f64, v1: f64| {
+        // At the ends equal to the state to the last bit.
+        let inner = x0 + (x1 - x0) * end + v0 * start + v1 * stop;
+        if s == 0.0 {
+            x0
+        } else if s == 1.0 {
+            x1
+        } else {
+            inner
+        }
+    };
+    out.time = t;
+    (out.position, out.rotation) = (a.position, a.rotation);
+    if nb == 6 {
+        out.position = Vector3::from_fn(|i, _| cubic(a.position[i], b.position[i], a.v[i], b.v[i]));
+        let turn = (b.rotation * a.rotation.inverse()).scaled_axis();
+        let part = Vector3::from_fn(|i, _| cubic(0.0, turn[i], a.v[3 + i], b.v[3 + i]));
+        out.rotation = if s == 1.0 { b.rotation } else { UnitQuaternion::from_scaled_axis(part) * a.rotation };
+    }
+    for (j, q) in out.joints.iter_mut().enumerate() {
+        *q = cubic(a.joints[j], b.joints[j], a.v[nb + j], b.v[nb + j]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state(time: f64, x: f64, v: f64, turned: f64, spin: f64) -> State {
+        let axis = Vector3::new(0.6, 0.0, 0.8);
+        let omega = axis * spin;
+        State {
+            time,
+            position: Vector3::new(x, 0.0, 0.0),
+            rotation: UnitQuaternion::from_scaled_axis(axis * turned),
+            joints: vec![2.0 * x],
+            v: vec![v, 0.0, 0.0, omega.x, omega.y, omega.z, 2.0 * v],
+            actuators: vec![],
+        }
+    }
+
+    #[test]
+    fn cubic_motion_is_sampled_exactly() {
+        // x = t^3 - t, turned by t^2 - 0.3 t^3 about one axis.
+        let at = |t: f64| state(t, t * t * t - t, 3.0 * t * t - 1.0, t * t - 0.3 * t * t * t, 2.0 * t - 0.9 * t * t);
+        let (a, b) = (at(0.2), at(0.9));
+        let mut out = Sample { joints: vec![0.0], ..Sample::default() };
+        for t in [0.2, 0.35, 0.61, 0.9] {
+            interpolate(&a, &b, t, &mut out);
+            let exact = at(t);
+            // Rounding alone.
+            assert!((out.position - exact.position).norm() < 1e-15, "{t}");
+            assert!((out.joints[0] - exact.joints[0]).abs() < 1e-15, "{t}");
+            assert!(out.rotation.angle_to(&exact.rotation) < 1e-7, "{t}");
+            let apart = (out.rotation.coords - exact.rotation.coords).norm();
+            assert!(apart < 1e-15, "{t}: {apart:e}");
+        }
+        interpolate(&a, &b, 0.2, &mut out);
+        assert_eq!((out.position, out.rotation), (a.position, a.rotation), "the start to the last bit");
+        interpolate(&a, &b, 0.9, &mut out);
+        assert_eq!((out.position, out.rotation, &out.joints), (b.position, b.rotation, &b.joints));
+    }
+}

@@ -1,0 +1,182 @@
+//! Filling of snapshots from the plant and the estimator.
+
+use crate::contact::model::residual;
+use crate::dynamics::body;
+use crate::geometry::stable_point::Edge;
+use crate::geometry::{convex_hull, stable_point};
+use crate::robot::{DriveMode, Model};
+use crate::sim::actuation::joint_efforts;
+use crate::sim::plant::Plant;
+use crate::sim::report::{EstimateSnapshot, Snapshot, SoleSnapshot};
+use crate::sim::sensing::Estimator;
+use crate::task::{PointOfInterest, Sensed, TaskServer};
+use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use std::fmt::Write;
+
+/// A snapshot with all vectors allocated, to be filled repeatedly.
+pub fn blank(model: &Model) -> Snapshot {
+    Snapshot {
+        q: vec![0.0; model.nj()],
+        qd: vec![0.0; model.nj()],
+        effort: vec![0.0; model.nj()],
+        effort_desired: vec![0.0; model.nj()],
+        q_desired: vec![0.0; model.nj()],
+        qd_desired: vec![0.0; model.nj()],
+        link_poses: vec![Isometry3::identity(); model.links.len()],
+        soles: model
+            .soles
+            .iter()
+            .map(|s| {
+                let k = s.vertices.len();
+                SoleSnapshot {
+                    state: String::with_capacity(32),
+                    clamped: vec![false; k],
+                    positions: vec![Vector3::zeros(); k],
+                    velocities: vec![Vector3::zeros(); k],
+                    forces: vec![Vector3::zeros(); k],
+                }
+            })
+            .collect(),
+        external: Vec::new(),
+        ..Snapshot::default()
+    }
+}
+
+/// An estimate with all vectors allocated.
+pub fn blank_estimate(model: &Model) -> EstimateSnapshot {
+    EstimateSnapshot {
+        q: vec![0.0; model.nj()],
+        qd: vec![0.0; model.nj()],
+        load: vec![0.0; model.nj()],
+        soles: vec![(Vector3::zeros(), Vector3::zeros()); model.soles.len()],
+        static_soles: Vec::with_capacity(model.soles.len()),
+        ..EstimateSnapshot::default()
+    }
+}
+
+/// Fills an estimate from the readings and the estimator of the last tick.
+pub fn fill_estimate(estimator: &Estimator, readings: &Sensed, out: &mut EstimateSnapshot) {
+    let state = &estimator.state;
+    out.time = state.time;
+    out.base_pose = Isometry3::from_parts(Translation3::from(state.position), state.rotation);
+    if state.v.len() > state.joints.len() {
+        out.base_linear_velocity = Vector3::new(state.v[0], state.v[1], state.v[2]);
+        out.base_angular_velocity = Vector3::new(state.v[3], state.v[4], state.v[5]);
+    }
+    out.q.copy_from_slice(&readings.position);
+    out.qd.copy_from_slice(&readings.velocity);
+    out.load.copy_from_slice(&readings.load);
+    (out.orientation, out.angular_velocity) = (readings.orientation, readings.angular_velocity);
+    out.specific_force = readings.specific_force;
+    for (to, sole) in out.soles.iter_mut().zip(&readings.soles) {
+        *to = (sole.force, sole.moment);
+    }
+    out.static_soles.clear();
+    out.static_soles.extend_from_slice(estimator.static_soles());
+}
+
+/// Fills a snapshot from the plant's last evaluation. `edges` is scratch.
+pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
+    plant.share_forces();
+    out.residual = residual::evaluate(&plant.problem, &plant.states, &plant.solution);
+    let (state, model) = (&plant.state, &plant.model);
+    let nb = model.nb();
+    out.time = state.time;
+    out.base_pose = Isometry3::from_parts(Translation3::from(state.position), state.rotation);
+    if nb == 6 {
+        out.base_linear_velocity = Vector3::new(state.v[0], state.v[1], state.v[2]);
+        out.base_angular_velocity = Vector3::new(state.v[3], state.v[4], state.v[5]);
+    }
+    out.q.copy_from_slice(&state.joints);
+    out.qd.copy_from_slice(&state.v[nb..]);
+    out.effort.copy_from_slice(&plant.drives.efforts);
+    for (j, desired) in out.effort_desired.iter_mut().enumerate() {
+        let kinematic = plant.command.mode[j] == DriveMode::Kinematic;
+        let servo = joint_efforts::desired_effort(j, state.joints[j], state.v[nb + j], &plant.command);
+        *desired = if kinematic { plant.drives.efforts[j] } else { servo };
+    }
+    out.q_desired.copy_from_slice(&plant.command.position);
+    out.qd_desired.copy_from_slice(&plant.command.velocity);
+    for (i, pose) in out.link_poses.iter_mut().enumerate() {
+        let rotation =
+            UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(plant.ws.links[i].rotation));
+        let position = plant.ws.links[i].origin + plant.ws.position;
+        *pose = Isometry3::from_parts(Translation3::from(position), rotation) * model.links[i].urdf_frame;
+    }
+    out.com = body::center_of_mass(&plant.ws);
+    out.com_velocity = body::center_of_mass_velocity(&plant.ws);
+    out.external.clone_from(&plant.arrows);
+    let floor = &plant.floor.rotation;
+    let (mut load, mut moment) = (0.0, Vector3::zeros());
+    let plane = plant.floor.plane();
+    out.support_polygon.clear();
+    for (s, sole) in out.soles.iter_mut().enumerate() {
+        let p = &plant.problem.soles[s];
+        let k = p.vertices.len();
+        let contact = plant.states[s];
+        sole.state.clear();
+        let _ = write!(sole.state, "{contact}");
+        let origin = plant.reduced.reference[s];
+        for (i, v) in p.vertices.iter().enumerate() {
+            let (n, t) = (plant.solution.normal[s][i], plant.solution.tangent[s][i]);
+            sole.clamped[i] = contact.clamps(i, k);
+            sole.positions[i] = origin + floor * v.r;
+            sole.velocities[i] = floor * v.velocity;
+            sole.forces[i] = floor * Vector3::new(t.x, t.y, n);
+            load += n;
+            moment += sole.positions[i] * n;
+            if sole.clamped[i] {
+                out.support_polygon.push(plane.project(&sole.positions[i]));
+            }
+        }
+    }
+    out.centre_of_pressure = (load > 1e-9 * plant.problem.scale).then(|| moment / load);
+    convex_hull(&mut out.support_polygon, &plane);
+    let corners = out.support_polygon.iter().map(|p| plane.flat(p));
+    out.stable_point = stable_point(corners, edges).map(|found| plane.world(&found.point));
+}
+
+/// The named points of all tasks, without positions.
+pub fn blank_points(tasks: &TaskServer) -> Vec<PointOfInterest> {
+    let mut points: Vec<PointOfInterest> = Vec::new();
+    for (name, _) in tasks.points() {
+        // Two tasks may have a point of one name.
+        let taken = |name: &str| points.iter().any(|point| point.name == name);
+        let names = std::iter::once(name.to_owned()).chain((2..).map(|n| format!("{name}.{n}")));
+        let free = names.into_iter().find(|name| !taken(name)).unwrap_or_default();
+        points.push(PointOfInterest::named(free));
+    }
+    points
+}
+
+/// Snapshots at a constant rate.
+pub struct SnapshotLog {
+    /// The last snapshot.
+    pub snapshot: Snapshot,
+    /// Scratch of the point of optimal stability.
+    pub edges: Vec<Edge>,
+    /// Snapshots per second; 0 for the last one only.
+    rate: f64,
+    /// Instants of the log so far.
+    count: u64,
+    /// Time of the last snapshot, s.
+    last: Option<f64>,
+}
+
+impl SnapshotLog {
+    /// Starts with an empty snapshot.
+    pub fn new(snapshot: Snapshot, rate: f64) -> Self {
+        SnapshotLog { snapshot, edges: Vec::new(), rate, count: 0, last: None }
+    }
+
+    /// Time of the next snapshot due, s.
+    pub fn next(&self) -> Option<f64> {
+        (self.rate > 0.0).then(|| self.count as f64 / self.rate)
+    }
+
+    /// Counts an instant of the log at time `now`. Returns whether it differs from the last one.
+    pub fn begin(&mut self, now: f64) -> bool {
+        self.count += 1;
+        self.last.replace(now) != Some(now)
+    }
+}

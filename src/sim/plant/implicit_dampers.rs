@@ -1,0 +1,72 @@
+//! External dampers in velocity-level steps: drag and the dampers of springs act at the end of the step.
+//!
+//! ```text
+//! f(v + dv) = f(v) - c J dv        (M + dt sum c J^T J) dv = dt (tau - h) + J_c^T w
+//! ```
+//!
+//! J is the Jacobian of the point at which a force f acts, c the damper's coefficient at the velocity v before
+//! the step, J_c^T w are the contact impulses. The term added to M is the mass matrix of points of mass `dt c`: a
+//! damper of any strength never reverses a motion within a step.
+
+use crate::dynamics::{DynamicsError, TreeMatrix, Workspace, crba, factor};
+use crate::force::{Damper, Force, ForceContext};
+use crate::robot::LinkId;
+use nalgebra::Vector3;
+
+/// The dampers of one step.
+pub struct ImplicitDampers {
+    /// Link, world point (m) and `dt c` (kg).
+    points: Vec<(LinkId, Vector3<f64>, f64)>,
+    /// `dt sum c J^T J`, when there are any.
+    matrix: TreeMatrix,
+}
+
+impl ImplicitDampers {
+    /// For the robot of a workspace.
+    pub fn new(ws: &Workspace) -> Self {
+        ImplicitDampers { points: Vec::new(), matrix: TreeMatrix::zeros(ws.mass.pattern().clone()) }
+    }
+
+    /// Reserves memory for `number` dampers.
+    pub fn reserve(&mut self, number: usize) {
+        self.points.reserve(number);
+    }
+
+    /// Removes all dampers, for an evaluation in continuous time.
+    pub fn clear(&mut self) {
+        self.points.clear();
+    }
+
+    /// Collects the dampers of all force models for a step of size `dt`.
+    pub fn gather(&mut self, forces: &[Box<dyn Force>], context: &ForceContext, dt: f64) {
+        let mut add = |d: Damper| {
+            if d.coefficient > 0.0 {
+                self.points.push((d.link, d.point, dt * d.coefficient));
+            }
+        };
+        forces.iter().for_each(|force| force.dampers(context, &mut add));
+    }
+
+    /// The matrix; none when there are no dampers.
+    pub fn matrix(&self) -> Option<&TreeMatrix> {
+        (!self.points.is_empty()).then_some(&self.matrix)
+    }
+
+    /// Factorises M with the dampers and `diagonal` added. Needs M in the workspace.
+    pub fn factorize(
+        &mut self,
+        ws: &mut Workspace,
+        diagonal: &[f64],
+        prescribed: &[usize],
+    ) -> Result<(), DynamicsError> {
+        if !self.points.is_empty() {
+            crba::point_masses(ws, &self.points, &mut self.matrix);
+            return factor::factorize_with(ws, &self.matrix, diagonal, prescribed);
+        }
+        if prescribed.is_empty() {
+            factor::factorize_shifted(ws, diagonal)
+        } else {
+            factor::factorize_prescribed(ws, diagonal, prescribed)
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Kinematic joints: their motion is prescribed; the rest of the robot obeys its dynamics.
+//!
+//! ```text
+//! M_ff a_f = tau_f - h_f - M_fk a_k + J_f^T w        free velocities f, prescribed accelerations a_k
+//! tau_k    = (M a + h - J^T w - passive - external)_k       efforts of the prescribed joints' drives
+//! ```
+//!
+//! This is a rheonomic constraint on the joint, by elimination: it adds no stiffness and works for links of any
+//! mass. Velocity jumps do not change the prescribed velocities; the drives hold them against
+//! `(M dv)_k - (J^T p)_k`, and the work of that is work of actuators, not of the impact.
+//!
+//! A velocity-level step of size dt takes `a_k = ((q_k(t + dt) - q_k) / dt - qd_k) / dt`: the step ends at the prescribed
+//! position, and the velocity in the state is the mean of the step.
+
+use super::Plant;
+use crate::dynamics::reduced;
+
+/// Work of a velocity jump, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JumpWork {
+    /// Work of the contact impulses; negative when they dissipate energy.
+    pub contact: f64,
+    /// Work of the drives of kinematic joints.
+    pub drives: f64,
+}
+
+impl Plant {
+    /// Reads a state from the integrator's vector, kinematic joints at their prescribed motion.
+    pub fn unpack(&mut self, t: f64, y: &[f64]) {
+        self.layout.unpack(t, y, &mut self.state);
+        self.apply_prescribed_motion();
+    }
+
+    /// Sets kinematic joints to their prescribed motion at the state's time.
+    pub fn apply_prescribed_motion(&mut self) {
+        let nb = self.model.nb();
+        for &j in self.kinematic_paths.joints() {
+            let m = self.kinematic_paths.at(j, self.state.time, self.within);
+            (self.state.joints[j], self.state.v[nb + j]) = (m.q, m.qd);
+        }
+    }
+
+    /// Plans the paths of kinematic joints for a control tick of length `period` at the present time; the next
+    /// command comes at `next`.
+    pub fn plan_paths(&mut self, period: f64, next: Option<f64>) {
+        self.kinematic_paths.plan(&self.model, &self.command, &self.state, period, next);
+        let nb = self.model.nb();
+        self.reduced.prescribed.clear();
+        self.reduced.prescribed.extend(self.kinematic_paths.joints().iter().map(|j| nb + j));
+    }
+
+    /// Prescribed acceleration of each kinematic joint at the present state, or over a step of size `dt`.
+    pub(super) fn prescribe_accelerations(&mut self, dt: Option<f64>) {
+        let (nb, t) = (self.model.nb(), self.state.time);
+        for &j in self.kinematic_paths.joints() {
+            self.prescribed_acceleration[j] = match dt {
+                None => self.kinematic_paths.at(j, t, self.within).qdd,
+                Some(dt) => {
+                    let end = self.kinematic_paths.at(j, t + dt, self.within).q;
+                    ((end - self.state.joints[j]) / dt - self.state.v[nb + j]) / dt
+                }
+            };
+        }
+    }
+
+    /// Writes to `self.scratch` the generalised force with the terms of the prescribed accelerations moved to the
+    /// right-hand side.
+    pub(super) fn move_prescribed_to_right(&mut self) {
+        let nb = self.model.nb();
+        self.scratch.copy_from_slice(&self.tau);
+        for &j in self.kinematic_paths.joints() {
+            self.ws.mass.add_column(nb + j, -self.prescribed_acceleration[j], &mut self.scratch);
+            if let Some(dampers) = self.dampers.matrix() {
+                dampers.add_column(nb + j, -self.prescribed_acceleration[j], &mut self.scratch);
+            }
+        }
+        for &j in self.kinematic_paths.joints() {
+            self.scratch[nb + j] = self.ws.bias[nb + j] + self.prescribed_acceleration[j];
+        }
+    }
+
+    /// Efforts of the drives of kinematic joints at the accelerations and wrenches of the last evaluation.
+    pub(super) fn drive_reactions(&mut self) {
+        let nb = self.model.nb();
+        self.ws.mass.multiply(&self.acceleration, &mut self.scratch);
+        for &j in self.kinematic_paths.joints() {
+            let k = nb + j;
+            let contact = self.contact_load(&self.solution.wrench, k);
+            self.drives.efforts[j] = self.scratch[k] + self.ws.bias[k] - contact - self.passive[j] - self.external[k];
+            self.drives.servo[j] = self.drives.efforts[j];
+        }
+    }
+
+    /// The same over a velocity-level step of size `dt` that changed the velocity by `dv`; the solution holds
+    /// impulses.
+    pub fn drive_reactions_over_step(&mut self, dv: &[f64], dt: f64) {
+        if self.kinematic_paths.joints().is_empty() {
+            return;
+        }
+        let nb = self.model.nb();
+        self.ws.mass.multiply(dv, &mut self.scratch);
+        if let Some(dampers) = self.dampers.matrix() {
+            dv.iter().enumerate().for_each(|(k, dv)| dampers.add_column(k, *dv, &mut self.scratch));
+        }
+        for &j in self.kinematic_paths.joints() {
+            let k = nb + j;
+            let contact = self.contact_load(&self.solution.wrench, k);
+            // Passive efforts with the implicit terms of the step, as in `step_flows`.
+            let implicit = self.implicit_passive[j] + self.implicit_external[k];
+            let others = self.external[k] + self.passive[j] - implicit * dv[k] / dt;
+            self.drives.efforts[j] = (self.scratch[k] - contact) / dt + self.ws.bias[k] - others;
+            self.drives.servo[j] = self.drives.efforts[j];
+        }
+    }
+
+    /// Sets kinematic joints to their prescribed positions at the step's end, equal to the last bit.
+    pub fn apply_prescribed_positions(&mut self) {
+        for &j in self.kinematic_paths.joints() {
+            self.state.joints[j] = self.kinematic_paths.at(j, self.state.time, self.within).q;
+        }
+    }
+
+    /// Applies sole impulses (6F, floor axes) to the state's velocity.
+    pub fn apply_impulses(&mut self, impulses: &[f64]) -> JumpWork {
+        if let Some(sum) = &mut self.impulses {
+            sum.add(impulses, 1.0);
+        }
+        let before = self.kinetic_energy();
+        let held = self.prescribed_momentum_work();
+        reduced::apply(&self.model, &self.ws, &mut self.reduced, impulses, &mut self.state.v);
+        let change = self.kinetic_energy() - before;
+        let mut drives = self.prescribed_momentum_work() - held;
+        for &k in &self.reduced.prescribed {
+            drives -= self.state.v[k] * self.contact_load(impulses, k);
+        }
+        JumpWork { contact: change - drives, drives }
+    }
+
+    /// `sum v_k (M v)_k` over the prescribed velocities, after [`Plant::kinetic_energy`].
+    fn prescribed_momentum_work(&self) -> f64 {
+        self.reduced.prescribed.iter().map(|&k| self.state.v[k] * self.scratch[k]).sum()
+    }
+
+    /// Generalised contact force in coordinate `k`.
+    fn contact_load(&self, wrenches: &[f64], k: usize) -> f64 {
+        reduced::load(&self.model, &self.ws, &self.floor.rotation, &self.reduced, wrenches, k)
+    }
+}

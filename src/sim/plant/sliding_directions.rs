@@ -1,0 +1,65 @@
+//! Sliding directions, which friction opposes, held where a vertex is too slow for its direction to be known.
+//!
+//! ```text
+//! u = t / |t|     for |t| > v_d,   -t / |t| where t opposes the reference (friction does not turn at zero speed)
+//! u = reference   for |t| <= v_d
+//! v_d = max(1e-7 m/s, sum over the speeds that move the sole of (absolute + relative |v_j|))
+//! ```
+//!
+//! with t the tangential velocity of the vertex and the tolerances of the integrator (`docs/contact.md`, section 7).
+
+use super::Plant;
+
+/// Speed below which a sliding vertex keeps its reference direction, m/s. Rounding (1e-16 m/s) turns the direction of a
+/// slower vertex by more than 1e-9 rad, while friction passes through such speeds within 1e-7 / (mu g), some 1e-8 s.
+pub const DIRECTION_SPEED: f64 = 1e-7;
+
+impl Plant {
+    /// Sets the sliding directions along the velocities. Where a vertex moves against its reference direction the
+    /// direction is continued through zero, so that the equations stay smooth until the event is located.
+    ///
+    /// A method that does not locate its events holds the directions of its last choice: it could not stop in
+    /// time when a vertex comes to rest.
+    pub fn update_directions(&mut self) {
+        let held = !self.method.locates_events();
+        for (s, references) in self.directions.iter().enumerate() {
+            let slow = self.direction_speed(s);
+            for (v, reference) in self.problem.soles[s].vertices.iter_mut().zip(references) {
+                let t = v.velocity.xy();
+                let speed = t.norm();
+                v.direction = if held || speed <= slow {
+                    *reference
+                } else if t.dot(reference) < 0.0 {
+                    -t / speed
+                } else {
+                    t / speed
+                };
+            }
+        }
+    }
+
+    /// Speed of a sole's sliding vertex, m/s, up to which its direction is held. It is at least the error that a step
+    /// may make in the speeds that move the sole (levers of a metre), or the direction would be that of the error.
+    pub fn direction_speed(&self, sole: usize) -> f64 {
+        let (absolute, relative) = self.step_error;
+        let moving = self.ws.support(self.model.soles[sole].link);
+        DIRECTION_SPEED.max(moving.iter().map(|&i| absolute + relative * self.state.v[i].abs()).sum())
+    }
+
+    /// Makes the present sliding directions the references of the step that begins. A direction that opposes its
+    /// reference is an event and stays unchanged.
+    pub fn update_reference_directions(&mut self) {
+        if !self.method.locates_events() {
+            return;
+        }
+        for s in 0..self.directions.len() {
+            let slow = self.direction_speed(s);
+            for (v, reference) in self.problem.soles[s].vertices.iter().zip(&mut self.directions[s]) {
+                let t = v.velocity.xy();
+                if t.norm() > slow && t.dot(reference) > 0.0 {
+                    *reference = t.normalize();
+                }
+            }
+        }
+    }
+}

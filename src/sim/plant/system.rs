@@ -1,0 +1,440 @@
+//! The right-hand side of the equations of motion, contact states held fixed.
+//!
+//! ```text
+//! M(q) vdot + h(q, v) = tau + J^T w        w = the contact method's solution for (W, a0)
+//! ```
+//!
+//! One evaluation: kinematics, bias h, mass matrix and its factor, efforts tau, the reduced problem, wrenches,
+//! accelerations. Every candidate state is judged with W and a0 alone (`docs/contact.md`, section 2).
+
+use super::implicit_dampers::ImplicitDampers;
+use super::sole_impulses::SoleImpulses;
+use super::state_layout::StateLayout;
+use crate::contact::methods::contact_method::{ContactSolver, Scheme, StoredEnergy};
+use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::solution::Solution;
+use crate::contact::model::state::States;
+use crate::contact::search::candidate::share_static;
+use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
+use crate::force::{AppliedForces, Force, ForceContext, ReportEvent};
+use crate::integrate::System;
+use crate::robot::{LinkId, Model, RigidInertia, SoleId};
+use crate::sim::actuation::drives::Drives;
+use crate::sim::actuation::joint_efforts::{self, JointStop};
+use crate::sim::actuation::kinematic_paths::KinematicPaths;
+use crate::sim::floor::{Floor, VertexRegion};
+use crate::sim::setup::{IntegratorSetup, Setup};
+use crate::task::Command;
+use nalgebra::{Vector2, Vector3};
+use std::sync::Arc;
+
+/// The robot on its floor: state, parameters, and the results of the last evaluation.
+pub struct Plant {
+    /// The robot.
+    pub model: Arc<Model>,
+    /// Gravity, world.
+    pub gravity: Vector3<f64>,
+    /// The floor.
+    pub floor: Floor,
+    /// Layout of the integrator's vector.
+    pub layout: StateLayout,
+    /// External forces.
+    pub forces: Vec<Box<dyn Force>>,
+    /// Joint commands.
+    pub command: Command,
+    /// Stiffness of the joint stops; none when limits are ignored.
+    pub stops: Option<Vec<JointStop>>,
+    /// State of the last evaluation.
+    pub state: State,
+    /// The state that the kinematics in `ws` belong to.
+    pub(super) kinematics_state: State,
+    /// Dynamics at that state.
+    pub ws: Workspace,
+    /// W, a0 and sole velocities at that state.
+    pub reduced: reduced::Reduced,
+    /// The contact problem at that state.
+    pub problem: Problem,
+    /// Contact states in force.
+    pub states: States,
+    /// The method's solution.
+    pub solution: Solution,
+    /// The method.
+    pub method: Box<dyn ContactSolver>,
+    /// Reference sliding directions, by sole and vertex, from the last choice of states.
+    pub directions: Vec<Vec<Vector2<f64>>>,
+    /// Friction region of each vertex, by sole and vertex; held while a step is integrated.
+    pub(super) regions: Vec<Vec<VertexRegion>>,
+    /// Speed below which a sliding vertex is at rest, m/s.
+    pub rest: f64,
+    /// Error that a step may make in a speed, and relative to it.
+    pub(super) step_error: (f64, f64),
+    /// A time inside the smooth piece being integrated.
+    pub within: f64,
+    /// Generalised force without contact and bias, nv.
+    pub tau: Vec<f64>,
+    /// The drives and their efforts.
+    pub drives: Drives,
+    /// Efforts of damping, friction and stops per joint.
+    pub(super) passive: Vec<f64>,
+    /// Generalised external force, nv.
+    pub(super) external: Vec<f64>,
+    /// External force arrows.
+    pub arrows: Vec<(Vector3<f64>, Vector3<f64>)>,
+    /// Generalised acceleration, nv.
+    pub acceleration: Vec<f64>,
+    /// Implicit terms of a velocity-level step on the diagonal of M; zero in continuous time.
+    pub(super) implicit_diagonal: Vec<f64>,
+    /// Those of friction and stops of the joints, by joint.
+    pub(super) implicit_passive: Vec<f64>,
+    /// Those of external forces, nv.
+    pub(super) implicit_external: Vec<f64>,
+    /// Dampers between points, which add to all of M.
+    pub(super) dampers: ImplicitDampers,
+    /// Impulses of the floor since the last tick, if a sensor or estimator needs them.
+    pub impulses: Option<SoleImpulses>,
+    /// Paths of kinematic joints.
+    pub kinematic_paths: KinematicPaths,
+    /// Prescribed accelerations, by joint.
+    pub(super) prescribed_acceleration: Vec<f64>,
+    pub(super) scratch: Vec<f64>,
+    /// Evaluations so far.
+    pub evaluations: u64,
+    /// Why the last evaluation failed: M could not be factorised and the accelerations are not a number.
+    pub failure: Option<DynamicsError>,
+}
+
+impl Plant {
+    /// Builds the plant of a run; takes the forces out of the setup.
+    pub fn new(setup: &mut Setup, method: Box<dyn ContactSolver>, problem: Problem) -> Self {
+        let model = setup.model.clone();
+        let (nj, nv) = (model.nj(), model.nv());
+        let mut state = State::home(&model);
+        state.position = setup.start.position;
+        state.rotation = setup.start.rotation;
+        state.joints.copy_from_slice(&setup.start.joints);
+        state.v.copy_from_slice(&setup.start.v);
+        let mut ws = Workspace::new(&model);
+        kinematics::update(&model, &state, &mut ws);
+        crba::mass_matrix(&model, &mut ws);
+        let stops = setup.joint_stops.then(|| {
+            (0..nj).map(|j| JointStop::new(&model.joints[j], ws.mass.get(model.nb() + j, model.nb() + j))).collect()
+        });
+        let directions = model.soles.iter().map(|s| vec![Vector2::zeros(); s.vertices.len()]).collect();
+        let mut plant = Plant {
+            layout: StateLayout::new(&model),
+            gravity: setup.gravity,
+            floor: setup.floor.clone(),
+            forces: std::mem::take(&mut setup.forces),
+            command: setup.tasks.command.clone(),
+            stops,
+            kinematics_state: state.clone(),
+            state,
+            reduced: reduced::Reduced::new(&model, &ws),
+            solution: Solution::new(&problem),
+            states: States::default(),
+            method,
+            problem,
+            directions,
+            regions: model.soles.iter().map(|s| vec![VertexRegion::default(); s.vertices.len()]).collect(),
+            rest: setup.contact.tolerances.rest,
+            step_error: match setup.integrator {
+                IntegratorSetup::Controlled { relative, absolute, .. } if setup.contact.locate => (absolute, relative),
+                // Without located events every step decides which vertices rest.
+                _ => (0.0, 0.0),
+            },
+            within: 0.0,
+            tau: vec![0.0; nv],
+            drives: Drives::new(&model),
+            passive: vec![0.0; nj],
+            external: vec![0.0; nv],
+            arrows: Vec::new(),
+            acceleration: vec![0.0; nv],
+            implicit_diagonal: vec![0.0; nv],
+            implicit_passive: vec![0.0; nj],
+            implicit_external: vec![0.0; nv],
+            dampers: ImplicitDampers::new(&ws),
+            impulses: None,
+            kinematic_paths: KinematicPaths::new(nj),
+            prescribed_acceleration: vec![0.0; nj],
+            scratch: vec![0.0; nv],
+            evaluations: 0,
+            failure: None,
+            ws,
+            model,
+        };
+        plant.reserve_forces();
+        plant
+    }
+
+    /// Reserves memory for all forces that the models may list at one instant.
+    pub(super) fn reserve_forces(&mut self) {
+        let number = self.forces.iter().map(|force| force.arrows()).sum();
+        self.arrows.reserve(number);
+        self.dampers.reserve(number);
+    }
+
+    /// Everything at `self.state` that does not depend on contact: tau, M and its factor, W, a0, the vertices.
+    pub fn evaluate_free(&mut self) {
+        self.evaluations += 1;
+        self.update_kinematics();
+        self.efforts(None);
+        self.implicit_diagonal.fill(0.0);
+        self.prescribe_accelerations(None);
+        self.finish_free();
+    }
+
+    /// As [`evaluate_free`](Self::evaluate_free) for a velocity-level step of size `dt`. Servo, friction and stops
+    /// act at the end of the step, which adds `dt (kd + d) + dt^2 kp` to the diagonal of M.
+    pub fn evaluate_implicit(&mut self, dt: f64) {
+        self.evaluations += 1;
+        self.update_kinematics();
+        self.drives.begin_step();
+        self.pose_implicit(dt);
+        let nb = self.model.nb();
+        let (rates, free) = (&self.state.v[nb..], &self.reduced.free[nb..]);
+        // Both are evaluated: each marks joints.
+        if self.drives.mark_entering_speed_band(&self.model, rates, free, dt)
+            | self.drives.mark_saturated(&self.model, free)
+        {
+            self.pose_implicit(dt);
+        }
+    }
+
+    fn pose_implicit(&mut self, dt: f64) {
+        self.efforts(Some(dt));
+        let nb = self.model.nb();
+        let diagonal = &mut self.implicit_diagonal;
+        for ((sum, passive), drive) in diagonal[nb..].iter_mut().zip(&self.implicit_passive).zip(&self.drives.implicit)
+        {
+            *sum = passive + drive;
+        }
+        for (sum, external) in diagonal.iter_mut().zip(&self.implicit_external) {
+            *sum += external;
+        }
+        self.prescribe_accelerations(Some(dt));
+        self.finish_free();
+    }
+
+    /// Updates the kinematics to `self.state`, unless they belong to it already: a fixed step begins where the last
+    /// one ended.
+    pub fn update_kinematics(&mut self) {
+        let (state, at) = (&self.state, &mut self.kinematics_state);
+        at.time = state.time;
+        if *at != *state {
+            at.copy_from(state);
+            kinematics::update(&self.model, state, &mut self.ws);
+        }
+    }
+
+    /// The links have changed: the next update computes the kinematics anew.
+    pub(super) fn invalidate_kinematics(&mut self) {
+        self.kinematics_state.position.x = f64::NAN;
+    }
+
+    /// Replaces the inertia of a link at `self.state`.
+    pub fn set_body(&mut self, link: LinkId, body: &RigidInertia) {
+        let model = Arc::make_mut(&mut self.model);
+        model.links[link.0].set_body(body);
+        self.problem.scale = load_scale(model, &self.gravity);
+        self.kinematics_state.copy_from(&self.state);
+        kinematics::update(&self.model, &self.state, &mut self.ws);
+    }
+
+    /// Fills tau with actuators, passive joint efforts and external forces. With a step size the position servo
+    /// is referred to the position that the present velocity leads to, as the implicit step requires.
+    fn efforts(&mut self, dt: Option<f64>) {
+        let nb = self.model.nb();
+        let (joints, rates) = (&self.state.joints, &self.state.v[nb..]);
+        self.drives.evaluate(&self.model, joints, rates, &self.state.actuators, &self.command, dt);
+        self.passive.fill(0.0);
+        let stops = self.stops.as_deref();
+        match dt {
+            None => joint_efforts::passive(&self.model, stops, joints, rates, &mut self.passive),
+            Some(dt) => {
+                let (passive, implicit) = (&mut self.passive, &mut self.implicit_passive);
+                joint_efforts::passive_implicit(&self.model, stops, joints, rates, dt, passive, implicit);
+            }
+        }
+        self.external.fill(0.0);
+        self.arrows.clear();
+        self.dampers.clear();
+        let context = ForceContext {
+            model: &self.model,
+            state: &self.state,
+            kinematics: &self.ws,
+            gravity: self.gravity,
+            // A velocity-level step evaluates forces that depend on time at its middle.
+            time: if dt.is_some() { self.within } else { self.state.time },
+            within: self.within,
+        };
+        let mut applied = AppliedForces::new(&mut self.external, &mut self.arrows);
+        for force in &mut self.forces {
+            force.evaluate(&context, &mut applied);
+        }
+        if let Some(dt) = dt {
+            self.implicit_external.fill(0.0);
+            self.forces.iter().for_each(|force| force.damping(&context, &mut self.implicit_external));
+            self.implicit_external.iter_mut().for_each(|term| *term *= dt);
+            self.dampers.gather(&self.forces, &context, dt);
+        }
+        self.tau.copy_from_slice(&self.external);
+        for (tau, (servo, passive)) in self.tau[nb..].iter_mut().zip(self.drives.servo.iter().zip(&self.passive)) {
+            *tau += servo + passive;
+        }
+    }
+
+    /// Calls every force model's `init` at the present state.
+    pub fn init_forces(&mut self) -> Result<(), String> {
+        (0..self.forces.len()).try_for_each(|i| self.init_force(i))
+    }
+
+    /// Adds a force model and reserves memory for its forces.
+    pub fn add_force(&mut self, force: Box<dyn Force>) -> Result<(), String> {
+        self.forces.push(force);
+        self.reserve_forces();
+        self.init_force(self.forces.len() - 1)
+    }
+
+    /// Calls `init` of one force model at the present state, whose kinematics it updates.
+    pub(super) fn init_force(&mut self, i: usize) -> Result<(), String> {
+        self.update_kinematics();
+        let context = ForceContext {
+            model: &self.model,
+            state: &self.state,
+            kinematics: &self.ws,
+            gravity: self.gravity,
+            time: self.state.time,
+            within: self.within,
+        };
+        self.forces[i].init(&context).map_err(|e| e.to_string())
+    }
+
+    /// Calls every force model's `pass` at the present state, whose kinematics it updates.
+    pub fn pass_forces(&mut self, report: &mut ReportEvent) {
+        self.update_kinematics();
+        let context = ForceContext {
+            model: &self.model,
+            state: &self.state,
+            kinematics: &self.ws,
+            gravity: self.gravity,
+            time: self.state.time,
+            // The piece that begins here.
+            within: self.state.time,
+        };
+        self.forces.iter_mut().for_each(|force| force.pass(&context, report));
+    }
+
+    fn finish_free(&mut self) {
+        rnea::bias(&self.model, &mut self.ws, &self.gravity);
+        crba::mass_matrix(&self.model, &mut self.ws);
+        let prescribed = &self.reduced.prescribed;
+        self.failure = self.dampers.factorize(&mut self.ws, &self.implicit_diagonal, prescribed).err();
+        if self.reduced.prescribed.is_empty() {
+            reduced::assemble(&self.model, &self.ws, &self.floor.rotation, &self.tau, &mut self.reduced);
+        } else {
+            self.move_prescribed_to_right();
+            reduced::assemble(&self.model, &self.ws, &self.floor.rotation, &self.scratch, &mut self.reduced);
+        }
+        self.acceleration.copy_from_slice(&self.reduced.free);
+        if self.failure.is_some() {
+            self.acceleration.fill(f64::NAN);
+        }
+        self.problem.w.copy_from_slice(&self.reduced.w);
+        self.problem.b.copy_from_slice(&self.reduced.a0);
+        self.update_vertices();
+    }
+
+    /// Updates kinematics and vertices to `self.state`; forces stay those of the last step.
+    pub fn refresh(&mut self) {
+        self.update_kinematics();
+        reduced::geometry(&self.model, &self.ws, &self.floor.rotation, &mut self.reduced);
+        self.update_vertices();
+    }
+
+    /// Copies the vertices into the contact problem, at the acceleration level.
+    fn update_vertices(&mut self) {
+        let p = &mut self.problem;
+        p.level = Level::Acceleration;
+        p.step = 0.0;
+        for (s, sole) in p.soles.iter_mut().enumerate() {
+            sole.target = Vector3::zeros();
+            sole.position = self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point));
+            let m = &self.reduced.velocity[6 * s..6 * s + 6];
+            let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
+            let height = self.floor.height(&self.reduced.reference[s]);
+            for (v, arm) in sole.vertices.iter_mut().zip(self.reduced.vertices(SoleId(s))) {
+                v.r = *arm;
+                v.height = height + v.r.z;
+                v.velocity = linear + omega.cross(&v.r);
+                v.bias = omega.cross(&omega.cross(&v.r));
+                v.moving = v.velocity.xy().norm() > self.rest;
+                v.near = false;
+            }
+        }
+    }
+
+    /// Full evaluation at `self.state`: accelerations and contact wrenches with the states held.
+    pub fn evaluate(&mut self) {
+        self.evaluate_free();
+        self.update_directions();
+        self.method.respond(&self.problem, &self.states, &mut self.solution);
+        self.close();
+    }
+
+    /// Is the floor compliant?
+    pub fn is_compliant(&self) -> bool {
+        self.method.scheme() == Scheme::Compliant
+    }
+
+    /// Energy stored in the springs of a compliant method, and their power, at the state of the last evaluation or refresh.
+    pub fn stored(&self) -> StoredEnergy {
+        self.method.stored(&self.problem)
+    }
+
+    /// Distributes the wrenches of static soles over their vertices, unless the method has done so.
+    pub fn share_forces(&mut self) {
+        if !self.method.gives_vertex_forces() {
+            share_static(&self.problem, &self.states, &mut self.solution);
+        }
+    }
+
+    /// Adds the contact wrenches of the solution to the accelerations.
+    pub fn close(&mut self) {
+        reduced::apply(&self.model, &self.ws, &mut self.reduced, &self.solution.wrench, &mut self.acceleration);
+        if !self.reduced.prescribed.is_empty() {
+            self.drive_reactions();
+        }
+    }
+
+    /// Kinetic energy of the state's velocity at the configuration of the last evaluation, J.
+    pub fn kinetic_energy(&mut self) -> f64 {
+        self.ws.mass.multiply(&self.state.v, &mut self.scratch);
+        0.5 * self.scratch.iter().zip(&self.state.v).map(|(p, v)| p * v).sum::<f64>()
+    }
+
+    /// Reference point of a sole relative to the floor point, floor axes, m.
+    pub fn sole_origin(&self, s: usize) -> Vector3<f64> {
+        self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point))
+    }
+}
+
+/// Scale of the contact forces: the weight, N, or the mass where gravity is below 1 m/s^2.
+pub fn load_scale(model: &Model, gravity: &Vector3<f64>) -> f64 {
+    model.mass() * gravity.norm().max(1.0)
+}
+
+impl System for Plant {
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) {
+        let layout = self.layout;
+        self.unpack(t, y);
+        self.evaluate();
+        layout.derivative(y, &self.state.v, &self.acceleration, &self.powers(), dy);
+        layout
+            .actuators(dy)
+            .iter_mut()
+            .zip(self.drives.lag_rates(&self.model, &self.state.actuators))
+            .for_each(|(rate, lag)| *rate = lag);
+        // The motion of these is prescribed, not integrated.
+        self.kinematic_paths.joints().iter().for_each(|j| layout.hold(*j, dy));
+    }
+}

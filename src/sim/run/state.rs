@@ -1,0 +1,178 @@
+//! State of a run apart from its stepper: plant, contact choice, tasks, sensors and measurements.
+//!
+//! Steppers and contact states work on this; [`Simulation`](crate::sim::Simulation) owns it together with a stepper.
+
+use crate::contact::model::problem::Tolerances;
+use crate::contact::model::solution::Solution;
+use crate::contact::model::state::MAX_SOLES;
+use crate::contact::selection_record::SelectionRecord;
+use crate::sim::carried_object::CarriedObjects;
+use crate::sim::command_source::CommandSource;
+use crate::sim::event_kind::EventKind;
+use crate::sim::measure::energy_balance::EnergyAccount;
+use crate::sim::measure::milestones::Milestones;
+use crate::sim::measure::residual_maxima::ResidualMaxima;
+use crate::sim::measure::sampler::Sampler;
+use crate::sim::measure::snapshot::SnapshotLog;
+use crate::sim::plant::Plant;
+use crate::sim::report::{Metrics, Observer, SimEvent, Snapshot};
+use crate::sim::run_error::RunError;
+use crate::sim::saved_state::SavedState;
+use crate::sim::scenario_event::ScenarioEvent;
+use crate::sim::self_collision::SelfCollisionMonitor;
+use crate::sim::sensing::{Estimator, Sensors};
+use crate::sim::setup::ContactSetup;
+use crate::sim::termination::StallGuard;
+use crate::task::TaskServer;
+use nalgebra::Vector3;
+
+/// Everything of a run but its stepper.
+pub struct RunState {
+    /// The robot on its floor.
+    pub plant: Plant,
+    /// Tolerances of contact, narrowed where events are located.
+    pub tolerances: Tolerances,
+    /// Contact parameters.
+    pub contact: ContactSetup,
+    /// Tasks.
+    pub tasks: TaskServer,
+    /// Source of joint commands, if not the tasks.
+    pub command_source: Option<Box<dyn CommandSource>>,
+    /// Objects that links carry.
+    pub carried: CarriedObjects,
+    /// Sensors.
+    pub sensors: Sensors,
+    /// Estimator of the base.
+    pub estimator: Estimator,
+    /// Monitor of self-collision, if configured.
+    pub self_collision: Option<Box<SelfCollisionMonitor>>,
+    /// Metrics so far.
+    pub metrics: Metrics,
+    /// Energies since the start.
+    pub energy: EnergyAccount,
+    /// Maxima and mean squares of residuals.
+    pub residuals: ResidualMaxima,
+    /// Instants for the summary.
+    pub milestones: Milestones,
+    /// Soles that the last event put at the limit of their load.
+    pub suspect: [u8; MAX_SOLES],
+    /// Positions of the vertices of each clamped sole when it was clamped, relative to the floor point, floor axes.
+    pub anchors: Vec<Vec<Vector3<f64>>>,
+    /// Scratch of projections and impulses.
+    pub projection: Solution,
+    /// Scratch of velocity changes and displacements, nv.
+    pub displacement: Vec<f64>,
+    /// The contact problem of the present selection, for an observer of problems.
+    pub posed_problem: Option<Box<SelectionRecord>>,
+    /// Snapshots for the observer.
+    pub log: SnapshotLog,
+    /// Sampler at a constant rate, if the observer takes samples.
+    pub sampler: Option<Box<Sampler>>,
+    /// Have the first contact states been chosen?
+    pub started: bool,
+    /// Does the stepper work at the velocity level?
+    pub velocity_level: bool,
+    /// Instants at which a step must end, s, ascending.
+    pub corners: Vec<f64>,
+    /// Events of the scenario, and the number of those done.
+    pub events: Vec<ScenarioEvent>,
+    /// Number of events done.
+    pub events_done: usize,
+    /// States saved by events.
+    pub saved: Vec<SavedState>,
+    /// End of the run, s.
+    pub duration: f64,
+    /// Height of the base above the floor below which the robot has fallen, m.
+    pub fallen_below: Option<f64>,
+    /// Counts events.
+    pub stall_guard: StallGuard,
+}
+
+impl RunState {
+    /// Reports an event.
+    pub fn event(
+        &mut self,
+        observer: &mut dyn Observer,
+        kind: EventKind,
+        subject: &str,
+        message: &str,
+    ) -> Result<(), RunError> {
+        let time = self.plant.state.time;
+        let event = SimEvent { time, kind, subject: subject.to_string(), message: message.to_string() };
+        observer.event(&event).map_err(RunError::internal)
+    }
+
+    /// Are events located inside steps?
+    pub fn locates_events(&self) -> bool {
+        self.contact.locate && self.plant.method.locates_events()
+    }
+
+    /// Are the instants located at which vertices enter and leave a compliant floor?
+    pub fn locates_surface(&self) -> bool {
+        self.contact.locate && self.plant.is_compliant()
+    }
+
+    /// Counts an event at the present time.
+    pub fn count_event(&mut self) -> Result<(), RunError> {
+        self.stall_guard.count(self.plant.state.time)
+    }
+
+    /// Measures the end of a step.
+    pub fn measure_step(&mut self) {
+        self.milestones.take_step(&self.plant, &mut self.metrics);
+        self.residuals.take_step(&mut self.plant, self.tolerances.distance);
+    }
+
+    /// Measures the error of the energy balance at the plant's present state, which must be evaluated.
+    pub fn measure_energy(&mut self) {
+        let error = self.energy.balance(&self.plant).error();
+        self.residuals.take_energy_error(self.plant.state.time, error);
+    }
+
+    /// Time of the next sample before the end, s.
+    pub fn next_sample(&self) -> Option<f64> {
+        self.sampler.as_ref()?.next()
+    }
+
+    /// Samples the plant's present state; needs an evaluation at it.
+    pub fn sample_state(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        self.sampler.as_mut().map_or(Ok(()), |sampler| sampler.sample_state(&self.plant, observer))
+    }
+
+    /// Emits a snapshot of the plant's present state; needs an evaluation at it.
+    pub fn emit_snapshot(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        if !self.log.begin(self.plant.state.time) {
+            // A fixed step that ends the run, or spans several instants of the log, is one instant.
+            return Ok(());
+        }
+        let mut snapshot = std::mem::take(&mut self.log.snapshot);
+        self.fill_snapshot(&mut snapshot);
+        self.log.snapshot = snapshot;
+        observer.snapshot(&self.log.snapshot).map_err(RunError::internal)
+    }
+
+    /// Emits the snapshots due up to `t`; fixed steps log the first state at or after the instant.
+    pub fn emit_due_snapshots(&mut self, t: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
+        while self.log.next().is_some_and(|due| due <= t + 1e-12) {
+            self.emit_snapshot(observer)?;
+        }
+        Ok(())
+    }
+
+    /// Emits the last instant of a run of velocity-level steps, with the forces of the last of them.
+    pub fn emit_last_step(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        if self.velocity_level { self.emit_due_snapshots(self.plant.state.time, observer) } else { Ok(()) }
+    }
+
+    /// Fills a snapshot with the plant's last evaluation and the tasks' points.
+    pub fn fill_snapshot(&mut self, out: &mut Snapshot) {
+        crate::sim::measure::snapshot::fill(&mut self.plant, &mut self.log.edges, out);
+        out.energy = self.energy.balance(&self.plant);
+        for (to, (_, position)) in out.points.iter_mut().zip(self.tasks.points()) {
+            to.position = position;
+        }
+        if let (Some(monitor), Some(out)) = (&mut self.self_collision, &mut out.self_contact) {
+            monitor.fill(&self.plant.model, &self.plant.state, &self.plant.ws, out);
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Errors that end a run early.
+
+use super::report::Outcome;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Why a run ended early: its outcome and a message.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct RunError {
+    /// Outcome of the run.
+    pub outcome: Outcome,
+    /// What happened, with place and time.
+    pub message: String,
+}
+
+impl RunError {
+    /// An early end with this outcome.
+    pub fn new(outcome: Outcome, message: impl Into<String>) -> Self {
+        RunError { outcome, message: message.into() }
+    }
+
+    /// An early end with outcome `error`.
+    pub fn internal(message: impl Into<String>) -> Self {
+        RunError::new(Outcome::Error, message)
+    }
+
+    /// Outcome and message of a run. After an interruption the outcome is `cancelled`, whatever error a script or
+    /// link reported because of it.
+    pub fn outcome_of(end: Result<(), RunError>, cancel: &AtomicBool) -> (Outcome, String) {
+        match end {
+            Ok(()) => (Outcome::Passed, String::new()),
+            Err(_) if cancel.load(Ordering::Relaxed) => (Outcome::Cancelled, "interrupted".to_owned()),
+            Err(error) => (error.outcome, error.message),
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! States of the robot saved and restored by scenario events.
+
+use super::plant::Plant;
+use crate::contact::model::solution::Solution;
+use crate::contact::model::state::{MAX_SOLES, States};
+use crate::dynamics::State;
+use nalgebra::{Vector2, Vector3};
+
+/// A state of the robot: motion, actuators and contact.
+#[derive(Clone)]
+pub struct SavedState {
+    state: State,
+    states: States,
+    directions: Vec<Vec<Vector2<f64>>>,
+    anchors: Vec<Vec<Vector3<f64>>>,
+    suspect: [u8; MAX_SOLES],
+    /// Contact forces, from which methods that do not search decide the next states.
+    solution: Solution,
+}
+
+impl SavedState {
+    /// Allocates memory for a state.
+    pub fn new(plant: &Plant, anchors: &[Vec<Vector3<f64>>]) -> Self {
+        SavedState {
+            state: plant.state.clone(),
+            states: plant.states,
+            directions: plant.directions.clone(),
+            anchors: anchors.to_vec(),
+            suspect: [0; MAX_SOLES],
+            solution: Solution::new(&plant.problem),
+        }
+    }
+
+    /// Saves the present state.
+    pub fn save(&mut self, plant: &Plant, anchors: &[Vec<Vector3<f64>>], suspect: &[u8; MAX_SOLES]) {
+        self.state.copy_from(&plant.state);
+        self.states = plant.states;
+        copy(&mut self.directions, &plant.directions);
+        copy(&mut self.anchors, anchors);
+        self.suspect = *suspect;
+        self.solution.copy_from(&plant.solution);
+    }
+
+    /// Restores the state at the plant's present time. Kinematic joints stay on their commanded motion.
+    pub fn restore(&self, plant: &mut Plant, anchors: &mut [Vec<Vector3<f64>>], suspect: &mut [u8; MAX_SOLES]) {
+        let time = plant.state.time;
+        plant.state.copy_from(&self.state);
+        plant.state.time = time;
+        plant.apply_prescribed_motion();
+        plant.states = self.states;
+        copy(&mut plant.directions, &self.directions);
+        copy(anchors, &self.anchors);
+        *suspect = self.suspect;
+        plant.solution.copy_from(&self.solution);
+        for (sole, directions) in plant.problem.soles.iter_mut().zip(&self.directions) {
+            sole.vertices.iter_mut().zip(directions).for_each(|(v, d)| v.direction = *d);
+        }
+    }
+}
+
+fn copy<T: Copy>(to: &mut [Vec<T>], from: &[Vec<T>]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| to.copy_from_slice(from));
+}

@@ -1,0 +1,160 @@
+//! Semi-implicit Euler at the velocity level.
+//!
+//! ```text
+//! (M + dt D + dt^2 K) v+ = (M + dt D + dt^2 K) v + dt (tau - h) + J^T p        q+ = q (+) dt v+
+//! ```
+//!
+//! with D and K the joint damping and servo gains, tau referred to the velocity v (see
+//! [`Plant::evaluate_implicit`](crate::sim::plant::Plant::evaluate_implicit)), and p the contact impulses over the step. Contact states are chosen by
+//! the same kernel as impacts, on the velocities at the end of the step: a vertex may close its gap but not enter the
+//! floor, `v+_n >= -gap / dt`. First order in dt.
+
+use crate::contact::hybrid::projection::fit_plane;
+use crate::contact::methods::contact_method::Scheme;
+use crate::contact::model::problem::Level;
+use crate::dynamics::reduced;
+use crate::sim::report::Observer;
+use crate::sim::run::RunState;
+use crate::sim::run_error::RunError;
+use crate::sim::termination::{check_finite, diverged};
+use nalgebra::Vector3;
+
+/// The semi-implicit Euler stepper of one run.
+pub struct SemiImplicitStepper {
+    dt: f64,
+    /// End of the last shortened step, s, and the number of full steps since: their instants are multiples, not sums.
+    full_steps: (f64, u32),
+}
+
+impl SemiImplicitStepper {
+    /// Steps of `dt` seconds.
+    pub fn new(dt: f64) -> Self {
+        SemiImplicitStepper { dt, full_steps: (0.0, 0) }
+    }
+
+    /// Prepares the run of a method without forces outside a step: its states and forces at the start are those of the
+    /// first step.
+    pub fn begin(&mut self, sim: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
+        sim.plant.within = sim.plant.state.time + 0.5 * self.dt;
+        self.solve_contact(sim, self.dt, observer)?;
+        self.displace(sim, self.dt);
+        sim.plant.drive_reactions_over_step(&sim.displacement, self.dt);
+        sim.plant.solution.scale(1.0 / self.dt);
+        sim.plant.refresh();
+        Ok(())
+    }
+
+    /// One step, shortened only to end at `until`.
+    pub fn step(&mut self, sim: &mut RunState, until: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let t = sim.plant.state.time;
+        let remaining = until - t;
+        let dt = if remaining < 1.01 * self.dt { remaining } else { self.dt };
+        // With the forces of the last step and the commands from now on.
+        sim.emit_due_snapshots(t, observer)?;
+        if let Some(sampler) = &mut sim.sampler {
+            sampler.begin_step(&sim.plant.state);
+        }
+        sim.plant.within = t + 0.5 * dt;
+        let stored = sim.plant.stored().energy;
+        self.solve_contact(sim, dt, observer)?;
+        self.displace(sim, dt);
+        let plant = &mut sim.plant;
+        plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
+        plant.share_forces();
+        if let Some(impulses) = &mut plant.impulses {
+            impulses.add(&plant.solution.wrench, 1.0);
+        }
+        let nb = plant.model.nb();
+        plant.drives.average_over_step(&sim.displacement[nb..], dt);
+        plant.drive_reactions_over_step(&sim.displacement, dt);
+        let (flows, jumps) = plant.step_flows(&sim.displacement, dt);
+        sim.energy.flows.add(&flows);
+        sim.energy.jump_work += jumps;
+        plant.drives.advance_lag(&plant.model, &sim.displacement[nb..], dt, &mut plant.state.actuators);
+        plant.solution.scale(1.0 / dt);
+        plant.state.v.iter().zip(&mut sim.displacement).for_each(|(v, d)| *d = v * dt);
+        plant.state.displace(&sim.displacement);
+        plant.state.time = if dt == remaining { until } else { self.instant(t) };
+        plant.apply_prescribed_positions();
+        plant.refresh();
+        // Energy stored in the springs is not lost.
+        sim.energy.jump_work += plant.stored().energy - stored;
+        sim.metrics.steps += 1;
+        check_finite(&sim.plant)?;
+        if sim.plant.is_compliant() {
+            sim.measure_creep();
+        }
+        sim.measure_step();
+        sim.sampler.as_mut().map_or(Ok(()), |sampler| sampler.sample_step(&sim.plant, observer))
+    }
+
+    /// The end of a step of full length from `t`.
+    fn instant(&mut self, t: f64) -> f64 {
+        let of = |(from, count): (f64, u32)| from + f64::from(count) * self.dt;
+        if of(self.full_steps) != t || self.full_steps.1 == u32::MAX {
+            self.full_steps = (t, 0);
+        }
+        self.full_steps.1 += 1;
+        of(self.full_steps)
+    }
+
+    /// The change of velocity over the step: v+ - v = dt M^-1 (tau - h) + M^-1 J^T p, in `sim.displacement`.
+    fn displace(&self, sim: &mut RunState, dt: f64) {
+        let plant = &mut sim.plant;
+        sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
+        reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
+    }
+
+    /// Poses the contact problem of a step at the present state and solves it.
+    fn solve_contact(&self, sim: &mut RunState, dt: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
+        sim.plant.evaluate_implicit(dt);
+        if let Some(failure) = sim.plant.failure {
+            return Err(diverged(&sim.plant, &failure.to_string()));
+        }
+        sim.update_friction(observer)?;
+        sim.measure_energy();
+        self.pose(sim, dt);
+        if sim.plant.is_compliant() { sim.compliant_impulse(observer) } else { sim.choose_impulse(observer) }
+    }
+
+    /// Turns the reduced problem into the velocity-level one of this step.
+    fn pose(&self, sim: &mut RunState, dt: f64) {
+        let plant = &mut sim.plant;
+        let scheme = plant.method.scheme();
+        let p = &mut plant.problem;
+        (p.level, p.step) = (Level::Velocity, dt);
+        for ((b, a), v) in p.b.iter_mut().zip(&plant.reduced.a0).zip(&plant.reduced.velocity) {
+            *b = v + dt * a;
+        }
+        for s in 0..p.soles.len() {
+            for v in &mut p.soles[s].vertices {
+                v.bias = Vector3::zeros();
+            }
+            // A method that searches at the end of the step clamps only vertices that close their gap within it. One that
+            // decides from heights may clamp a vertex up to the distance tolerance above the floor, and stops it there.
+            let closes = matches!(scheme, Scheme::EventDriven | Scheme::TimeStepping);
+            let gap = fit_plane(&p.soles[s], |i| match scheme {
+                Scheme::EventDriven => p.soles[s].vertices[i].height.max(0.0),
+                Scheme::DecidedPerStep | Scheme::Compliant => 0.0,
+                // A vertex below the floor is pushed out.
+                Scheme::TimeStepping => p.soles[s].vertices[i].height,
+            });
+            p.soles[s].target = gap * (-1.0 / dt);
+            let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm()).fold(0.0, f64::max);
+            for i in 0..p.soles[s].vertices.len() {
+                let free = p.vertex_motion(&p.b, s, i).z;
+                let v = &mut p.soles[s].vertices[i];
+                // Near: the step may bring the vertex to the floor, possibly because impulses on the other vertices turn
+                // the sole as fast as they approached.
+                v.near = v.height + dt * free.min(0.0) <= dt * fastest || v.height <= 0.0;
+                v.moving = false;
+                // The target now contains the gap. Vertices meet the floor at its height: with all points of a sole at one
+                // height its tilting has no tangential part.
+                if v.near && closes {
+                    v.r.z -= v.height;
+                }
+                v.height = if v.near && closes { v.height.min(0.0) } else { v.height };
+            }
+        }
+    }
+}
