@@ -119,7 +119,7 @@ fn draw(
         .build_cartesian_2d(x.clone(), y.clone())
         .map_err(|e| text_of(&e))?;
     let unit = unit(column);
-    let y_words = if unit.is_empty() { "error".to_owned() } else { format!("error, {unit}") };
+    let y_title = if unit.is_empty() { "error".to_owned() } else { format!("error, {unit}") };
     chart
         .configure_mesh()
         .bold_line_style(palette::rgb(palette::GRID).stroke_width(4))
@@ -128,7 +128,7 @@ fn draw(
         .label_style(text(12, palette::FAINT))
         .axis_desc_style(text(13, palette::INK))
         .x_desc("cost, processor seconds per simulated second")
-        .y_desc(y_words)
+        .y_desc(y_title)
         .x_label_formatter(&|v| x.label(*v))
         .y_label_formatter(&|v| y.label(*v))
         .draw()

@@ -19,7 +19,7 @@ fn last(done: &Done) -> &str {
 }
 
 #[test]
-fn equal_results_agree_whatever_file_they_are_read_from() {
+fn equal_results_agree_in_every_file_format() {
     let place = slides();
     place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "b", "-j", "1"]).exits(0);
     let same = "2 runs compared: within the tolerances; 0 values beyond tolerance, 0 outcomes changed, 0 runs missing";
@@ -32,7 +32,7 @@ fn equal_results_agree_whatever_file_they_are_read_from() {
 }
 
 #[test]
-fn of_a_folder_the_table_that_people_edit_is_read() {
+fn summary_csv_of_a_folder_is_read() {
     let place = slides();
     place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "b"]).exits(0);
     let text = fs::read_to_string(place.path("b/summary.csv")).unwrap();
@@ -43,7 +43,7 @@ fn of_a_folder_the_table_that_people_edit_is_read() {
 }
 
 #[test]
-fn a_change_is_named_by_run_and_column_until_it_is_allowed() {
+fn changes_beyond_tolerance_are_named_by_run_and_column() {
     let place = slides();
     place.block("other/s.toml", &SLIDE.replace("[0.4, 0.8]", "[0.4, { static = 0.8, kinetic = 0.79 }]"));
     place.write("other/block/block.toml", fs::read(place.path("block/block.toml")).unwrap());
@@ -90,7 +90,7 @@ fn summary(rows: &[&str]) -> String {
 }
 
 #[test]
-fn rows_pair_by_key_then_by_what_they_are() {
+fn rows_pair_by_key_then_by_identity() {
     let place = Place::new();
     place.write(
         "a.csv",
@@ -131,7 +131,7 @@ fn outcomes_empty_cells_and_times() {
     compare(slow, &["--timing", "1.5"]).exits(1);
     compare("s,k,passed,,exact,dopri5,1,1,1.0,0.1,4.0,", &["--timing", "1.5"]).exits(0);
     compare("s,k,passed,,exact,dopri5,1,1,1.0,1.0,2.0,", &["--timing", "1.5"]).exits(1);
-    // A column that one of them lacks is told and not judged.
+    // A column of only one result is named, not compared.
     place.write(
         "c.csv",
         "scenario,key,outcome,message,method,integrator,seed,mu,steps\ns,k,passed,,exact,dopri5,1,1,7\n",
@@ -141,7 +141,7 @@ fn outcomes_empty_cells_and_times() {
 }
 
 #[test]
-fn a_file_that_batches_appended_to_counts_each_run_as_it_ended_last() {
+fn the_last_line_of_a_run_counts() {
     let place = slides();
     place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "a"]).exits(0);
     let lines = fs::read_to_string(place.path("a/runs.jsonl")).unwrap();
@@ -153,7 +153,7 @@ fn a_file_that_batches_appended_to_counts_each_run_as_it_ended_last() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_2_and_nothing_is_4() {
+fn unreadable_results_exit_with_2_and_empty_ones_with_4() {
     let place = slides();
     place.write("plain.csv", "x,y\n1,2\n").write("bad.jsonl", "{\n{}\n").write("bad.parquet", "none").write("e/x", "");
     place.write("empty.jsonl", "");

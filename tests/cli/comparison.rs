@@ -54,7 +54,7 @@ reference = { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\"
         near(*found, closed(*step), 1e-9);
     }
     for (step, found) in steps.iter().zip(&found).skip(4) {
-        // Steps that end beside the instants: between the ends the cubic strays from the line by at most 0.0962 of what one
+        // Steps that do not end at the instants: between the ends the cubic strays from the line by at most 0.0962 of what one
         // step adds, g h^2 / 2. A state taken late would be off by up to v h = 3 h.
         let apart = (found - closed(*step)).abs();
         let strays = 0.0963 * G * step * step / 2.0;
@@ -74,7 +74,7 @@ reference = { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\"
 /// A double pendulum in adaptive steps: what lies between the ends of steps is no worse than what lies there. Errors grow
 /// with time, so the mean over all instants is below the error at the end, which is no sample of the dense output.
 #[test]
-fn an_adaptive_step_is_as_good_within_as_at_its_end() {
+fn dense_output_is_as_accurate_as_step_ends() {
     let place = Place::new();
     let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/pendulum/pendulum.urdf");
     place.write(
@@ -108,7 +108,7 @@ reference = {{ \"integrator.relative_tolerance\" = 1e-14 }}
 
 /// A block slides over floors of different friction: positions part as `(mu' - mu) g t^2 / 2`, forces by `(mu' - mu) m g`.
 #[test]
-fn two_frictions_part_as_their_closed_form_says() {
+fn runs_with_two_frictions_differ_by_their_closed_form() {
     let place = Place::new();
     place.block(
         "slide.toml",
@@ -186,7 +186,7 @@ reference = {{ \"robot.velocity.shoulder\" = 1.0 }}
 const THROWN: &str = "base = { position = [0, 0, 0.3], rpy = [0.3, 0.2, 0.1], linear_velocity = [1, 0.3, 0] }\n";
 
 #[test]
-fn a_run_that_is_its_own_reference_is_right() {
+fn a_run_equal_to_its_reference_has_no_error() {
     let place = Place::new();
     let text = format!(
         "{THROWN}[stop]\nfallen = {{ below = 0.06 }}\n[compare]\nreference = {{}}
@@ -210,7 +210,7 @@ fn a_run_that_is_its_own_reference_is_right() {
 }
 
 #[test]
-fn being_compared_changes_nothing_else() {
+fn comparison_changes_no_other_column() {
     let place = Place::new();
     let grid = "[sweep.grid]\n\"contact.method\" = [\"exact\", \"one-step\"]\n\"integrator.method\" = [\"dopri5\", \"semi-implicit\"]\n";
     place.block("s.toml", format!("{THROWN}[log]\nrate = 333\n{grid}").as_str());
@@ -264,7 +264,7 @@ reference = { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\"
 ";
 
 #[test]
-fn references_are_made_once_for_all_who_need_them() {
+fn a_shared_reference_runs_once() {
     let place = Place::new();
     place.block("a.toml", &format!("{THROWN}{SHARED}")).block("b.toml", &format!("{THROWN}{SHARED}"));
     let done = place.runner(&["a.toml", "b.toml", "--set", "duration=0.2", "-j", "1", "--no-log", "-v"]).exits(0);
@@ -302,7 +302,7 @@ fn references_are_made_once_for_all_who_need_them() {
 }
 
 #[test]
-fn a_reference_that_fails_is_told_and_its_runs_go_on() {
+fn a_failed_reference_is_reported_and_its_runs_continue() {
     let place = Place::new();
     place.block(
         "s.toml",

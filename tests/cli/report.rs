@@ -7,7 +7,7 @@ const SWEEP: &str = "base = { position = [0, 0, 0.2] }\n[sweep]\ngrid = { \"floo
     \"contact.method\" = [\"one-step\", \"exact\"] }\nrepeat = 2\n[[expect]]\nmetric = \"final_base_z\"\nvalue = 0.05\ntolerance = 1e-2\n";
 
 #[test]
-fn records_make_the_same_summary_and_the_same_page() {
+fn report_rewrites_equal_summary_and_page() {
     let place = Place::new();
     place.block("drop.toml", SWEEP).block("rest.toml", "");
     let done = place.runner(&["rest.toml", "drop.toml", "--set", "duration=0.5", "-j", "2"]).exits(0);
@@ -32,7 +32,7 @@ fn records_make_the_same_summary_and_the_same_page() {
 }
 
 #[test]
-fn the_page_shows_runs_over_time_those_that_went_wrong_first() {
+fn the_page_draws_failed_runs_first() {
     let place = Place::new();
     place.block(
         "drop.toml",
@@ -65,7 +65,7 @@ fn the_page_shows_runs_over_time_those_that_went_wrong_first() {
 }
 
 #[test]
-fn what_is_no_record_is_named_and_passed_over() {
+fn invalid_records_are_named_and_skipped() {
     let place = Place::new();
     place.block("rest.toml", "");
     place.runner(&["rest.toml", "--set", "duration=0.1", "--no-log", "-o", "all/deep/shard"]).exits(0);
@@ -104,7 +104,7 @@ fn a_folder_without_records_is_an_error() {
 }
 
 #[test]
-fn references_are_no_rows_and_errors_end_in_a_pareto_table() {
+fn references_have_no_rows_and_errors_have_a_pareto_table() {
     let place = Place::new();
     place.block(
         "slide.toml",
@@ -128,7 +128,7 @@ fn references_are_no_rows_and_errors_end_in_a_pareto_table() {
     let table = |text: &str| text.split("\nslide  floor").nth(1).unwrap().split("\nwritten").next().unwrap().to_owned();
     assert_eq!(table(&format!("\n{}", again.stdout)), table(&done.stdout), "the same table");
     let html = String::from_utf8(read()[1].clone()).unwrap();
-    assert!(html.contains("<h3>References</h3>") && html.contains("slide&#x2f;references&#x2f;"), "they are told");
+    assert!(html.contains("<h3>References</h3>") && html.contains("slide&#x2f;references&#x2f;"), "references are listed");
     // One picture per error and friction: position, force, end of position and rotation; the block has no joints.
     assert_eq!(html.matches("over cost, slide").count(), 8);
 }

@@ -7,7 +7,7 @@ use stiction::log::ProblemRecord;
 use stiction::results::RunRecord;
 
 #[test]
-fn a_batch_leaves_its_files_and_names_them() {
+fn a_batch_writes_and_names_its_files() {
     let place = Place::new();
     place.block(
         "slide.toml",
@@ -64,7 +64,7 @@ fn no_log_changes_nothing_but_the_log() {
 }
 
 #[test]
-fn the_table_stands_on_stdout_and_progress_on_stderr() {
+fn results_go_to_stdout_and_progress_to_stderr() {
     let place = Place::new();
     place.block("rest.toml", "");
     let done = place.runner(&["rest.toml", "--set", "duration=0.1"]).exits(0);
@@ -74,7 +74,7 @@ fn the_table_stands_on_stdout_and_progress_on_stderr() {
 }
 
 #[test]
-fn an_output_that_cannot_be_written_is_told_before_anything_runs() {
+fn an_unwritable_output_is_an_error_before_any_run() {
     let place = Place::new();
     place.block("long.toml", "").write("file", "in the way");
     for output in ["file", "file/below"] {
@@ -85,7 +85,7 @@ fn an_output_that_cannot_be_written_is_told_before_anything_runs() {
 }
 
 #[test]
-fn keys_depend_on_contents_and_not_on_places() {
+fn keys_depend_on_content_not_on_paths() {
     let here = Place::new();
     here.block("s.toml", "");
     let key = |place: &Place, arguments: &[&str]| {
@@ -116,7 +116,7 @@ fn keys_depend_on_contents_and_not_on_places() {
 }
 
 #[test]
-fn contact_problems_are_written_when_asked_for() {
+fn contact_problems_are_written_on_request() {
     let place = Place::new();
     // Three corners start below the floor and one above it: no state clamps just those.
     place.block("s.toml", "[robot.base]\nposition = [0, 0, 0.049]\nrpy = [0.01, 0.02, 0]\n");

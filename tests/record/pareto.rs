@@ -46,7 +46,7 @@ fn curve(name: &str, along: Option<&str>, rows: &[usize]) -> (String, Option<Str
 proptest! {
     /// The definition, word for word, against the walk along the cost. Few different values make ties.
     #[test]
-    fn the_front_is_what_nothing_else_beats(points in prop::collection::vec((1_u8..8, 0_u8..8), 0..40)) {
+    fn no_point_dominates_the_front(points in prop::collection::vec((1_u8..8, 0_u8..8), 0..40)) {
         let points: Vec<(f64, f64)> = points.iter().map(|&(c, e)| (f64::from(c), f64::from(e))).collect();
         let beats = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && (a.0 < b.0 || a.1 < b.1);
         let expected: Vec<bool> = points.iter().map(|&p| !points.iter().any(|&q| beats(q, p))).collect();
@@ -55,14 +55,14 @@ proptest! {
 }
 
 #[test]
-fn what_is_no_number_is_not_on_the_front() {
+fn nan_is_not_on_the_front() {
     let points = [(1.0, f64::NAN), (f64::NAN, 0.0), (2.0, 3.0), (0.5, f64::INFINITY), (3.0, 0.0)];
     assert_eq!(front(&points), [false, false, true, false, true]);
     assert_eq!(front(&[]), Vec::<bool>::new());
 }
 
 #[test]
-fn what_three_digits_do_not_tell_apart_is_equal() {
+fn points_equal_to_three_digits_are_equal() {
     let points = [(0.1, 1e-3), (0.2, 0.999_99e-3), (0.100_01, 1e-3), (0.3, 0.99e-3)];
     assert_eq!(front(&points), [true, true, false, true]);
     assert_eq!(front_as_shown(&points), [true, false, true, true]);
@@ -81,7 +81,7 @@ fn cost_is_processor_time_per_simulated_second() {
 }
 
 #[test]
-fn errors_are_those_columns_and_no_others() {
+fn errors_are_the_error_columns() {
     let mut row = run("exact", &[], 1.0, Some(1e-3));
     row.comparison.error_force_rms_n = Some(0.5);
     row.comparison.contact_state_agreement = Some(1.0);
@@ -97,7 +97,7 @@ fn errors_are_those_columns_and_no_others() {
 }
 
 #[test]
-fn a_run_that_did_not_reach_its_end_is_held_against_none() {
+fn an_unfinished_run_is_not_compared() {
     let mut row = run("exact", &[], 1.0, Some(1e-17));
     row.comparison.truth = vec![TruthError { metric: "final_base_x".into(), error: Some(1e-4) }];
     row.comparison.until_s = Some(0.1);
@@ -130,7 +130,7 @@ fn a_sweep_of_steps_is_a_curve_per_method_in_the_order_of_the_steps() {
 }
 
 #[test]
-fn what_is_computed_parts_groups_and_how_it_is_computed_parts_curves() {
+fn problems_separate_groups_and_methods_separate_curves() {
     let cell = |mu: f64, h: f64, stiffness: f64| {
         let parameters = [
             ("floor.friction", mu.into()),
@@ -160,7 +160,7 @@ fn what_is_computed_parts_groups_and_how_it_is_computed_parts_curves() {
 }
 
 #[test]
-fn what_changes_together_is_one_curve_and_seeds_are_curves_of_one_name() {
+fn parameters_that_change_together_form_one_curve() {
     let zipped = |rtol: f64, gap: f64, seed: u64| {
         let both = [("integrator.relative_tolerance", rtol.into()), ("contact.distance_tolerance", gap.into())];
         SummaryRow { seed, ..run("exact", &both, 1.0, None) }
@@ -171,7 +171,7 @@ fn what_changes_together_is_one_curve_and_seeds_are_curves_of_one_name() {
         vec![(String::new(), vec![curve("exact dopri5", along, &[1, 0]), curve("exact dopri5", along, &[3, 2])])];
     assert_eq!(words(groups(&works(&rows))), expected);
     let bouncy = |e: f64| run("exact", &[("contact.restitution", e.into())], 1.0, None);
-    assert_eq!(groups(&works(&[bouncy(0.0), bouncy(0.5)])).len(), 2, "restitution is no manner of computing");
+    assert_eq!(groups(&works(&[bouncy(0.0), bouncy(0.5)])).len(), 2, "restitution belongs to the problem");
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn step(method: &str, h: f64, cost: f64, error: f64) -> SummaryRow {
 }
 
 #[test]
-fn equal_ratios_are_equally_far_apart_and_the_front_is_full() {
+fn axes_are_logarithmic_and_front_marks_are_full() {
     // Hundredfold errors, tenfold costs; the last is worse than the one before it.
     let rows = [
         step("lcp", 1e-2, 1e-3, 1e-2),
@@ -102,7 +102,7 @@ fn equal_ratios_are_equally_far_apart_and_the_front_is_full() {
 }
 
 #[test]
-fn no_error_at_all_has_a_line_of_its_own() {
+fn zero_errors_have_their_own_line() {
     let rows = [step("exact", 1e-2, 0.1, 0.0), step("lcp", 1e-2, 0.01, 1e-3), step("lcp", 1e-3, 0.5, 1e-4)];
     let html = page(&rows);
     assert_inert(&html);
@@ -148,7 +148,7 @@ fn runs_without_a_point_are_named_with_the_reason() {
 }
 
 #[test]
-fn other_peoples_text_is_inert() {
+fn untrusted_text_is_escaped() {
     const EVIL: &str = "<script>alert('1')</script>\"&<img src=x onerror=\"y\">";
     let mut row = run(EVIL, &[(EVIL, EVIL.into()), ("integrator.step", 1e-3.into())], 1.0, Some(1e-3));
     (row.scenario, row.key, row.integrator, row.message) = (EVIL.into(), EVIL.into(), EVIL.into(), EVIL.into());
@@ -161,7 +161,7 @@ fn other_peoples_text_is_inert() {
 }
 
 #[test]
-fn every_run_is_there_and_numbers_that_are_none_are_marked() {
+fn every_run_is_listed_and_nan_is_marked() {
     let mut rows: Vec<SummaryRow> = (0..20).map(|i| step("lcp", f64::from(i), 0.1, 1e-3)).collect();
     rows[3].metrics.max_penetration_m = f64::NAN;
     rows[4].metrics.max_penetration_m = f64::NEG_INFINITY;
@@ -187,7 +187,7 @@ fn every_run_is_there_and_numbers_that_are_none_are_marked() {
 }
 
 #[test]
-fn expectations_show_all_digits_and_what_did_not_hold_first() {
+fn expectations_show_all_digits_and_failures_first() {
     let mut row = step("lcp", 1e-3, 0.1, 1e-3);
     let verdict = Verdict {
         metric: "final_base_x".into(),
@@ -218,14 +218,14 @@ fn expectations_show_all_digits_and_what_did_not_hold_first() {
 }
 
 #[test]
-fn no_runs_make_a_page_too() {
+fn a_page_without_runs_is_valid() {
     let html = page(&[]);
     assert_inert(&html);
     assert!(html.contains("0 runs of 0 scenarios"));
 }
 
 #[test]
-fn a_page_is_bounded_however_many_runs_there_are() {
+fn the_size_of_a_page_is_bounded() {
     // 40 problems of 25 steps each, all with an error.
     let many = |problems: i64| -> Vec<SummaryRow> {
         let cell = |mu: i64, i: i64| {

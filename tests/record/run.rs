@@ -189,7 +189,7 @@ fn a_record_reads_back_to_the_last_bit() {
 }
 
 #[test]
-fn a_record_without_a_comparison_says_nothing_of_one_and_reads_back() {
+fn a_record_without_comparison_omits_it_and_reads_back() {
     let mut record = RunRecord { comparison: Comparison::default(), ..record() };
     record.timing.repeats = None;
     let json = serde_json::to_value(&record).unwrap();
@@ -198,7 +198,7 @@ fn a_record_without_a_comparison_says_nothing_of_one_and_reads_back() {
 }
 
 #[test]
-fn every_outcome_has_its_word() {
+fn every_outcome_has_a_name() {
     use Outcome::*;
     for outcome in [Passed, Failed, Fallen, Diverged, Stalled, TimedOut, Error, Cancelled] {
         assert_eq!(read_back(&RunRecord { outcome, ..record() }).outcome, outcome);
@@ -206,7 +206,7 @@ fn every_outcome_has_its_word() {
 }
 
 #[test]
-fn what_a_diverged_run_saw_survives() {
+fn values_of_a_diverged_run_read_back() {
     let mut record = record();
     record.metrics.final_base_position = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
     record.metrics.energy_error_j = f64::INFINITY;
@@ -223,7 +223,7 @@ fn inputs_are_hashed_with_blake3() {
 }
 
 #[test]
-fn timings_and_machine_are_apart_from_results() {
+fn timings_and_machine_are_separate_from_results() {
     let json: serde_json::Value = serde_json::to_value(record()).unwrap();
     let timing = json["timing"].as_object().unwrap();
     assert_eq!(timing.keys().collect::<Vec<_>>(), ["avoidance", "build", "cpu_s", "machine", "repeats", "wall_s"]);
@@ -234,7 +234,7 @@ fn timings_and_machine_are_apart_from_results() {
 }
 
 #[test]
-fn a_record_of_another_format_or_none_is_refused_with_its_path() {
+fn an_invalid_record_is_refused_with_its_path() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.json");
     let refused = |text: &str| {
@@ -252,7 +252,7 @@ fn a_record_of_another_format_or_none_is_refused_with_its_path() {
 }
 
 #[test]
-fn runs_jsonl_has_a_whole_line_at_once_for_every_run() {
+fn runs_jsonl_has_a_whole_line_for_every_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out/runs.jsonl");
     let row = record().summary_row();
@@ -277,7 +277,7 @@ fn runs_jsonl_has_a_whole_line_at_once_for_every_run() {
 }
 
 #[test]
-fn a_line_torn_by_a_crash_is_cut_off() {
+fn an_incomplete_last_line_is_removed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("runs.jsonl");
     let torn = format!("{{\"scenario\":\"{}", "x".repeat(10_000));

@@ -79,7 +79,7 @@ fn number(frame: &DataFrame, column: &str, row: usize) -> Option<f64> {
 }
 
 #[test]
-fn columns_are_those_of_the_contract_with_the_parameters_between() {
+fn columns_and_their_order_are_the_contract() {
     let (csv, parquet, _) = written(&rows());
     let expected: Vec<&str> = BEFORE
         .split(", ")
@@ -119,7 +119,7 @@ fn numbers_read_back_to_the_last_bit_from_both_files() {
 }
 
 #[test]
-fn what_never_happened_is_empty() {
+fn unmeasured_cells_are_empty() {
     let (csv, parquet, text) = written(&rows());
     for frame in [&csv, &parquet] {
         assert_eq!(frame.column("first_stick_s").unwrap().null_count(), 3);
@@ -158,7 +158,7 @@ fn parameters_are_a_union_typed_by_their_values() {
 }
 
 #[test]
-fn words_survive_commas_and_quotes_on_one_line_per_run() {
+fn text_with_commas_and_quotes_stays_on_one_line_per_run() {
     let (csv, parquet, text) = written(&rows());
     for frame in [&csv, &parquet] {
         let messages = frame.column("message").unwrap().str().unwrap();
@@ -302,7 +302,7 @@ fn every_column_has_its_own_metric() {
 }
 
 #[test]
-fn the_table_is_aligned_and_says_what_went_wrong() {
+fn the_table_is_aligned_and_names_failures() {
     let text = table(&rows(), 120) + &endings(&rows(), true);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 6, "header, three runs, two reasons\n{text}");
@@ -321,7 +321,7 @@ fn the_table_is_aligned_and_says_what_went_wrong() {
 }
 
 #[test]
-fn scenarios_that_sweep_other_parameters_have_tables_of_their_own() {
+fn scenarios_with_different_parameters_have_separate_tables() {
     let mut other = row(&[("force.0.force", "[1, 0, 0]".into()), ("expect.0.value", 0.25.into())]);
     other.scenario = "pull".into();
     let text = table(&[row(&[("mu", 0.3.into())]), row(&[("n", 1.into())]), other], 200);
