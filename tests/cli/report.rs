@@ -128,7 +128,10 @@ fn references_have_no_rows_and_errors_have_a_pareto_table() {
     let table = |text: &str| text.split("\nslide  floor").nth(1).unwrap().split("\nwritten").next().unwrap().to_owned();
     assert_eq!(table(&format!("\n{}", again.stdout)), table(&done.stdout), "the same table");
     let html = String::from_utf8(read()[1].clone()).unwrap();
-    assert!(html.contains("<h3>References</h3>") && html.contains("slide&#x2f;references&#x2f;"), "references are listed");
+    assert!(
+        html.contains("<h3>References</h3>") && html.contains("slide&#x2f;references&#x2f;"),
+        "references are listed"
+    );
     // One picture per error and friction: position, force, end of position and rotation; the block has no joints.
     assert_eq!(html.matches("over cost, slide").count(), 8);
 }
