@@ -1,4 +1,4 @@
-//! What a run tells the outside: snapshots, events, metrics and an outcome. Plain data, written by [`crate::sim`], read
+//! Output of a run: snapshots, events, samples, metrics and an outcome. Plain data, written by [`crate::sim`], read
 //! by [`crate::results`]; nothing here steps or writes.
 
 use super::event_kind::EventKind;
@@ -27,7 +27,7 @@ pub struct Snapshot {
     pub qd: Vec<f64>,
     /// Actuator efforts (friction and stops not included).
     pub effort: Vec<f64>,
-    /// Efforts that the drives ask for, before limits and lag; in mode `kinematic` those of `effort`.
+    /// Desired efforts of the drives, before limits and lag; in mode `kinematic` those of `effort`.
     pub effort_desired: Vec<f64>,
     /// Desired joint positions.
     pub q_desired: Vec<f64>,
@@ -45,23 +45,23 @@ pub struct Snapshot {
     pub support_polygon: Vec<Vector3<f64>>,
     /// Point of optimal stability of that hull on the floor plane, see [`crate::geometry::stable_point`]; none in flight.
     pub stable_point: Option<Vector3<f64>>,
-    /// Points that tasks show, always the same ones.
+    /// Named points of the tasks, always the same ones.
     pub points: Vec<PointOfInterest>,
     /// One per sole, in the model's order.
     pub soles: Vec<SoleSnapshot>,
     /// External forces now acting: point, force.
     pub external: Vec<(Vector3<f64>, Vector3<f64>)>,
-    /// What the contact laws miss.
+    /// Residuals of the contact laws.
     pub residual: Residual,
     /// The energy balance since the start.
     pub energy: EnergyBalance,
-    /// What the robot knew at its last control tick; none when sensors and estimator tell the truth.
+    /// Readings and estimate at the last control tick; none when sensors and estimator are exact.
     pub estimate: Option<EstimateSnapshot>,
-    /// How near the robot is to touching itself; none when nobody asks.
+    /// Self-collision of the robot; none when it is not monitored.
     pub self_contact: Option<SelfContactSnapshot>,
 }
 
-/// How near the robot is to touching itself, and what is done about it.
+/// Distance of the robot from self-collision, and its avoidance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SelfContactSnapshot {
     /// Names of the bodies of the watched pairs.
@@ -73,9 +73,9 @@ pub struct SelfContactSnapshot {
     pub cycles: u64,
     /// Postures tested in the last of them.
     pub tests: u64,
-    /// For each joint: is it kept from where the tasks want it? Empty when collisions are only reported.
+    /// For each joint: does avoidance stop it? Empty when collisions are only reported.
     pub frozen: Vec<bool>,
-    /// Where the tasks want the joints, within their ranges, rad or m; empty in the same case.
+    /// Joint positions that the tasks command, within their ranges, rad or m; empty in the same case.
     pub wanted: Vec<f64>,
 }
 
@@ -104,7 +104,7 @@ pub struct EstimateSnapshot {
     pub specific_force: Vector3<f64>,
     /// Force and moment about the centroid read at each sole.
     pub soles: Vec<(Vector3<f64>, Vector3<f64>)>,
-    /// For each sole: is it taken to stand still? Empty when the estimator does not ask.
+    /// For each sole: does the estimator hold it static? Empty for other estimators.
     pub static_soles: Vec<bool>,
 }
 
@@ -142,16 +142,16 @@ pub struct SoleSnapshot {
     pub forces: Vec<Vector3<f64>>,
 }
 
-/// Something that happened at an instant.
+/// An event at an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimEvent {
     /// Simulated time, s.
     pub time: f64,
-    /// Short kind: `touchdown`, `liftoff`, `slip`, `stick`, `impact`, `jam`, `inconsistent`, `state`, `border`, `forced`, `fallen`, `task`, `event`, `self-collision`, ...
+    /// Kind of event.
     pub kind: EventKind,
-    /// What it is about (a sole, a joint, a task), may be empty.
+    /// The sole, joint, task or object it belongs to; may be empty.
     pub subject: String,
-    /// Words for a person.
+    /// Message for the user.
     pub message: String,
 }
 
@@ -164,7 +164,7 @@ pub enum Outcome {
     Failed,
     /// A stop rule ended it.
     Fallen,
-    /// A number left the representable or sensible range, or the step size collapsed.
+    /// A number left the representable or plausible range, or the step size collapsed.
     Diverged,
     /// Too many events per simulated second.
     Stalled,
@@ -189,7 +189,7 @@ impl Outcome {
         Outcome::Cancelled,
     ];
 
-    /// The word in the summary.
+    /// The outcome in the summary.
     pub fn name(self) -> &'static str {
         match self {
             Outcome::Passed => "passed",
@@ -213,32 +213,32 @@ pub struct AvoidanceTime {
     pub cycles_s: f64,
 }
 
-/// Receives what a run tells while it runs. `Err` ends the run with outcome `error` and that message.
+/// Receives the output of a run while it runs. `Err` ends the run with outcome `error` and that message.
 pub trait Observer {
     /// Called at the log rate and once at the end.
     fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String>;
     /// Called at once for every event, in time order.
     fn event(&mut self, event: &SimEvent) -> Result<(), String>;
-    /// How many samples per simulated second it wants; the same answer throughout a run. 0: none.
+    /// Samples per simulated second that it receives; constant throughout a run. 0: none.
     fn sample_rate(&self) -> f64 {
         0.0
     }
-    /// Called with samples in time order: at `k / rate` before the end of the run, and there if it was reached. Unlike
-    /// snapshots they stand at these instants exactly.
+    /// Called with samples in time order: at `k / rate` before the end of the run, and at the end if it was reached.
+    /// Unlike snapshots they are exactly at these instants.
     fn sample(&mut self, _: &Sample) -> Result<(), String> {
         Ok(())
     }
-    /// Which contact problems it wants to be told of; the same answer throughout a run.
+    /// Contact problems that it receives; constant throughout a run.
     fn problems(&self) -> Problems {
         Problems::None
     }
-    /// Called for every selection of the kind asked for, before the event that goes with it.
+    /// Called for every selection of the requested kind, before the event that belongs to it.
     fn problem(&mut self, _: &SelectionRecord) -> Result<(), String> {
         Ok(())
     }
 }
 
-/// Selections of a contact state that an observer wants to see.
+/// Selections of a contact state that an observer receives.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Problems {
     /// None.
@@ -260,7 +260,7 @@ impl Observer for () {
     }
 }
 
-/// An observer that looks away.
+/// An observer that ignores everything.
 pub struct NullObserver;
 
 impl Observer for NullObserver {
