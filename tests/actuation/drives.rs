@@ -1,7 +1,7 @@
 //! Velocity drives, limits of effort and speed, end stops, on a wheel.
 
 use super::{SILENT, link, robot, simulation, wheel};
-use crate::analytic::support::{Told, finish};
+use crate::analytic::support::{Recording, finish};
 
 const INERTIA: f64 = 0.2;
 
@@ -26,19 +26,19 @@ fn driven(settings: &str, joint: &str, start: f64) -> String {
 }
 
 /// Runs the wheel under constant commands and compares its speed with a closed form.
-fn compare(joint: &str, start: f64, told: [f64; 3], truth: impl Fn(f64) -> f64) {
+fn compare(joint: &str, start: f64, command: [f64; 3], truth: impl Fn(f64) -> f64) {
     for (settings, tolerance) in EXPLICIT {
         let text = driven(settings, joint, start);
-        let mut sim = simulation(Some(&wheel(INERTIA)), &text, Some(move |_, _| told));
-        let mut seen = Told::default();
+        let mut sim = simulation(Some(&wheel(INERTIA)), &text, Some(move |_, _| command));
+        let mut seen = Recording::default();
         let metrics = finish(&mut sim, &mut seen);
         for s in &seen.snapshots {
             assert!((s.qd[0] - truth(s.time)).abs() < tolerance, "{joint} {}: {} {}", s.time, s.qd[0], truth(s.time));
         }
         assert!(metrics.max_energy_error_j < tolerance, "{metrics:?}");
-        // What was asked stays as it was.
+        // The logged command is not changed.
         let last = seen.snapshots.last().expect("one");
-        assert_eq!((last.q_desired[0], last.qd_desired[0]), (told[0], told[1]));
+        assert_eq!((last.q_desired[0], last.qd_desired[0]), (command[0], command[1]));
     }
 }
 
@@ -55,8 +55,8 @@ fn a_velocity_drive_comes_to_its_speed_exponentially() {
     );
     let mut sim =
         simulation(Some(&wheel(INERTIA)), &(text + "[control]\nrate = 200.0\n"), Some(move |_, _| [9.0, v, ff]));
-    let mut told = Told::default();
-    let metrics = finish(&mut sim, &mut told);
+    let mut recording = Recording::default();
+    let metrics = finish(&mut sim, &mut recording);
     let expected = end * (1.0 - (1.0 + kd * 5e-3 / INERTIA).powi(-100));
     assert!((sim.plant().state.v[0] - expected).abs() < 1e-12, "{} {expected}", sim.plant().state.v[0]);
     assert!(metrics.max_energy_error_j < 1e-13, "{metrics:?}");
@@ -102,9 +102,9 @@ fn velocity_level_steps_do_not_leap_over_the_speed_limit() {
             0.0,
         );
         let mut sim = simulation(Some(&wheel(0.01)), &text, Some(|_, _| [50.0, 0.0, 50.0]));
-        let mut told = Told::default();
-        let metrics = finish(&mut sim, &mut told);
-        let fastest = told.snapshots.iter().map(|s| s.qd[0]).fold(0.0, f64::max);
+        let mut recording = Recording::default();
+        let metrics = finish(&mut sim, &mut recording);
+        let fastest = recording.snapshots.iter().map(|s| s.qd[0]).fold(0.0, f64::max);
         // The approach divides what is missing by 1 + F dt / (I b v) = 17.7 per step: there but for rounding.
         assert!(fastest <= MOST + 1e-12 && sim.plant().state.v[0] > MOST - 1e-9, "{drive}: {fastest}");
         // What the drive worked is in the wheel.
@@ -131,8 +131,8 @@ fn a_stop_without_damping_throws_back_and_the_usual_one_takes_most() {
     // The way out to the spring, half a swing of it, and back past the middle.
     let text = driven(tight, &format!("mode = \"passive\", stop = {{ stiffness = {k} }}"), v);
     let mut sim = simulation(Some(&stopped(INERTIA)), &text, SILENT);
-    let mut told = Told::default();
-    let metrics = finish(&mut sim, &mut told);
+    let mut recording = Recording::default();
+    let metrics = finish(&mut sim, &mut recording);
     let half_swing = std::f64::consts::PI * (INERTIA / k).sqrt();
     let state = &sim.plant().state;
     // The spring begins within a step; error control at 1e-10 sees it.
@@ -142,8 +142,8 @@ fn a_stop_without_damping_throws_back_and_the_usual_one_takes_most() {
 
     // Critically damped, and letting go when the damper would pull: p = v t e^(-wt) until w t = 2, at -v e^-2.
     let mut sim = simulation(Some(&stopped(INERTIA)), &driven(tight, "mode = \"passive\"", -v), SILENT);
-    let mut told = Told::default();
-    finish(&mut sim, &mut told);
+    let mut recording = Recording::default();
+    finish(&mut sim, &mut recording);
     let back = v * (-2f64).exp();
     let state = &sim.plant().state;
     assert!((state.v[0] - back).abs() < 1e-7, "{} {back}", state.v[0]);
@@ -151,9 +151,9 @@ fn a_stop_without_damping_throws_back_and_the_usual_one_takes_most() {
     // Steps of 2e-2 s, four times what an explicit damper of 600/s stands.
     let text = driven("integrator = { method = \"semi-implicit\", step = 2e-2 }", "mode = \"passive\"", v);
     let mut sim = simulation(Some(&stopped(INERTIA)), &text, SILENT);
-    let mut told = Told::default();
-    let metrics = finish(&mut sim, &mut told);
-    assert!(told.snapshots.iter().all(|s| s.q[0] < 0.5 + v * 2e-2 && s.qd[0].abs() <= v), "{metrics:?}");
+    let mut recording = Recording::default();
+    let metrics = finish(&mut sim, &mut recording);
+    assert!(recording.snapshots.iter().all(|s| s.q[0] < 0.5 + v * 2e-2 && s.qd[0].abs() <= v), "{metrics:?}");
     assert!(metrics.joint_loss_j > 0.5 * 0.5 * INERTIA * v * v, "{metrics:?}");
 }
 
@@ -170,17 +170,17 @@ fn a_velocity_level_step_keeps_to_the_effort_limit() {
             [[force]]\ntype = \"push\"\nlink = \"wheel\"\nforce = [0, 0, 0]\nmoment = [0, 0, 100]\nstart = 0.0\nduration = 0.002"
         );
         let mut sim = simulation(Some(&rotor), &text, SILENT);
-        let mut told = Told::default();
-        finish(&mut sim, &mut told);
-        let at = |t: f64| told.snapshots.iter().find(|s| (s.time - t).abs() < 1e-9).expect("it is logged");
+        let mut recording = Recording::default();
+        finish(&mut sim, &mut recording);
+        let at = |t: f64| recording.snapshots.iter().find(|s| (s.time - t).abs() < 1e-9).expect("it is logged");
         // The servo is at its limit from the first step on: at zero error it gives nothing, for a step at the most.
         let expected = (100.0 * 0.002 - 0.05) / 0.01;
         assert!((at(0.05).qd[0] - expected).abs() < 0.1 + 1e-9, "{gains}: {}", at(0.05).qd[0]);
-        for s in &told.snapshots {
+        for s in &recording.snapshots {
             assert!(s.effort[0].abs() <= 1.0 + 1e-12, "{gains}: {} at {}", s.effort[0], s.time);
         }
         // What the log says is what acted.
-        for (a, b) in told.snapshots.iter().zip(&told.snapshots[1..]).filter(|(a, _)| a.time > 0.0025) {
+        for (a, b) in recording.snapshots.iter().zip(&recording.snapshots[1..]).filter(|(a, _)| a.time > 0.0025) {
             let acted = 0.01 * (b.qd[0] - a.qd[0]) / (b.time - a.time);
             assert!(
                 (acted - b.effort[0]).abs() < 1e-9,

@@ -1,7 +1,7 @@
 //! Friction in joints: the law, creep under load, and no chatter.
 
 use super::{SILENT, simulation, wheel};
-use crate::analytic::support::{Told, finish, rk4};
+use crate::analytic::support::{Recording, finish, rk4};
 use stiction::sim::NullObserver;
 
 fn spinning(settings: &str, friction: &str, start: f64) -> String {
@@ -86,9 +86,9 @@ fn nothing_chatters_where_friction_is_great_against_inertia() {
     let force = format!("{}[[force]]\ntype = \"joint-friction\"\nall = {law}\n", spinning(settings, "", 1.0));
     for text in [model, force] {
         let mut sim = simulation(Some(&wheel(1e-5)), &text, SILENT);
-        let mut told = Told::default();
-        let metrics = finish(&mut sim, &mut told);
-        assert!(told.snapshots.windows(2).all(|w| w[1].qd[0] >= 0.0 && w[1].qd[0] <= w[0].qd[0]), "monotonous");
+        let mut recording = Recording::default();
+        let metrics = finish(&mut sim, &mut recording);
+        assert!(recording.snapshots.windows(2).all(|w| w[1].qd[0] >= 0.0 && w[1].qd[0] <= w[0].qd[0]), "monotonous");
         assert!(sim.plant().state.v[0] < 1e-9, "{}", sim.plant().state.v[0]);
         // All of the energy went into the friction, none came from it.
         assert!((metrics.joint_loss_j - metrics.external_work_j - 0.5e-5).abs() < 1e-17, "{metrics:?}");
@@ -114,20 +114,21 @@ fn a_standing_robot_with_dry_joints_makes_no_events_and_few_steps() {
     let mild = "[[force]]\ntype = \"joint-friction\"\nall = { coulomb = 0.02, static = 0.03, viscous = 0.01 }";
     let run = |friction: &str, settings: &str| {
         let mut sim = simulation(None, &text(friction, settings), SILENT);
-        let mut told = Told::default();
-        (finish(&mut sim, &mut told), told)
+        let mut recording = Recording::default();
+        (finish(&mut sim, &mut recording), recording)
     };
-    let ((free, _), (rough, told)) = (run("", ""), run(mild, ""));
+    let ((free, _), (rough, recording)) = (run("", ""), run(mild, ""));
     assert_eq!((rough.events, rough.state_changes, rough.inconsistent), (0, 0, 0), "{rough:?}");
     assert!(rough.evaluations < 2 * free.evaluations, "{} {}", rough.evaluations, free.evaluations);
     // At the end it rests: no joint moves faster than it creeps under its servo.
-    let last = told.snapshots.last().expect("one");
+    let last = recording.snapshots.last().expect("one");
     assert!(last.qd.iter().all(|v| v.abs() < 5e-3), "{:?}", last.qd);
     // Velocity-level steps: the sign of a joint's velocity does not alternate from snapshot to snapshot.
-    let (_, told) = run(dry, "integrator = { method = \"semi-implicit\", step = 1e-3 }\nlog = { rate = 1000.0 }");
-    for j in 0..told.snapshots[0].qd.len() {
+    let (_, recording) = run(dry, "integrator = { method = \"semi-implicit\", step = 1e-3 }\nlog = { rate = 1000.0 }");
+    for j in 0..recording.snapshots[0].qd.len() {
         let moving = |v: f64| v.abs() > 1e-6;
-        let turns = told.snapshots.windows(2).filter(|w| w[0].qd[j] * w[1].qd[j] < 0.0 && moving(w[0].qd[j])).count();
+        let turns =
+            recording.snapshots.windows(2).filter(|w| w[0].qd[j] * w[1].qd[j] < 0.0 && moving(w[0].qd[j])).count();
         assert!(turns < 20, "joint {j} turns {turns} times");
     }
 }

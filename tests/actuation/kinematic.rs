@@ -2,7 +2,7 @@
 
 use super::{SILENT, hinge, link, robot, simulation};
 use crate::analytic::body::G;
-use crate::analytic::support::{Told, finish, rk4, root};
+use crate::analytic::support::{Recording, finish, rk4, root};
 use stiction::assemble;
 use stiction::dynamics::body;
 use stiction::scenario;
@@ -69,8 +69,8 @@ fn a_body_recoils_from_its_prescribed_arm_by_the_closed_form() {
             ("integrator = { method = \"semi-implicit\", step = 1e-4 }", 1e-3),
         ] {
             let mut sim = simulation(Some(&floating(m, i)), &swing(settings, "{ mode = \"kinematic\" }"), SILENT);
-            let mut told = Told::default();
-            let metrics = finish(&mut sim, &mut told);
+            let mut recording = Recording::default();
+            let metrics = finish(&mut sim, &mut recording);
             let state = &sim.plant().state;
             assert_eq!((state.joints[0], state.v[6]), (1.2, 0.0), "to the last bit");
             let truth = integral(|theta| recoil(m, i, theta), 0.0, 1.2);
@@ -78,7 +78,7 @@ fn a_body_recoils_from_its_prescribed_arm_by_the_closed_form() {
             assert!((yaw - truth).abs() < tolerance, "{settings} {m}: {yaw} {truth}");
             // Momentum: nothing acts from outside.
             let (size, speed) = (M + m, 1.0);
-            let worst = told.snapshots.iter().map(|s| s.com_velocity.norm()).fold(0.0, f64::max);
+            let worst = recording.snapshots.iter().map(|s| s.com_velocity.norm()).fold(0.0, f64::max);
             assert!(worst < tolerance * speed, "{settings}: {worst}");
             assert!(body::momentum(&sim.plant().ws).angular.norm() < tolerance * size, "{settings}");
             // At rest again: the drive has put in as much as it took out.
@@ -102,7 +102,7 @@ fn steps_do_not_depend_on_how_light_the_link_is() {
     assert_eq!(steps(1e-6).1, 0);
 }
 
-/// The double pendulum of robots/pendulum (see analytic::pendulum), its shoulder turned as told.
+/// The double pendulum of robots/pendulum (see analytic::pendulum), its shoulder turned as commanded.
 const PENDULUM: &str = "
     duration = 1.5
     log = { rate = 100.0 }
@@ -134,8 +134,8 @@ fn a_pendulum_on_a_shoulder_that_turns_evenly_swings_by_its_own_equation() {
     let w = 2.5;
     let text = format!("{TIGHT}\n{PENDULUM}\nvelocity = {{ shoulder = {w}, elbow = -0.5 }}");
     let mut sim = simulation(None, &text, Some(move |j, t| if j == 0 { [0.4 + w * t, w, 0.0] } else { [0.0; 3] }));
-    let mut told = Told::default();
-    let metrics = finish(&mut sim, &mut told);
+    let mut recording = Recording::default();
+    let metrics = finish(&mut sim, &mut recording);
     let upper = |t: f64| [0.4 + w * t, w, 0.0];
     let [b, q] = rk4([0.7, w - 0.5], 1.5, 100_000, |t, [b, q]| [*q, lower(upper(t), *b, *q)]);
     let state = &sim.plant().state;
@@ -144,7 +144,7 @@ fn a_pendulum_on_a_shoulder_that_turns_evenly_swings_by_its_own_equation() {
     assert!((state.joints[0] + state.joints[1] - b).abs() < 1e-8, "{} {b}", state.joints[0] + state.joints[1]);
     assert!((state.v[0] + state.v[1] - q).abs() < 1e-7);
     // The effort reported is what turns the shoulder; it is far from zero. Rounding of q over T^2 is in it.
-    let last = told.snapshots.last().expect("one");
+    let last = recording.snapshots.last().expect("one");
     assert!(
         (last.effort[0] - shoulder(upper(1.5), b, q)).abs() < 1e-6,
         "{} {}",
@@ -167,9 +167,9 @@ fn commands_along_a_smooth_curve_are_followed_on_time() {
     let text = format!("{TIGHT}\n{PENDULUM}");
     let mut sim =
         simulation(None, &text, Some(move |j, t| if j == 0 { [upper(t)[0], upper(t)[1], 0.0] } else { [0.0; 3] }));
-    let mut told = Told::default();
-    finish(&mut sim, &mut told);
-    for s in &told.snapshots[1..] {
+    let mut recording = Recording::default();
+    finish(&mut sim, &mut recording);
+    for s in &recording.snapshots[1..] {
         let [q, qd, _] = upper(s.time);
         // The fourth derivative, w^4 / 2, over 6 and 2, with T = 1e-3.
         let fourth = 0.5 * w.powi(4);
@@ -183,16 +183,16 @@ fn commands_along_a_smooth_curve_are_followed_on_time() {
     assert!((state.v[0] + state.v[1] - q).abs() < 1e-4);
     // Six times the third derivative's share of a tick would show as a saw-tooth: the effort is smooth.
     let smooth = shoulder(upper(1.5), b, q);
-    assert!((told.snapshots.last().expect("one").effort[0] - smooth).abs() < 1e-3, "{smooth}");
+    assert!((recording.snapshots.last().expect("one").effort[0] - smooth).abs() < 1e-3, "{smooth}");
 }
 
 #[test]
 fn a_command_that_jumps_is_reached_within_one_tick() {
     let step = |t: f64| if t < 0.5 { 0.4 } else { 0.5 };
     let mut sim = simulation(None, PENDULUM, Some(move |_, t| [step(t), 0.0, 0.0]));
-    let mut told = Told::default();
-    let metrics = finish(&mut sim, &mut told);
-    for s in &told.snapshots {
+    let mut recording = Recording::default();
+    let metrics = finish(&mut sim, &mut recording);
+    for s in &recording.snapshots {
         // At the instant itself the command is new and the joint still where it was.
         let expected = if s.time < 0.5005 { 0.4 } else { 0.5 };
         assert!((s.q[0] - expected).abs() < 1e-15, "{} {}", s.time, s.q[0]);
@@ -251,10 +251,10 @@ fn a_robot_stands_and_lands_while_its_kinematic_head_nods() {
             ("integrator = { method = \"semi-implicit\", step = 1e-3 }\ncontact = { method = \"ncp\" }", 1e-1),
         ] {
             let mut sim = simulation(None, &nodding(settings, height), SILENT);
-            let mut told = Told::default();
-            let metrics = finish(&mut sim, &mut told);
+            let mut recording = Recording::default();
+            let metrics = finish(&mut sim, &mut recording);
             let model = sim.plant().model.clone();
-            let last = told.snapshots.last().expect("one");
+            let last = recording.snapshots.last().expect("one");
             for (name, angle) in [("head_pan", 0.6), ("head_tilt", 0.4)] {
                 let j = model.joint(name).expect("has a head").0;
                 assert_eq!(last.q[j], angle, "{settings}");

@@ -1,7 +1,7 @@
 //! Actuators with a first-order lag, against closed forms.
 
 use super::{SILENT, hinge, link, robot, simulation, wheel};
-use crate::analytic::support::{Told, finish, rk4};
+use crate::analytic::support::{Recording, finish, rk4};
 use stiction::sim::NullObserver;
 
 /// A wheel of 0.2 kg m^2 whose actuator has a time constant of 0.03 s.
@@ -36,9 +36,9 @@ fn a_step_of_the_command_is_followed_by_an_exponential() {
     for (settings, tolerance) in EXPLICIT.into_iter().chain([semi]) {
         let text = driven(settings, "mode = \"force\"", 0.4);
         let mut sim = simulation(Some(&wheel(INERTIA)), &text, Some(told_effort));
-        let mut told = Told::default();
-        let metrics = finish(&mut sim, &mut told);
-        let snapshots = told.snapshots.iter();
+        let mut recording = Recording::default();
+        let metrics = finish(&mut sim, &mut recording);
+        let snapshots = recording.snapshots.iter();
         let mut rows: Vec<_> = snapshots.map(|s| (s.time, s.effort[0], s.qd[0])).collect();
         if settings == semi.0 {
             // What is logged of a fixed step is the effort at its start: only the end is compared.
@@ -64,10 +64,10 @@ fn a_sine_comes_out_smaller_and_later() {
     let w: f64 = 50.0;
     let text = driven("control = { rate = 10000.0 }", "mode = \"force\"", 0.6);
     let mut sim = simulation(Some(&wheel(INERTIA)), &text, Some(move |_, t: f64| [0.0, 0.0, (w * t).sin()]));
-    let mut told = Told::default();
-    finish(&mut sim, &mut told);
+    let mut recording = Recording::default();
+    finish(&mut sim, &mut recording);
     let (amplitude, phase) = ((1.0 + (w * T).powi(2)).sqrt().recip(), (w * T).atan());
-    for s in told.snapshots.iter().filter(|s| s.time > 0.4) {
+    for s in recording.snapshots.iter().filter(|s| s.time > 0.4) {
         let start = amplitude * phase.sin() * (-s.time / T).exp();
         let expected = amplitude * (w * (s.time - 0.5e-4) - phase).sin() + start;
         // The ripple of one held tick: w dt / 2 of dt / T.
@@ -86,7 +86,7 @@ fn a_position_servo_with_lag_moves_by_its_characteristic_cubic() {
         let text = driven(settings, &drive, 0.5) + "velocity = { axle = 1.5 }\n";
         let mut sim = simulation(Some(&wheel(INERTIA)), &text, SILENT);
         let metrics = finish(&mut sim, &mut NullObserver);
-        // At the start the actuator holds what is asked: -kd qd.
+        // At the start the actuator holds the servo effort: -kd qd.
         let f = |_: f64, [q, v, z]: &[f64; 3]| [*v, z / INERTIA, (-kp * q - kd * v - z) / T];
         let [q, v, z] = rk4([0.0, 1.5, -kd * 1.5], 0.5, 100_000, f);
         let state = &sim.plant().state;
@@ -127,7 +127,7 @@ fn modes(rates: &[nalgebra::Complex<f64>; 3], start: [f64; 3], t: f64) -> f64 {
 
 #[test]
 fn a_lag_too_short_to_see_leaves_the_motion_as_it_is() {
-    // Velocity-level steps of 1e-3 with T = 1e-9: the mean of the effort is what is asked at the end of the step, implicit
+    // Velocity-level steps of 1e-3 with T = 1e-9: the mean of the effort is the servo effort at the end of the step, implicit
     // gains included.
     let text = |lag: &str| {
         format!(

@@ -14,9 +14,9 @@ use stiction::sim::Simulation;
 use stiction::task::{Command, Context, Status, Task, TaskResult};
 
 /// Commands as functions of time: `(joint, time) -> [position, velocity, effort]`.
-struct Told<F>(F);
+struct CommandTask<F>(F);
 
-impl<F: Fn(usize, f64) -> [f64; 3] + Send + 'static> Task for Told<F> {
+impl<F: Fn(usize, f64) -> [f64; 3] + Send + 'static> Task for CommandTask<F> {
     fn init(&mut self, _: &Context, _: &Command) -> TaskResult {
         Ok(Status::Running)
     }
@@ -33,11 +33,11 @@ impl<F: Fn(usize, f64) -> [f64; 3] + Send + 'static> Task for Told<F> {
     }
 }
 
-/// The run of a scenario whose robot is this URDF, or without one the scenario's; its joints are commanded as told.
+/// The run of a scenario whose robot is this URDF, or without one the scenario's; its joints get the given commands.
 fn simulation(
     urdf: Option<&str>,
     text: &str,
-    told: Option<impl Fn(usize, f64) -> [f64; 3] + Send + 'static>,
+    command: Option<impl Fn(usize, f64) -> [f64; 3] + Send + 'static>,
 ) -> Simulation {
     let file = scenario::parse(&root().join("test.toml"), text).unwrap_or_else(|e| panic!("{e}"));
     let runs = file.expand(&[]).unwrap_or_else(|e| panic!("{e}"));
@@ -52,8 +52,8 @@ fn simulation(
     };
     let robot = robot::load(&path).unwrap_or_else(|e| panic!("{e}"));
     let mut setup = assemble::setup(&runs[0], &robot).unwrap_or_else(|e| panic!("{e}"));
-    if let Some(told) = told {
-        setup.tasks.add(0.0, Box::new(Told(told)));
+    if let Some(command) = command {
+        setup.tasks.add(0.0, Box::new(CommandTask(command)));
     }
     Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"))
 }

@@ -1,7 +1,7 @@
 //! A force that jumps with the state: a joint meets its stop.
 
 use super::{SILENT, robot, simulation};
-use crate::analytic::support::{Told, finish};
+use crate::analytic::support::{Recording, finish};
 
 /// A foot of 1 kg and on it a slider of 1 kg that may rise by 0.1 m.
 fn hopper() -> String {
@@ -30,7 +30,7 @@ fn a_stop_tears_the_foot_off_the_floor() {
         velocity = { slide = 2.0 }
         joint = { slide = { mode = \"passive\", stop = { stiffness = 1e4, damping = 100.0 } } }";
     let mut sim = simulation(Some(&hopper()), text, SILENT);
-    let metrics = finish(&mut sim, &mut Told::default());
+    let metrics = finish(&mut sim, &mut Recording::default());
     let at = (2.0 - (4.0 - 2.0 * G * 0.1_f64).sqrt()) / G;
     let left = metrics.first_liftoff_s.expect("it lifts off");
     // Up to a few steps of 1e-13 s beyond the stop; the motion up to it is a parabola, which the integrator solves.

@@ -21,9 +21,9 @@ fn slip(body: &Body, yaw: f64, mu: [f64; 2], force: [f64; 3], moment: [f64; 3]) 
         body.robot(&format!("rpy = [0.0, 0.0, {yaw}]")),
         -body.half[2]
     );
-    let (m, told) = watch(&text);
+    let (m, recording) = watch(&text);
     assert_eq!((m.inconsistent, m.jams, m.impacts), (0, 0, 0));
-    assert_eq!(told.events.first().map(|e| e.kind.as_str()), Some("slip"));
+    assert_eq!(recording.events.first().map(|e| e.kind.as_str()), Some("slip"));
     assert!(m.max_static_creep_m < 1e-12, "not a hair before");
     m.first_slip_s.expect("it slips")
 }

@@ -109,7 +109,7 @@ fn the_balance_of_a_pushed_robot_closes_to_the_integration_error() {
     let tolerance = |t: f64| format!("integrator = {{ relative_tolerance = {t}, absolute_tolerance = {} }}", 0.01 * t);
     let mut errors = vec![];
     for t in [1e-6, 1e-9] {
-        let (m, told) = watch(&pushed(0.03, [24.0, 6.0], 0.3, &tolerance(t)));
+        let (m, recording) = watch(&pushed(0.03, [24.0, 6.0], 0.3, &tolerance(t)));
         println!("{t:e}: {m:?}");
         let flow = m.actuator_work_j.abs() + m.external_work_j.abs() + m.impact_loss_j + m.friction_loss_j;
         assert!(m.external_work_j.abs() > 0.05 && m.impact_loss_j > 0.05 && m.friction_loss_j > 1e-4, "{m:?}");
@@ -119,12 +119,12 @@ fn the_balance_of_a_pushed_robot_closes_to_the_integration_error() {
         assert!(m.max_energy_error_j >= m.energy_error_j.abs() && m.rms_energy_error_j <= m.max_energy_error_j);
         // Losses never give energy back; snapshots agree with the end.
         let mut before = (0.0, 0.0);
-        for s in &told.snapshots {
+        for s in &recording.snapshots {
             let now = (s.energy.friction_loss, s.energy.impact_loss);
             assert!(now.0 >= before.0 - 1e-12 && now.1 >= before.1 - 1e-12, "{} s: {before:?} {now:?}", s.time);
             before = now;
         }
-        let last = told.snapshots.last().expect("there are some").energy;
+        let last = recording.snapshots.last().expect("there are some").energy;
         assert!((last.error() - m.energy_error_j).abs() < 1e-12 && last.external == m.external_work_j);
         errors.push(m.max_energy_error_j);
     }
@@ -137,10 +137,10 @@ fn the_balance_of_a_pushed_robot_closes_to_the_integration_error() {
 fn with_fixed_steps_the_balance_is_of_first_order() {
     let settings = |dt: f64| format!("integrator = {{ method = \"semi-implicit\", step = {dt} }}");
     let fixed = |dt: f64| watch(&pushed(0.002, [8.0, 2.0], 0.8, &settings(dt)));
-    let ((coarse, told), (fine, _)) = (fixed(1e-3), fixed(1e-4));
+    let ((coarse, recording), (fine, _)) = (fixed(1e-3), fixed(1e-4));
     // The log tells each instant once, the end as well.
-    assert!(told.snapshots.windows(2).all(|w| w[0].time < w[1].time));
-    assert_eq!(told.snapshots.last().map(|s| (s.time, s.energy.error())), Some((0.8, coarse.energy_error_j)));
+    assert!(recording.snapshots.windows(2).all(|w| w[0].time < w[1].time));
+    assert_eq!(recording.snapshots.last().map(|s| (s.time, s.energy.error())), Some((0.8, coarse.energy_error_j)));
     println!("{coarse:?}\n{fine:?}");
     assert!(coarse.external_work_j > 1e-3 && coarse.impact_loss_j > 1e-2, "{coarse:?}");
     assert!(coarse.max_energy_error_j < 0.1 * coarse.impact_loss_j, "{coarse:?}");

@@ -16,13 +16,13 @@ fn a_floor_that_turns_to_ice_lets_a_block_go() {
             [robot]\n{BLOCK}\nbase = {{ rpy = [0, {angle}, 0] }}
             [[event]]\nat = 0.4\nset = {{ \"floor.friction\" = {{ static = {mu}, kinetic = {kinetic} }} }}"
         );
-        let (m, told) = watch(&text);
+        let (m, recording) = watch(&text);
         let acceleration = G * (angle.sin() - kinetic * angle.cos());
         // Integration at 1e-9, which a constant acceleration does not even use up.
         assert!((m.final_base_shift_m - 0.5 * acceleration * 0.36).abs() < 1e-10, "{}", m.final_base_shift_m);
         assert_eq!(m.first_slip_s, Some(0.4));
         assert!(m.energy_error_j.abs() < 1e-10 && m.inconsistent == 0);
-        let event = told.events.iter().find(|e| e.kind == "event").expect("it is told");
+        let event = recording.events.iter().find(|e| e.kind == "event").expect("it is told");
         assert_eq!(event.time, 0.4);
         assert!(event.message.starts_with("floor.friction = {"), "{}", event.message);
     }
@@ -227,10 +227,10 @@ fn a_slide_restored_slides_again() {
         [[event]]\nat = 1.5\nrestore = \"start\"
         [[event]]\nat = 1.6\nrestore = \"sliding\""
     );
-    let (m, told) = watch(&text);
+    let (m, recording) = watch(&text);
     let way = 1.0 / (2.0 * 0.5 * G);
     assert!((m.final_base_position[0] - way).abs() < 1e-9, "{:?}", m.final_base_position);
-    let sticks: Vec<f64> = told.events.iter().filter(|e| e.kind == "stick").map(|e| e.time).collect();
+    let sticks: Vec<f64> = recording.events.iter().filter(|e| e.kind == "stick").map(|e| e.time).collect();
     let rest = 1.0 / (0.5 * G);
     // Event location at 1e-13 of a step, and speeds below 1e-10 m/s that count as rest.
     assert_eq!(sticks.len(), 3, "{sticks:?}");
@@ -239,7 +239,7 @@ fn a_slide_restored_slides_again() {
     }
     assert_eq!((m.impacts, m.inconsistent), (0, 0));
     assert!(m.energy_error_j.abs() < 1e-9);
-    let other: Vec<_> = told.events.iter().filter(|e| !["event", "stick"].contains(&e.kind.as_str())).collect();
+    let other: Vec<_> = recording.events.iter().filter(|e| !["event", "stick"].contains(&e.kind.as_str())).collect();
     assert!(other.is_empty(), "{other:?}");
 }
 

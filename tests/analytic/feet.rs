@@ -4,7 +4,7 @@
 
 use super::body::G;
 use super::planar::on_feet;
-use super::support::{TIGHT, Told, rk4, watch};
+use super::support::{Recording, TIGHT, rk4, watch};
 use nalgebra::Vector3;
 use stiction::sim::Metrics;
 
@@ -26,21 +26,21 @@ fn orders(n: usize) -> [Vec<usize>; 3] {
     [(0..n).collect(), (0..n).rev().collect(), (1..n).chain([0]).collect()]
 }
 
-fn go(soles: &str, base: &str, mu: &str, duration: f64, rest: &str) -> (Metrics, Told) {
-    let (m, told) = watch(&format!(
+fn go(soles: &str, base: &str, mu: &str, duration: f64, rest: &str) -> (Metrics, Recording) {
+    let (m, recording) = watch(&format!(
         "duration = {duration}
         floor = {{ friction = {mu} }}
         robot = {{ model = \"robots/block/block.toml\", base = {{ {base} }}, soles = {soles} }}
         {TIGHT}\n{rest}"
     ));
     assert_eq!((m.inconsistent, m.jams), (0, 0), "{soles}");
-    (m, told)
+    (m, recording)
 }
 
 /// Runs a case with its feet listed in several orders; all must end alike.
-fn in_any_order(feet: &[[f64; 2]], base: &str, mu: &str, duration: f64, rest: &str) -> (Metrics, Told) {
+fn in_any_order(feet: &[[f64; 2]], base: &str, mu: &str, duration: f64, rest: &str) -> (Metrics, Recording) {
     let [first, others @ ..] = orders(feet.len());
-    let (m, told) = go(&soles(feet, &first), base, mu, duration, rest);
+    let (m, recording) = go(&soles(feet, &first), base, mu, duration, rest);
     for order in others {
         let (other, _) = go(&soles(feet, &order), base, mu, duration, rest);
         let pairs = m.final_base_position.iter().zip(other.final_base_position);
@@ -49,12 +49,12 @@ fn in_any_order(feet: &[[f64; 2]], base: &str, mu: &str, duration: f64, rest: &s
             assert!((a - b).abs() < 1e-9, "{order:?} {a} {b}");
         }
     }
-    (m, told)
+    (m, recording)
 }
 
 /// The floor's forces carry weight and moments at the end.
-fn carries(told: &Told, tangential: Vector3<f64>) {
-    let end = told.snapshots.last().expect("the end is told");
+fn carries(recording: &Recording, tangential: Vector3<f64>) {
+    let end = recording.snapshots.last().expect("the end is told");
     let at = end.soles.iter().flat_map(|s| s.positions.iter().zip(&s.forces));
     let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
     for (p, f) in at {
@@ -71,10 +71,10 @@ fn carries(told: &Told, tangential: Vector3<f64>) {
 fn they_stand_and_the_floor_carries_the_weight() {
     for feet in [TRIPOD, QUADRUPED, HEXAPOD] {
         for base in ["", "rpy = [0, 0, 0.7]"] {
-            let (m, told) = in_any_order(feet, base, "0.5", 1.0, "");
+            let (m, recording) = in_any_order(feet, base, "0.5", 1.0, "");
             assert_eq!((m.state_changes, m.events), (0, 0));
             assert!(m.max_static_creep_m < 1e-12 && m.max_lift_m < 1e-12 && m.max_penetration_m < 1e-12);
-            carries(&told, Vector3::zeros());
+            carries(&recording, Vector3::zeros());
         }
     }
 }
@@ -84,10 +84,10 @@ fn they_hold_a_push_that_every_split_can_carry() {
     // A fifth of what friction carries.
     let push = "[[force]]\ntype = \"constant\"\nlink = \"block\"\npoint = [0, 0, -0.05]\nforce = [0.8, -0.6, 0]\n";
     for feet in [TRIPOD, QUADRUPED, HEXAPOD] {
-        let (m, told) = in_any_order(feet, "", "0.5", 1.0, push);
+        let (m, recording) = in_any_order(feet, "", "0.5", 1.0, push);
         assert_eq!((m.state_changes, m.first_slip_s), (0, None));
         assert!(m.max_static_creep_m < 1e-12);
-        carries(&told, Vector3::new(-0.8, 0.6, 0.0));
+        carries(&recording, Vector3::new(-0.8, 0.6, 0.0));
     }
 }
 
@@ -146,7 +146,7 @@ fn all_feet_land_at_once_and_slide_on() {
     for feet in [TRIPOD, QUADRUPED, HEXAPOD] {
         for speed in [0.0, 0.8] {
             let base = format!("position = [0, 0, 0.15], linear_velocity = [{speed}, 0, 0]");
-            let (m, told) = in_any_order(feet, &base, "0.2", 1.0, "");
+            let (m, recording) = in_any_order(feet, &base, "0.2", 1.0, "");
             assert_eq!(m.impacts, 1);
             assert!((m.first_touchdown_s.expect("it lands") - fall).abs() < 1e-10);
             assert!((m.final_base_position[2] - 0.05).abs() < 1e-10 && m.final_base_rpy[2].abs() < 1e-9);
@@ -154,7 +154,7 @@ fn all_feet_land_at_once_and_slide_on() {
             let left = speed - 0.2 * (2.0 * G * 0.1).sqrt();
             let way = speed * fall + if speed > 0.0 { left * left / (2.0 * 0.2 * G) } else { 0.0 };
             assert!((m.final_base_position[0] - way).abs() < 1e-8, "{} {way}", m.final_base_position[0]);
-            carries(&told, Vector3::zeros());
+            carries(&recording, Vector3::zeros());
         }
     }
 }
@@ -169,7 +169,7 @@ fn one_foot_after_the_other_lands_and_energy_is_accounted_for() {
         let tolerances = "velocity_tolerance = 1e-3\nacceleration_tolerance = 1e-6\n";
         let [first, others @ ..] = orders(feet.len());
         let drop = |order: &[usize]| {
-            let (m, told) = watch(&format!(
+            let (m, recording) = watch(&format!(
                 "duration = 1.5\nfloor = {{ friction = {{ static = 0.5, kinetic = 0.4 }} }}
                 integrator = {{ relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }}
                 robot = {{ model = \"robots/block/block.toml\", base = {{ {base} }}, soles = {} }}
@@ -180,7 +180,7 @@ fn one_foot_after_the_other_lands_and_energy_is_accounted_for() {
             // The integrator's tolerance on energies of a joule.
             assert!(m.energy_error_j.abs() < 1e-8, "{}", m.energy_error_j);
             assert!(m.impacts >= 3 && (m.final_base_position[2] - 0.05).abs() < 1e-9);
-            carries(&told, Vector3::zeros());
+            carries(&recording, Vector3::zeros());
             m
         };
         let m = drop(&first);
@@ -200,12 +200,12 @@ fn on_one_line_foot_it_falls_over_as_a_pendulum() {
     // Started turning about the line at 0.3 rad/s; I = m (a^2 + c^2) / 3 + m c^2 about it.
     let (duration, c) = (0.4, 0.05);
     let base = format!("angular_velocity = [0.3, 0, 0], linear_velocity = [0, {}, 0]", -0.3 * c);
-    let (m, told) = go(LINE, &base, "3.0", duration, "");
+    let (m, recording) = go(LINE, &base, "3.0", duration, "");
     let inertia = (0.01 + 0.0025) / 3.0 + c * c;
     let truth = rk4([0.0, 0.3], duration, 4000, |_, [phi, rate]: &[f64; 2]| [*rate, G * c * phi.sin() / inertia]);
     assert!((m.final_base_rpy[0] - truth[0]).abs() < 1e-8, "{} {truth:?}", m.final_base_rpy[0]);
     assert!(truth[0] > 0.3);
-    let end = told.snapshots.last().expect("the end is told");
+    let end = recording.snapshots.last().expect("the end is told");
     assert_eq!((end.soles[0].state.as_str(), m.state_changes), ("edge-0-static", 0));
 }
 
@@ -223,9 +223,9 @@ fn two_line_feet_stand_and_slide() {
         format!("{{ name = \"at {y}\", link = \"block\", polygon = [[-0.1, {y}, -0.05], [0.1, {y}, -0.05]] }}")
     };
     for list in [[line(-0.1), line(0.1)], [line(0.1), line(-0.1)]].map(|l| format!("[{}]", l.join(", "))) {
-        let (m, told) = go(&list, "", "0.5", 1.0, "");
+        let (m, recording) = go(&list, "", "0.5", 1.0, "");
         assert_eq!((m.state_changes, m.events), (0, 0));
-        carries(&told, Vector3::zeros());
+        carries(&recording, Vector3::zeros());
         let (m, _) = go(&list, "linear_velocity = [0.6, 0.8, 0]", "0.5", 1.0, "");
         let way = 1.0 / G;
         let [x, y, _] = m.final_base_position;

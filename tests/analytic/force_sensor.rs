@@ -21,11 +21,11 @@ fn resting(yaw: f64, frame: bool, sensors: &str) -> (Vector3<f64>, Vector3<f64>)
     };
     let (_folder, model) = with("", urdf.split('"').nth(1).expect("a path"), &frame);
     let polygon = body.corners().map(|[x, y]| [x, y, -body.half[2]]);
-    let (_, told) = watch(&format!(
+    let (_, recording) = watch(&format!(
         "duration = 0.1\nrobot = {{ model = {model}, base = {{ rpy = [0, 0, {yaw}] }},
         soles = [{{ name = \"bottom\", link = \"block\", polygon = {polygon:?} }}] }}\nsensors = {{ {sensors} }}\n"
     ));
-    told.snapshots.last().expect("the end").estimate.as_ref().expect("sensors err").soles[0]
+    recording.snapshots.last().expect("the end").estimate.as_ref().expect("sensors err").soles[0]
 }
 
 fn assert_reads((force, moment): (Vector3<f64>, Vector3<f64>), wanted: (Vector3<f64>, Vector3<f64>)) {

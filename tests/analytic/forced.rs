@@ -6,7 +6,7 @@ use stiction::scenario;
 use stiction::sim::{Metrics, SimEvent};
 
 fn imposed(state: &str, from: f64, to: f64, floor: &str, base: &str, duration: f64) -> (Metrics, Vec<SimEvent>) {
-    let (m, told) = watch(&format!(
+    let (m, recording) = watch(&format!(
         "duration = {duration}
         floor = {{ {floor} }}
         robot = {{ model = \"robots/block/block.toml\", base = {{ {base} }} }}
@@ -19,7 +19,7 @@ fn imposed(state: &str, from: f64, to: f64, floor: &str, base: &str, duration: f
     ));
     // What is imposed is nobody's failure to find a state.
     assert_eq!((m.inconsistent, m.jams), (0, 0), "{state}");
-    (m, told.events)
+    (m, recording.events)
 }
 
 fn times(events: &[SimEvent], kind: &str) -> Vec<f64> {
@@ -86,7 +86,7 @@ fn a_slide_that_is_imposed_has_kinetic_friction() {
         type = \"constant\"
         link = \"block\"
         force = [3.0, 0.0, 0.0]\n";
-    let (m, told) = watch(text);
+    let (m, recording) = watch(text);
     let a = 3.0 - 0.1 * G;
     // Once it moves it goes on by itself.
     assert!(
@@ -96,14 +96,14 @@ fn a_slide_that_is_imposed_has_kinetic_friction() {
         0.5 * a * 0.09
     );
     assert_eq!((m.first_slip_s, m.inconsistent), (Some(0.1), 0));
-    assert_eq!(times(&told.events, "forced"), [0.1, 0.3]);
+    assert_eq!(times(&recording.events, "forced"), [0.1, 0.3]);
 }
 
 #[test]
 fn fixed_steps_hold_imposed_states_from_and_to_their_instants() {
     let body = Body::new([0.1, 0.1, 0.05], 1.0);
     for method in ["exact", "one-step"] {
-        let (m, told) = watch(&format!(
+        let (m, recording) = watch(&format!(
             "duration = 0.6
             floor = {{ friction = 0.5 }}
             {}
@@ -118,7 +118,7 @@ fn fixed_steps_hold_imposed_states_from_and_to_their_instants() {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
         let (up, down) = (m.first_liftoff_s.expect("let go"), m.first_touchdown_s.expect("caught"));
         assert!(near(up, 0.2005) && near(down, 0.3005), "{method} {up} {down}");
-        assert_eq!(times(&told.events, "forced").len(), 2);
+        assert_eq!(times(&recording.events, "forced").len(), 2);
     }
 }
 

@@ -105,12 +105,12 @@ fn a_pendulum_swings_on_a_sled_as_its_equations_say() {
 #[test]
 fn both_feet_of_a_humanoid_land_at_once() {
     for (velocity, impacts) in [("[0, 0, 0]", 1), ("[0.2, 0.1, 0]", 1)] {
-        let (m, told) = watch(&format!(
+        let (m, recording) = watch(&format!(
             "duration = 0.4
             robot = {{ model = \"robots/hoap2/hoap2.toml\", base = {{ position = [0, 0, 0.3], linear_velocity = {velocity} }} }}
             contact = {{ velocity_tolerance = 0.02 }}\n"
         ));
-        let first: Vec<_> = told.events.iter().filter(|e| e.kind == "touchdown").take(2).collect();
+        let first: Vec<_> = recording.events.iter().filter(|e| e.kind == "touchdown").take(2).collect();
         assert!(
             first.len() == 2 && first[0].time == first[1].time && first[0].subject != first[1].subject,
             "{first:?}"
@@ -177,7 +177,7 @@ fn a_corner_that_crawls_round_comes_to_rest() {
 #[test]
 fn a_point_whose_direction_is_stiff_comes_to_rest_in_few_steps() {
     let last = |tolerances: &str, method: &str| {
-        let (m, told) = watch(&format!(
+        let (m, recording) = watch(&format!(
             "duration = 0.76
             gravity = [0.1, 0, -9.81]
             control = {{ rate = 137.5 }}
@@ -214,7 +214,7 @@ fn a_point_whose_direction_is_stiff_comes_to_rest_in_few_steps() {
         ));
         assert_eq!((m.duration_s, m.inconsistent), (0.76, 0), "{tolerances} {method}");
         assert!(m.max_cone_excess < 1e-9, "{tolerances} {method}: {m:?}");
-        (m, told.snapshots.last().expect("logged").base_pose.translation.vector)
+        (m, recording.snapshots.last().expect("logged").base_pose.translation.vector)
     };
     let (_, truth) = last("relative_tolerance = 1e-11, absolute_tolerance = 1e-13", "dopri5");
     // The relative tolerance times the way of 0.04 m. With 1e-4 an impact of 0.7 mm/s ends otherwise.

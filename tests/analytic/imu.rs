@@ -36,8 +36,8 @@ fn spinning(imu: &str, base: &str, more: &str) -> Vec<EstimateSnapshot> {
         robot = {{ model = {model}, base = {{ {base} }}, soles = [] }}
         sensors = {{ imu = \"chip\" }}\nintegrator = {{ relative_tolerance = 1e-11, absolute_tolerance = 1e-13 }}\n{more}"
     );
-    let told = watch(&text).1.snapshots.into_iter().map(|s| s.estimate.expect("an IMU is named"));
-    let readings: Vec<_> = told.collect();
+    let recording = watch(&text).1.snapshots.into_iter().map(|s| s.estimate.expect("an IMU is named"));
+    let readings: Vec<_> = recording.collect();
     // The end of the run is no tick: the reading there is that of the tick before.
     assert_eq!(readings.len(), 51);
     readings[..50].to_vec()
@@ -101,7 +101,7 @@ fn on_a_body_that_spins_up_it_feels_the_tangential_acceleration_in_its_own_turne
 fn on_a_moved_link_it_reads_that_links_motion() {
     let imu = "[sensors]\nimu = [{ name = \"tip\", link = \"lower\", position = [0, 0, -0.3] }]";
     let (_folder, model) = with("", "robots/pendulum/pendulum.urdf", imu);
-    let (_, told) = watch(&format!(
+    let (_, recording) = watch(&format!(
         "duration = 0.5\nlog = {{ rate = 200.0 }}\ncontrol = {{ rate = 200.0 }}\nsensors = {{ imu = \"tip\" }}
         integrator = {{ relative_tolerance = 1e-11, absolute_tolerance = 1e-13 }}
         [robot]\nmodel = {model}\nsoles = []\njoint_default = {{ mode = \"passive\" }}
@@ -113,8 +113,8 @@ fn on_a_moved_link_it_reads_that_links_motion() {
         let bar = |l: f64, a: f64, rate: f64| Vector3::new(-a.cos(), 0.0, a.sin()) * (l * rate);
         bar(0.5, a, p) + bar(0.3, b, q)
     };
-    assert!(told.snapshots.len() == 101);
-    for pair in told.snapshots.windows(2) {
+    assert!(recording.snapshots.len() == 101);
+    for pair in recording.snapshots.windows(2) {
         let (before, now) = (&pair[0], &pair[1]);
         let e = now.estimate.as_ref().expect("an IMU is named");
         if e.time != now.time {

@@ -96,13 +96,13 @@ fn with_friction_of_1000_it_tips_where_it_is_steep_and_never_slides() {
                 let base = turned * Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
                 let (roll, pitch, turn) = base.euler_angles();
                 let duration = 0.12;
-                let (m, told) = watch(&format!(
+                let (m, recording) = watch(&format!(
                     "duration = {duration}\nfloor = {{ friction = 1000, rpy = {:?} }}\n{}{TIGHT}",
                     slope.rpy,
                     body.robot(&format!("rpy = [{roll}, {pitch}, {turn}]"))
                 ));
                 assert_eq!((m.inconsistent, m.first_slip_s, m.jams), (0, None, 0));
-                let state = &told.snapshots.last().expect("the end is told").soles[0].state;
+                let state = &recording.snapshots.last().expect("the end is told").soles[0].state;
                 // The tilt about the lower edge from the slope.
                 let [roll, pitch, turn] = m.final_base_rpy;
                 let change = (base.inverse() * Rotation3::from_euler_angles(roll, pitch, turn)).into_inner();
@@ -144,8 +144,8 @@ fn a_body_left_upright_above_a_slope_starts_with_its_lowest_corner_on_it_and_end
         // The centre is half a height above the corners, and the lowest of these lies furthest uphill.
         let truth = 0.05 * angle.cos() + reach / angle.cos() * angle.sin();
         assert!((lowest - truth).abs() < 1e-12, "{lowest} {truth}");
-        let (m, told) = watch(&text);
-        let end = told.snapshots.last().expect("the end is told");
+        let (m, recording) = watch(&text);
+        let end = recording.snapshots.last().expect("the end is told");
         assert_eq!(end.soles[0].state, "face-static");
         let normal = end.base_pose.rotation * Vector3::z();
         let plane = Rotation3::from_euler_angles(slope.rpy[0], slope.rpy[1], slope.rpy[2]) * Vector3::z();

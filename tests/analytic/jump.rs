@@ -34,7 +34,7 @@ fn a_push_that_is_there_at_once_slips_the_block_at_once() {
 
 #[test]
 fn a_lift_that_ends_drops_the_block_at_once() {
-    let (m, told) = watch(&format!(
+    let (m, recording) = watch(&format!(
         "duration = 0.6
         robot = {{ model = \"robots/block/block.toml\" }}
         {TIGHT}
@@ -51,7 +51,7 @@ fn a_lift_that_ends_drops_the_block_at_once() {
     let lands = 0.3 + (v + (v * v + 2.0 * G * h).sqrt()) / G;
     assert_eq!(m.first_liftoff_s, Some(0.1));
     assert!((m.first_touchdown_s.expect("it lands") - lands).abs() < 1e-10, "{:?} {lands}", m.first_touchdown_s);
-    assert_eq!((told.events[0].kind.as_str(), told.events[0].time, m.inconsistent), ("liftoff", 0.1, 0));
+    assert_eq!((recording.events[0].kind.as_str(), recording.events[0].time, m.inconsistent), ("liftoff", 0.1, 0));
     // Balanced to rounding where it is pushed along the floor's normal by less than its weight.
     assert!((m.final_base_position[2] - 0.05).abs() < 1e-10);
 }

@@ -15,12 +15,12 @@ fn a_dropped_body_lands_in_time_loses_its_height_and_rests() {
     {
         let fall = (2.0 * height / G).sqrt();
         let text = format!("duration = {}\n{}{TIGHT}", fall + 0.3, base(&body, height, yaw, [0.0; 3]));
-        let (m, told) = watch(&text);
+        let (m, recording) = watch(&text);
         let touch = m.first_touchdown_s.expect("it lands");
         // Rounding of positions, 1e-16 m, over the speed of landing; the location itself is good to 1e-13 of a step.
         assert!((touch / fall - 1.0).abs() < 1e-12, "{touch} {fall}");
         assert_eq!((m.impacts, m.inconsistent, m.jams), (1, 0, 0));
-        let impact = told.events.iter().find(|e| e.kind == "impact").expect("it is told");
+        let impact = recording.events.iter().find(|e| e.kind == "impact").expect("it is told");
         let loss: f64 =
             impact.message.split("lost ").nth(1).and_then(|s| s.split(' ').next()).unwrap().parse().unwrap();
         // The message has seven digits.
@@ -82,8 +82,8 @@ fn bounces_reach_the_heights_of_the_restitution_and_end() {
             end + 0.2,
             base(&body, height, 0.3, [0.0; 3]),
         );
-        let (m, told) = watch(&text);
-        let impacts: Vec<f64> = told.events.iter().filter(|e| e.kind == "impact").map(|e| e.time).collect();
+        let (m, recording) = watch(&text);
+        let impacts: Vec<f64> = recording.events.iter().filter(|e| e.kind == "impact").map(|e| e.time).collect();
         assert!(impacts.len() >= truth.len() && impacts[truth.len()..].iter().all(|t| (t - end).abs() < 1e-6));
         for (seen, truth) in impacts.iter().zip(&truth) {
             // Flights are parabolas, exact for the integrator; every impact adds its rounding of the speed.

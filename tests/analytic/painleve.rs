@@ -16,7 +16,7 @@
 //! `w+ = w + 3 v sin / (4 l)`, and the energy lost is `m v^2 (1 + 3 cos^2) / 8`.
 
 use super::body::{Body, G};
-use super::support::{TIGHT, Told, finish, rk4, simulation};
+use super::support::{Recording, TIGHT, finish, rk4, simulation};
 use nalgebra::Vector3;
 use stiction::contact::model::state::SoleState;
 use stiction::sim::{NullObserver, Simulation};
@@ -73,10 +73,10 @@ impl Start {
     }
 
     /// Simulates the first selection of states.
-    fn begin(&self) -> (Simulation, Told) {
-        let (mut sim, mut told) = (self.simulation(1.0), Told::default());
-        sim.begin(&mut told).unwrap_or_else(|e| panic!("{e}"));
-        (sim, told)
+    fn begin(&self) -> (Simulation, Recording) {
+        let (mut sim, mut recording) = (self.simulation(1.0), Recording::default());
+        sim.begin(&mut recording).unwrap_or_else(|e| panic!("{e}"));
+        (sim, recording)
     }
 
     /// Sliding by the balances of the module page, unknowns w' and N, by Cramer's rule: `[w', N]`.
@@ -128,9 +128,9 @@ fn the_jam_begins_at_the_critical_friction() {
     for theta in [0.5, 0.9, 2f64.atan(), 1.3] {
         for heading in HEADINGS {
             let jams = |mu: f64| {
-                let (sim, told) = Start { theta, heading, v: 0.8, w: 0.3, mu }.begin();
+                let (sim, recording) = Start { theta, heading, v: 0.8, w: 0.3, mu }.begin();
                 assert_eq!(sim.metrics().inconsistent, 0);
-                assert_eq!(told.events.iter().filter(|e| e.kind == "jam").count() as u64, sim.metrics().jams);
+                assert_eq!(recording.events.iter().filter(|e| e.kind == "jam").count() as u64, sim.metrics().jams);
                 sim.metrics().jams > 0
             };
             let (mut low, mut high) = (0.1, 20.0);
@@ -153,9 +153,9 @@ fn a_jam_keeps_angular_momentum_about_the_tip() {
             for (heading, w) in HEADINGS.into_iter().zip([0.0, 1.5, -2.0, 0.5, 3.0]) {
                 for v in [1e-3, 0.7, 9.0] {
                     let start = Start { theta, heading, v, w, mu: factor * critical(theta) };
-                    let (sim, told) = start.begin();
+                    let (sim, recording) = start.begin();
                     assert_eq!((sim.metrics().jams, sim.metrics().inconsistent), (1, 0), "{start:?}");
-                    assert_eq!(told.events.iter().filter(|e| e.kind == "jam" && e.subject == "tip").count(), 1);
+                    assert_eq!(recording.events.iter().filter(|e| e.kind == "jam" && e.subject == "tip").count(), 1);
                     let (s, c) = theta.sin_cos();
                     let [forward, up, turn, sideways] = plane(&sim, &start);
                     // Rounding of one solve with velocities of some m/s.
@@ -201,9 +201,9 @@ fn off_its_plane_a_jam_is_resolved_and_energy_falls() {
         let (heading, aside) = (6.3 * part(0.732_051), 1.6 * (part(0.236_068) - 0.5));
         let start = Start { theta, heading, v: 1.0, w: 2.0 * part(0.162_278) - 1.0, mu };
         let mut sim = start.simulation_aside(0.05, aside);
-        let mut told = Told::default();
+        let mut recording = Recording::default();
         let before = sim.plant().problem.soles[0].vertices[0].velocity;
-        sim.begin(&mut told).unwrap_or_else(|e| panic!("{e}"));
+        sim.begin(&mut recording).unwrap_or_else(|e| panic!("{e}"));
         let after = sim.plant().problem.soles[0].vertices[0].velocity;
         let m = sim.metrics();
         assert_eq!(m.inconsistent, 0, "{start:?} {aside}");
@@ -212,7 +212,11 @@ fn off_its_plane_a_jam_is_resolved_and_energy_falls() {
             // The solution is exact for a slip that ends; a continuing slip leaves a thousandth of
             // the vanishing approach.
             assert!(after.z.abs() < 1e-9 && after.norm() < before.norm(), "{start:?} {aside} {before} {after}");
-            assert!(told.events.iter().any(|e| e.kind == "jam" && !e.message.contains("lost -")), "{:?}", told.events);
+            assert!(
+                recording.events.iter().any(|e| e.kind == "jam" && !e.message.contains("lost -")),
+                "{:?}",
+                recording.events
+            );
         }
         let m = finish(&mut start.simulation_aside(0.05, aside), &mut NullObserver);
         // Integration of some 10 J at 1e-9.
@@ -281,12 +285,12 @@ fn sliding_towards_the_limit_ends_as_the_rods_equations_predict() {
             let start = Start { theta, heading, v, w, mu };
             let (truth, [t, angle, turn, slip]) = ending(&start);
             assert_eq!(truth, kind, "{start:?}");
-            let (mut sim, mut told) = (start.simulation(1.0), Told::default());
-            sim.begin(&mut told).unwrap_or_else(|e| panic!("{e}"));
-            while told.events.is_empty() {
-                sim.step(&mut told).unwrap_or_else(|e| panic!("{start:?}: {e}"));
+            let (mut sim, mut recording) = (start.simulation(1.0), Recording::default());
+            sim.begin(&mut recording).unwrap_or_else(|e| panic!("{e}"));
+            while recording.events.is_empty() {
+                sim.step(&mut recording).unwrap_or_else(|e| panic!("{start:?}: {e}"));
             }
-            let first = &told.events[0];
+            let first = &recording.events[0];
             let [forward, up, omega, sideways] = plane(&sim, &start);
             assert_eq!((first.kind.as_str(), sim.metrics().inconsistent), (kind, 0), "{start:?}");
             assert_eq!(sim.metrics().jams, u64::from(kind == "jam"));

@@ -63,14 +63,14 @@ fn a_mass_point_stops_after_the_closed_distance_for_every_heading_and_skew() {
                 mu[1]
             );
             let (s, c) = heading.sin_cos();
-            let (m, told) = watch(&point_foot(&floor, [speed * c, speed * s], [0.0; 3]));
+            let (m, recording) = watch(&point_foot(&floor, [speed * c, speed * s], [0.0; 3]));
             let way = d + at_border * at_border / (2.0 * mu[1] * G);
             let time = (speed - at_border) / (mu[0] * G) + at_border / (mu[1] * G);
             let [x, y, _] = m.final_base_position;
             assert!(((x * c + y * s) / way - 1.0).abs() < RELATIVE, "{}", (x * c + y * s) / way - 1.0);
             assert!((x * s - y * c).abs() < 1e-9, "sideways {}", x * s - y * c);
             assert!((m.first_stick_s.expect("it stops") / time - 1.0).abs() < RELATIVE);
-            let border: Vec<_> = told.events.iter().filter(|e| e.kind == "border").collect();
+            let border: Vec<_> = recording.events.iter().filter(|e| e.kind == "border").collect();
             assert_eq!(border.len(), 1);
             assert_eq!(border[0].message, "vertex 0 onto patch 0");
             assert!((border[0].time / ((speed - at_border) / (mu[0] * G)) - 1.0).abs() < RELATIVE);
@@ -91,11 +91,11 @@ fn the_later_of_two_patches_counts_and_a_narrow_strip_is_not_stepped_over() {
         ]",
         mu[0], mu[1], mu[2]
     );
-    let (m, told) = watch(&point_foot(&floor, [speed, 0.0], [0.0; 3]));
+    let (m, recording) = watch(&point_foot(&floor, [speed, 0.0], [0.0; 3]));
     let lost = mu[0] * 0.2 + mu[1] * (0.3 - 0.002) + mu[2] * 0.002;
     let way = 0.5 + (speed * speed - 2.0 * G * lost) / (2.0 * mu[0] * G);
     assert!((m.final_base_position[0] / way - 1.0).abs() < RELATIVE, "{}", m.final_base_position[0] / way - 1.0);
-    let onto: Vec<_> = told.events.iter().filter(|e| e.kind == "border").map(|e| &e.message[14..]).collect();
+    let onto: Vec<_> = recording.events.iter().filter(|e| e.kind == "border").map(|e| &e.message[14..]).collect();
     assert_eq!(onto, ["patch 0", "patch 1", "patch 0", "the floor"]);
 }
 
@@ -222,11 +222,11 @@ fn a_block_half_on_ice_turns_as_the_quadrature_says() {
             ice = heights(&at).map(|h| h > 0.0);
             crossings += 1;
         }
-        let (m, told) = watch(&text);
+        let (m, recording) = watch(&text);
         let end = [m.final_base_position[0], m.final_base_position[1], m.final_base_rpy[2]];
         println!("{end:?} {at:?} {crossings}");
         assert!(crossings > 0 && (at[2] - yaw).abs() > 0.05, "it turns, and corners cross: {crossings} {at:?}");
-        assert_eq!(told.events.iter().filter(|e| e.kind == "border").count(), crossings);
+        assert_eq!(recording.events.iter().filter(|e| e.kind == "border").count(), crossings);
         for (have, want) in end.iter().zip(at) {
             // Both integrate to some 1e-10; no stop within the time.
             assert!((have - want).abs() < 1e-8, "{end:?} {at:?}");
@@ -245,13 +245,13 @@ fn a_vertex_that_slides_along_a_border_makes_no_events() {
             floor = {{ friction = 0.5, patches = [{{ polygon = [[-1, 0.1], [3, 0.1], [3, 1], [-1, 1]], friction = {mu} }}] }}\n{TIGHT}"
         )
     };
-    let (m, told) = watch(&text(0.5));
+    let (m, recording) = watch(&text(0.5));
     assert!((m.final_base_position[0] - 4.0 / G).abs() < 1e-9);
-    assert_eq!(told.events.iter().filter(|e| e.kind == "border").count(), 0);
+    assert_eq!(recording.events.iter().filter(|e| e.kind == "border").count(), 0);
     // Rougher or smoother, the border is the patch's: the block turns as it must, and each corner leaves it once at most.
     for mu in [0.1, 0.9] {
-        let (m, told) = watch(&text(mu));
-        let borders = told.events.iter().filter(|e| e.kind == "border").count();
+        let (m, recording) = watch(&text(mu));
+        let borders = recording.events.iter().filter(|e| e.kind == "border").count();
         println!("{mu} {borders} {m:?}");
         assert!(m.final_base_rpy[2].abs() > 1e-3, "it turns: {:?}", m.final_base_rpy);
         assert!(borders <= 4 && m.inconsistent == 0, "{borders}");

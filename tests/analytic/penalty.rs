@@ -183,18 +183,18 @@ fn a_slide_with_spin_nears_the_exact_one_with_the_slip_velocity() {
 fn its_states_say_what_carries_and_how_fast_it_slips() {
     let (body, mu, v, s) = (block(), 0.5, 1.0, 1e-3);
     let text = scenario(&body, &format!("linear_velocity = [{v}, 0, 0]"), 0.5, &springs(1e5, 300.0, s), FINE);
-    let (m, told) = watch(&level(&format!("floor = {{ friction = {mu} }}\n{text}"), &body));
+    let (m, recording) = watch(&level(&format!("floor = {{ friction = {mu} }}\n{text}"), &body));
     let reach = |v: f64| (v.hypot(s) - s * (s / v).asinh()) / (mu * G);
     let truth = reach(v) - reach(s);
     let stick = m.first_stick_s.expect("it stops");
     // Read off at the end of a step; steps are some 1e-4 s where friction is stiff.
     assert!(stick >= truth - 1e-9 && stick < truth + 1e-3, "{stick} {truth}");
-    let kinds: Vec<_> = told.events.iter().map(|e| e.kind).collect();
+    let kinds: Vec<_> = recording.events.iter().map(|e| e.kind).collect();
     assert_eq!(kinds, ["touchdown", "stick"]);
-    let states: Vec<_> = told.snapshots.iter().map(|s| s.soles[0].state.as_str()).collect();
+    let states: Vec<_> = recording.snapshots.iter().map(|s| s.soles[0].state.as_str()).collect();
     assert_eq!((states[1], states[states.len() - 1]), ("face-dynamic", "face-static"));
     assert_eq!((m.inconsistent, m.selections, m.jams), (0, 0, 0));
-    for snapshot in &told.snapshots[1..] {
+    for snapshot in &recording.snapshots[1..] {
         let forces = &snapshot.soles[0].forces;
         let sum: nalgebra::Vector3<f64> = forces.iter().sum();
         assert!(sum.z > 0.0 && forces.iter().all(|f| f.z > 0.0 && f.xy().norm() <= mu * f.z * (1.0 + 1e-12)));

@@ -72,7 +72,7 @@ fn a_force_that_turns_round_with_the_motion_it_causes_stalls() {
 #[test]
 fn bouncing_with_loss_ends_by_the_velocity_tolerance() {
     for (e, tolerance) in [(0.9, 1e-3), (0.5, 1e-3), (0.9, 0.1), (0.97, 1e-2)] {
-        let (m, told) = watch(&format!(
+        let (m, recording) = watch(&format!(
             "duration = 30.0
             robot = {{ model = \"robots/block/block.toml\", base = {{ position = [0, 0, 0.25] }} }}
             contact = {{ restitution = {e}, velocity_tolerance = {tolerance} }}
@@ -84,9 +84,9 @@ fn bouncing_with_loss_ends_by_the_velocity_tolerance() {
         assert!((m.impacts as f64 - impacts).abs() <= 1.0, "{e} {tolerance} {} {impacts}", m.impacts);
         // All bounces would take (1 + e) / (1 - e) times the fall; those below the tolerance are left out.
         let all = fall * (1.0 + e) / (1.0 - e);
-        let left_out = all - told.events.last().expect("it bounces").time;
+        let left_out = all - recording.events.last().expect("it bounces").time;
         assert!(left_out >= 0.0 && left_out < 2.0 * tolerance / (e * G * (1.0 - e)), "{e} {tolerance} {left_out}");
-        let end = told.snapshots.last().expect("the end is told");
+        let end = recording.snapshots.last().expect("the end is told");
         assert_eq!(end.soles[0].state, "face-static");
         assert!((m.final_base_position[2] - 0.05).abs() < 1e-8 && m.energy_error_j.abs() < 1e-9);
         assert_eq!(m.inconsistent, 0);
@@ -96,7 +96,7 @@ fn bouncing_with_loss_ends_by_the_velocity_tolerance() {
 #[test]
 fn rocking_ends_by_the_velocity_tolerance() {
     for (tilt, tolerance) in [(0.2, 1e-2), (0.1, 1e-3), (0.3, 1e-4)] {
-        let (m, told) = watch(&format!(
+        let (m, recording) = watch(&format!(
             "duration = 5.0
             robot = {{ model = \"robots/block/block.toml\", base = {{ rpy = [{tilt}, 0, 0] }}, soles = [
                 {{ name = \"bottom\", link = \"block\", polygon = [[-0.1, -0.02, -0.05], [0.1, -0.02, -0.05], [0.1, 0.02, -0.05], [-0.1, 0.02, -0.05]] }} ] }}
@@ -104,7 +104,7 @@ fn rocking_ends_by_the_velocity_tolerance() {
             contact = {{ velocity_tolerance = {tolerance}, acceleration_tolerance = {tolerance} }}\n"
         ));
         println!("{tilt} {tolerance} {m:?}");
-        let end = told.snapshots.last().expect("the end is told");
+        let end = recording.snapshots.last().expect("the end is told");
         assert_eq!((end.soles[0].state.as_str(), m.inconsistent), ("face-static", 0));
         assert!(m.impacts > 4 && m.events < 500, "{} {}", m.impacts, m.events);
         // Vertices are clamped within 1e-9 m of the floor, on a sole 0.04 m wide.

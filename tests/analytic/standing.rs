@@ -21,8 +21,8 @@ fn a_standing_humanoid_does_not_creep_and_the_floor_carries_its_weight() {
     let (m, weight) = (finish(&mut sim, &mut NullObserver), sim.plant().model.mass() * G);
     assert!(m.max_static_creep_m < 1e-9, "{}", m.max_static_creep_m);
     assert_eq!((m.first_slip_s, m.first_liftoff_s, m.inconsistent), (None, None, 0));
-    let (_, told) = watch(&standing("exact", 10.0, ADAPTIVE));
-    let end = told.snapshots.last().expect("the last state is always told");
+    let (_, recording) = watch(&standing("exact", 10.0, ADAPTIVE));
+    let end = recording.snapshots.last().expect("the last state is always told");
     let load: f64 = end.soles.iter().flat_map(|s| &s.forces).map(|f| f.z).sum();
     // The sway has died out (it decays at about 12 1/s): what is left of it after 10 s is integration noise.
     assert!((load / weight - 1.0).abs() < 1e-6, "{load} {weight}");

@@ -49,17 +49,17 @@ fn the_polygon_of_lcp_makes_a_sliding_block_veer_as_predicted() {
             for part in [0.0, 0.1, 0.5, 0.9, 1.0] {
                 let (theta, turn) = (part * PI / m, sector * TAU / m);
                 let launch = at(theta + turn, v);
-                let told = sliding(&launch, &format!("method = \"lcp\", lcp = {{ facets = {m} }}"), STEP);
+                let recording = sliding(&launch, &format!("method = \"lcp\", lcp = {{ facets = {m} }}"), STEP);
                 let (way, time) = veering(v, theta, m, mu);
                 // Velocities at the ends of steps: short by half a step of the launch.
                 let truth = Rotation2::new(turn) * way - launch * (0.5 * STEP);
-                let found = Vector2::new(told.final_base_position[0], told.final_base_position[1]);
+                let found = Vector2::new(recording.final_base_position[0], recording.final_base_position[1]);
                 // The bend falls within a step and so does the stop: mu g dt^2 for each.
                 assert!((found - truth).norm() < 1.5 * mu * G * STEP * STEP, "{m} {sector} {part} {found} {truth}");
-                let stick = told.first_stick_s.expect("it stops");
+                let stick = recording.first_stick_s.expect("it stops");
                 assert!((stick - time).abs() < 2.0 * STEP, "{stick} {time}");
-                assert!(told.inconsistent == 0 && told.max_lift_m < 1e-15, "{}", told.max_lift_m);
-                assert!(told.final_base_rpy[2].abs() < 1e-9, "it does not turn");
+                assert!(recording.inconsistent == 0 && recording.max_lift_m < 1e-15, "{}", recording.max_lift_m);
+                assert!(recording.final_base_rpy[2].abs() < 1e-9, "it does not turn");
             }
         }
     }
@@ -70,8 +70,8 @@ fn what_lcp_adds_to_a_stop_between_two_directions_falls_with_the_number_of_facet
     let (v, mu) = (2.0, 0.5);
     let way = |m: f64| {
         let heading = PI / m;
-        let told = sliding(&at(heading, v), &format!("method = \"lcp\", lcp = {{ facets = {m} }}"), STEP);
-        Vector2::new(told.final_base_position[0], told.final_base_position[1]).norm() + 0.5 * v * STEP
+        let recording = sliding(&at(heading, v), &format!("method = \"lcp\", lcp = {{ facets = {m} }}"), STEP);
+        Vector2::new(recording.final_base_position[0], recording.final_base_position[1]).norm() + 0.5 * v * STEP
     };
     let truth = v * v / (2.0 * mu * G);
     for m in [4.0, 8.0, 16.0, 32.0, 64.0] {
@@ -104,7 +104,7 @@ fn along_a_direction_lcp_and_everywhere_ncp_slide_as_exact_does() {
 
 /// Final speed after 0.2 s of a block of friction 0.5 that is pushed at the height of the floor.
 fn pushed(body: &Body, force: &Vector2<f64>, contact: &str) -> f64 {
-    let told = run(&format!(
+    let recording = run(&format!(
         "duration = 0.2\nfloor = {{ friction = {{ static = 0.9, kinetic = 0.5 }} }}\n{}
         contact = {{ {contact} }}
         integrator = {{ method = \"semi-implicit\", step = {STEP} }}
@@ -118,8 +118,8 @@ fn pushed(body: &Body, force: &Vector2<f64>, contact: &str) -> f64 {
         force.x,
         force.y
     ));
-    assert_eq!(told.inconsistent, 0);
-    Vector2::new(told.final_base_velocity[0], told.final_base_velocity[1]).norm()
+    assert_eq!(recording.inconsistent, 0);
+    Vector2::new(recording.final_base_velocity[0], recording.final_base_velocity[1]).norm()
 }
 
 #[test]
@@ -175,10 +175,10 @@ const HOAP2: &str = "robot = { model = \"robots/hoap2/hoap2.toml\" }
 /// HOAP-2 stands on `sweeps` sweeps a step for a second: its creep (m/s, root mean square), greatest penetration (m), and the
 /// part of its weight that the floor does not carry at the end.
 fn cut_short(sweeps: u32) -> [f64; 3] {
-    let (m, told) = watch(&format!(
+    let (m, recording) = watch(&format!(
         "duration = 1.0\n{HOAP2}contact = {{ method = \"ncp\", ncp = {{ iterations = {sweeps}, tolerance = 1e-15 }} }}\n"
     ));
-    let end = told.snapshots.last().expect("the end is told");
+    let end = recording.snapshots.last().expect("the end is told");
     let weight = simulation(HOAP2).plant().model.mass() * G;
     let load: f64 = end.soles.iter().flat_map(|s| &s.forces).map(|f| f.z).sum();
     [m.rms_creep_speed_m_per_s, m.max_penetration_m, (load / weight - 1.0).abs()]
@@ -238,14 +238,14 @@ fn a_slope_holds_below_the_least_of_the_polygon_whatever_its_heading() {
         let (s, c) = f64::sin_cos(PI / m);
         let axis = nalgebra::Unit::new_unchecked(nalgebra::Vector3::new(-s, c, 0.0));
         let (roll, pitch, yaw) = nalgebra::UnitQuaternion::from_axis_angle(&axis, angle).euler_angles();
-        let told = run(&format!(
+        let recording = run(&format!(
             "duration = 0.5
             robot = {{ model = \"robots/block/block.toml\", base = {{ rpy = [{roll}, {pitch}, {yaw}] }} }}
             floor = {{ friction = 0.5, rpy = [{roll}, {pitch}, {yaw}] }}
             contact = {{ method = \"lcp\", lcp = {{ facets = {m} }} }}
             integrator = {{ method = \"semi-implicit\", step = {STEP} }}\n"
         ));
-        let speed = nalgebra::Vector3::from(told.final_base_velocity).norm();
+        let speed = nalgebra::Vector3::from(recording.final_base_velocity).norm();
         let free = G * (angle.sin() - 0.5 * f64::cos(PI / m) * angle.cos()) * 0.5;
         if holds {
             assert!(speed < 1e-12, "{m} {speed}");
@@ -285,8 +285,8 @@ fn a_block_falls_and_lands_as_with_exact() {
 #[test]
 fn a_humanoid_stands_as_with_exact_and_the_floor_carries_it() {
     let standing = |contact: &str| {
-        let (m, told) = watch(&format!("duration = 1.0\n{HOAP2}contact = {{ {contact} }}\n"));
-        let end = told.snapshots.last().expect("the end is told").clone();
+        let (m, recording) = watch(&format!("duration = 1.0\n{HOAP2}contact = {{ {contact} }}\n"));
+        let end = recording.snapshots.last().expect("the end is told").clone();
         let load: f64 = end.soles.iter().flat_map(|s| &s.forces).map(|f| f.z).sum();
         let states = end.soles.iter().map(|s| s.state.clone()).collect::<Vec<_>>();
         (m, load, states)

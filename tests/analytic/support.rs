@@ -7,7 +7,7 @@ use stiction::robot;
 use stiction::scenario;
 use stiction::sim::{Metrics, NullObserver, Observer, Outcome, SimEvent, Simulation, Snapshot};
 
-/// What contact.md section 13 asks of the validation runs.
+/// Tolerances of the validation runs (`docs/contact.md`, section 13).
 pub const TIGHT: &str = "
     integrator = { relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }
     contact = { distance_tolerance = 1e-8, velocity_tolerance = 1e-8, acceleration_tolerance = 1e-8 }
@@ -27,35 +27,35 @@ pub fn simulation(text: &str) -> Simulation {
     Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Runs it to the end; it must get there.
+/// Runs a scenario to the end, which it must reach.
 pub fn run(text: &str) -> Metrics {
     finish(&mut simulation(text), &mut NullObserver)
 }
 
-/// Runs it to the end, which it must reach, and keeps what it told.
-pub fn watch(text: &str) -> (Metrics, Told) {
-    let mut told = Told::default();
-    let metrics = finish(&mut simulation(text), &mut told);
-    (metrics, told)
+/// Runs a scenario to the end, which it must reach, and records its events and snapshots.
+pub fn watch(text: &str) -> (Metrics, Recording) {
+    let mut recording = Recording::default();
+    let metrics = finish(&mut simulation(text), &mut recording);
+    (metrics, recording)
 }
 
-/// Runs to the end; it must get there.
+/// Runs to the end, which the run must reach.
 pub fn finish(sim: &mut Simulation, observer: &mut dyn Observer) -> Metrics {
     let (outcome, message) = sim.run(observer, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}\n{:?}", sim.metrics());
     sim.metrics().clone()
 }
 
-/// What a run told.
+/// Events and snapshots of a run.
 #[derive(Default)]
-pub struct Told {
+pub struct Recording {
     /// Events in order.
     pub events: Vec<SimEvent>,
     /// Snapshots in order.
     pub snapshots: Vec<Snapshot>,
 }
 
-impl Observer for Told {
+impl Observer for Recording {
     fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
         self.snapshots.push(snapshot.clone());
         Ok(())

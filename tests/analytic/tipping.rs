@@ -31,8 +31,8 @@ fn slides_first_below_b_over_h_and_tips_first_above() {
                 let yaw = 0.3 + 0.9 * k as f64;
                 let truth = body.mass * G * mu.min(limit);
                 let text = push(&body, yaw, mu, height, 1.2 * truth, 1.0, 1.0 / 1.2 + 1e-3);
-                let (m, told) = watch(&text);
-                let first = told.events.first().expect("it gives way");
+                let (m, recording) = watch(&text);
+                let first = recording.events.first().expect("it gives way");
                 let kind = if mu < limit { "slip" } else { "state" };
                 assert_eq!(first.kind, kind, "{half:?} {height} {mu} {}", first.message);
                 // The event is located to 1e-13 of a step.

@@ -1,7 +1,7 @@
 //! `[self_collision]` in a run: what is reported against closed forms, and what avoidance makes of
 //! it.
 
-use crate::analytic::support::Told;
+use crate::analytic::support::Recording;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -51,12 +51,12 @@ fn prepared(boxes: Boxes, text: &str) -> Result<Simulation, String> {
     Ok(Simulation::new(setup).unwrap_or_else(|e| panic!("{e}")))
 }
 
-fn run(text: &str) -> (Metrics, Told) {
+fn run(text: &str) -> (Metrics, Recording) {
     run_with(TWO, text)
 }
 
-fn run_with(boxes: Boxes, text: &str) -> (Metrics, Told) {
-    let (mut sim, mut recorded) = (prepared(boxes, text).expect("it fits"), Told::default());
+fn run_with(boxes: Boxes, text: &str) -> (Metrics, Recording) {
+    let (mut sim, mut recorded) = (prepared(boxes, text).expect("it fits"), Recording::default());
     let (outcome, message) = sim.run(&mut recorded, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
     (sim.metrics().clone(), recorded)
@@ -232,7 +232,7 @@ fn pairs_within_the_margin_may_only_move_apart() {
     let near = recorded.snapshots.iter().map(|s| 0.5 + s.q[1] - s.q[0]).fold(f64::INFINITY, f64::min);
     assert!(near > 0.005 && near < 0.02, "{near}");
     assert_eq!(m.self_collisions, Some(0));
-    let at = |t: f64, recorded: &Told| recorded.snapshots.iter().find(|s| s.time >= t).unwrap().q[0];
+    let at = |t: f64, recorded: &Recording| recorded.snapshots.iter().find(|s| s.time >= t).unwrap().q[0];
     assert!((recorded.snapshots.last().unwrap().q[0] - at(1.0, &recorded)).abs() < 1e-9);
     let (m, recorded) = run_with(boxes, &text(-0.5));
     assert!((recorded.snapshots.last().unwrap().q[0] + 0.5).abs() < 1e-9 && m.self_collisions == Some(0));

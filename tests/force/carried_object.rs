@@ -2,7 +2,7 @@
 
 use super::fly;
 use crate::analytic::body::{Body, G};
-use crate::analytic::support::{TIGHT, Told, finish, run, simulation};
+use crate::analytic::support::{Recording, TIGHT, finish, run, simulation};
 use nalgebra::{Rotation3, Vector3};
 use stiction::dynamics::body::momentum;
 use stiction::sim::NullObserver;
@@ -193,7 +193,7 @@ fn a_standing_robot_picks_up_a_load() {
         position = [0.05, 0.0, 0.05]
         start = 0.3
         duration = 0.8\n";
-    let mut recorded = Told::default();
+    let mut recorded = Recording::default();
     let m = finish(&mut simulation(text), &mut recorded);
     let words: Vec<_> =
         recorded.events.iter().filter(|e| e.kind == "object").map(|e| (e.time, e.message.as_str())).collect();

@@ -1,6 +1,6 @@
 //! Forces in the frame of an end effector are the same as in its link's frame.
 
-use crate::analytic::support::{TIGHT, Told, root, watch};
+use crate::analytic::support::{Recording, TIGHT, root, watch};
 use std::fs;
 use stiction::{assemble, robot, scenario};
 use tempfile::TempDir;
@@ -19,7 +19,7 @@ fn robot_file() -> (TempDir, String) {
 }
 
 /// HOAP-2 floats and its arms swing, with one force.
-fn floating(model: &str, force: &str) -> Told {
+fn floating(model: &str, force: &str) -> Recording {
     watch(&format!(
         "duration = 0.6\ngravity = [0, 0, 0]\n{TIGHT}[robot]\nmodel = {model}\nsoles = []\nbase = {{ position = [0, 0, 1] }}
         velocity = {{ left_shoulder_pitch = -1.0, left_elbow = 0.5 }}\n[[force]]\n{force}\n"
@@ -44,7 +44,7 @@ fn both_notations_give_the_same_bits() {
         let by_link =
             floating("\"robots/hoap2/hoap2.toml\"", &format!("{kind}\nlink = \"l_hand\"\n{place} = [0.02, 0, 0]"));
         let off = floating("\"robots/hoap2/hoap2.toml\"", &format!("{kind}\nlink = \"l_hand\""));
-        let end = |recorded: &Told| {
+        let end = |recorded: &Recording| {
             recorded.snapshots.last().map(|s| (s.base_pose, s.q.clone(), s.qd.clone())).expect("the end")
         };
         assert_eq!(end(&by_hand), end(&by_link), "{kind}");

@@ -2,7 +2,7 @@
 
 use super::End;
 use crate::analytic::body::Body;
-use crate::analytic::support::{TIGHT, Told, finish, simulation};
+use crate::analytic::support::{Recording, TIGHT, finish, simulation};
 use nalgebra::Vector3;
 
 /// A box in the air without gravity: where it ends, and the events of a kind.
@@ -10,7 +10,7 @@ fn flight(kind: &str, duration: f64, text: &str) -> (End, Vec<(f64, String)>) {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
     let robot = body.floating("position = [0, 0, 1], linear_velocity = [0, 0.05, 0]");
     let mut sim = simulation(&format!("duration = {duration:?}\ngravity = [0, 0, 0]\n{robot}{TIGHT}{text}"));
-    let mut recorded = Told::default();
+    let mut recorded = Recording::default();
     let metrics = finish(&mut sim, &mut recorded);
     let state = &sim.plant().state;
     let (position, velocity) = (state.position, Vector3::new(state.v[0], state.v[1], state.v[2]));
@@ -92,7 +92,7 @@ fn all_forces_are_listed() {
     let more = "[[force]]\ntype = \"random-pushes\"\nlinks = [\"block\"]\nnumber = 30\nmagnitude = [1, 1]
         push_duration = [1, 1]\nduration = 0.4\n";
     let text = format!("duration = 0.5\n{}{}{more}", body.floating("position = [0, 0, 1]"), constant.repeat(20));
-    let mut recorded = Told::default();
+    let mut recorded = Recording::default();
     finish(&mut simulation(&text), &mut recorded);
     let listed: Vec<usize> = recorded.snapshots.iter().map(|s| s.external.len()).collect();
     assert_eq!((listed[0], listed.last()), (20, Some(&50)), "{listed:?}");

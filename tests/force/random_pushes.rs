@@ -2,7 +2,7 @@
 
 use super::End;
 use crate::analytic::body::Body;
-use crate::analytic::support::{TIGHT, Told, finish, simulation};
+use crate::analytic::support::{Recording, TIGHT, finish, simulation};
 use nalgebra::Vector3;
 use stiction::sim::SimEvent;
 
@@ -13,7 +13,7 @@ fn pushed(body: &Body, seed: u64, rest: &str) -> (End, Vec<SimEvent>) {
         [[force]]\ntype = \"random-pushes\"\nlinks = [\"block\"]\nmagnitude = [2, 5]\npush_duration = [0.05, 0.2]
         start = 0.2\nduration = 2.5\n{rest}\n"
     );
-    let (mut sim, mut recorded) = (simulation(&text), Told::default());
+    let (mut sim, mut recorded) = (simulation(&text), Recording::default());
     let metrics = finish(&mut sim, &mut recorded);
     let v = &sim.plant().state.v;
     let end = End { position: sim.plant().state.position, velocity: Vector3::new(v[0], v[1], v[2]), metrics };

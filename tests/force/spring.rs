@@ -2,7 +2,7 @@
 
 use super::{End, G, fly};
 use crate::analytic::body::Body;
-use crate::analytic::support::{Told, finish, rk4, simulation};
+use crate::analytic::support::{Recording, finish, rk4, simulation};
 use nalgebra::Vector3;
 
 const K: f64 = 50.0;
@@ -172,7 +172,7 @@ fn attaching_and_releasing_are_events() {
     let body = body();
     let text = spring("start = 0.25\nduration = 0.5");
     let robot = body.floating("position = [0, 0, 2]");
-    let mut recorded = Told::default();
+    let mut recorded = Recording::default();
     finish(&mut simulation(&format!("duration = 1.0\n{robot}{text}")), &mut recorded);
     let messages: Vec<_> = recorded.events.iter().filter(|e| e.kind == "spring").collect();
     assert_eq!(

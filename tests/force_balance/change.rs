@@ -118,7 +118,7 @@ fn the_centre_of_mass_ends_at_the_new_offset_and_nothing_jumps_on_the_way() {
         "change = [{ at = 2.0, force = { offset = [0.02, 0, 0] } },
                    { at = 2.25, force = { offset = [0.005, -0.01, 0.004], approach = 1.0 } }]",
     ));
-    let end = |recorded: &crate::analytic::support::Told| recorded.snapshots.last().expect("the end").com;
+    let end = |recorded: &crate::analytic::support::Recording| recorded.snapshots.last().expect("the end").com;
     // What stays is 6e-6 m in height, 0.02 N of a weight of 70 N, with and without the springs of
     // the joints. With end stops a joint that its spring presses against one would leave 3e-5 m.
     assert!(

@@ -8,7 +8,7 @@ mod ranges;
 mod recorded;
 mod sine;
 
-use crate::analytic::support::{Told, finish};
+use crate::analytic::support::{Recording, finish};
 use crate::identities::allocations::count;
 use std::fs;
 use std::path::Path;
@@ -55,11 +55,11 @@ impl Folder {
     }
 
     /// Runs a scenario to its end.
-    pub fn watch(&self, text: &str) -> (Metrics, Told, Vec<String>) {
+    pub fn watch(&self, text: &str) -> (Metrics, Recording, Vec<String>) {
         let run = self.run(text).unwrap_or_else(|e| panic!("{e}"));
         let setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
         let notes = setup.notes.clone();
-        let mut recorded = Told::default();
+        let mut recorded = Recording::default();
         let metrics = finish(&mut Simulation::new(setup).unwrap_or_else(|e| panic!("{e}")), &mut recorded);
         (metrics, recorded, notes)
     }

@@ -2,7 +2,7 @@
 
 use super::{FORCE, ScriptedRun, passes, pendulum};
 use crate::analytic::body::Body;
-use crate::analytic::support::{TIGHT, Told};
+use crate::analytic::support::{Recording, TIGHT};
 use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;
 use stiction::sim::{NullObserver, Outcome};
@@ -75,7 +75,7 @@ fn joints_are_driven_and_parameters_change_at_corners() {
         function change(robot, params) torque = params.torque end
         function run(robot) return { { joint = \"elbow\", effort = torque }, { joint = 1, effort = -0.1 * robot.qd[1] } } end";
     let rest = format!("{FORCE}params = {{ torque = 0.2 }}\nchange = [{{ at = 0.15, params = {{ torque = -0.2 }} }}]");
-    let mut recorded = Told::default();
+    let mut recorded = Recording::default();
     let mut sim = ScriptedRun::new(&pendulum(0.4, "mode = \"passive\"", &rest), script).simulation();
     let (outcome, message) = sim.run(&mut recorded, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
@@ -108,7 +108,7 @@ fn parameters_that_an_event_gives_stay_until_a_later_change() {
         );
         let rest = format!("{FORCE}params = {{ a = 1, b = 1 }}\n{change}\n{events}\n");
         let text = format!("duration = 0.4\n{}", floating(&body, "position = [0, 0, 1]", &rest));
-        let mut recorded = Told::default();
+        let mut recorded = Recording::default();
         let mut sim = ScriptedRun::new(&text, script).simulation();
         let (outcome, message) = sim.run(&mut recorded, &AtomicBool::new(false));
         assert_eq!(outcome, Outcome::Passed, "{message}");

@@ -1,7 +1,7 @@
 //! Tasks in Luau: what they see and command.
 
 use super::{ScriptedRun, TASK, passes, pendulum, robot};
-use crate::analytic::support::Told;
+use crate::analytic::support::Recording;
 use std::sync::atomic::AtomicBool;
 use stiction::sim::{NullObserver, Outcome};
 
@@ -139,7 +139,7 @@ fn data_of_a_script_task_are_consistent() {
     let hoap2 = robot("hoap2/hoap2.toml");
     let push = "[[force]]\ntype = \"push\"\nlink = \"torso\"\nforce = [30, 10, 0]\nduration = 0.2\n";
     let text = format!("duration = 0.4\nrobot = {{ model = {hoap2:?} }}\n{TASK}{push}");
-    let (mut sim, mut recorded) = (ScriptedRun::new(&text, script).simulation(), Told::default());
+    let (mut sim, mut recorded) = (ScriptedRun::new(&text, script).simulation(), Recording::default());
     let (outcome, message) = sim.run(&mut recorded, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
     assert!(
@@ -167,7 +167,7 @@ fn parameters_change_and_tasks_end() {
     let params = "start = 0.1\nparams = { goal = 0.5, list = [\"a\", \"b\"], yes = true, inner = { x = 1.5 } }
         change = [{ at = 0.2, params = { goal = 0.6 } }, { at = 0.3, params = { goal = 0.7 } }, { at = 0.7, params = { goal = 9 } }]";
     let text = pendulum(0.8, "mode = \"position\", kp = 10.0, kd = 1.0", &format!("{TASK}{params}"));
-    let mut recorded = Told::default();
+    let mut recorded = Recording::default();
     let mut sim = ScriptedRun::new(&text, script).simulation();
     let (outcome, message) = sim.run(&mut recorded, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}");
