@@ -23,6 +23,7 @@ mod robot;
 mod same;
 mod scenario;
 mod script;
+mod structure;
 #[cfg(unix)]
 mod submit;
 mod task;

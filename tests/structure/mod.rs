@@ -1,0 +1,146 @@
+//! The rooms of `src/` import each other only as the table "Rooms" of `docs/development.md` says.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Imports of each room.
+type Imports = BTreeMap<String, BTreeSet<String>>;
+
+fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// Rooms: the folders of `src/` and its files but for the two crate roots.
+fn rooms() -> BTreeSet<String> {
+    let entries = fs::read_dir(source()).unwrap().map(|entry| entry.unwrap().path());
+    let stem = |path: PathBuf| path.file_stem().unwrap().to_str().unwrap().to_owned();
+    entries.map(stem).filter(|name| name != "lib" && name != "main").collect()
+}
+
+fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            rust_files(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// Names of rooms in a text that begins behind `crate::` or `stiction::`: one, or several in braces.
+fn named(text: &str) -> Vec<&str> {
+    let name = |text: &str| text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
+    let Some(inside) = text.strip_prefix('{') else { return vec![&text[..name(text)]] };
+    let (mut depth, mut start, mut names) = (0, 0, Vec::new());
+    for (at, c) in inside.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth > 0 => depth -= 1,
+            ',' | '}' if depth == 0 => {
+                let item = inside[start..at].trim();
+                names.push(&item[..name(item)]);
+                start = at + 1;
+                if c == '}' {
+                    break;
+                }
+            }
+            _ => {}
+        }
+    }
+    names.retain(|name| !name.is_empty());
+    names
+}
+
+/// What each room imports, unit tests and comments left out.
+fn imports() -> Imports {
+    let mut imports = Imports::new();
+    let rooms = rooms();
+    for room in &rooms {
+        let mut files = Vec::new();
+        match source().join(room) {
+            folder if folder.is_dir() => rust_files(&folder, &mut files),
+            file => files.push(file.with_extension("rs")),
+        }
+        let of_room = imports.entry(room.clone()).or_default();
+        for file in files {
+            let text = fs::read_to_string(&file).unwrap();
+            let code = text.split("\nmod tests {").next().unwrap();
+            let lines: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+            let code = lines.join("\n");
+            for root in ["crate::", "stiction::"] {
+                for (at, _) in code.match_indices(root) {
+                    if code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':') {
+                        continue;
+                    }
+                    let names = named(&code[at + root.len()..]).into_iter();
+                    of_room.extend(names.filter(|name| rooms.contains(*name) && *name != room).map(str::to_owned));
+                }
+            }
+        }
+    }
+    imports
+}
+
+/// The table of `docs/development.md`: `| `room/` | purpose | imports |`.
+fn table() -> Imports {
+    let page = fs::read_to_string(source().with_file_name("docs/development.md")).unwrap();
+    let section = page.split("\n## Rooms\n").nth(1).expect("a section `Rooms`").split("\n## ").next().unwrap();
+    let mut table = Imports::new();
+    for line in section.lines().filter(|line| line.starts_with("| `")) {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        assert_eq!(cells.len(), 3, "{line}");
+        let room = cells[0].trim_matches('`').trim_end_matches('/').to_owned();
+        let listed = cells[2].split(',').map(|name| name.trim().trim_matches('`').to_owned());
+        let before = table.insert(room, listed.filter(|name| !name.is_empty()).collect());
+        assert!(before.is_none(), "a room is listed twice: {line}");
+    }
+    table
+}
+
+#[test]
+fn rooms_import_each_other_as_the_table_says() {
+    let (table, imports) = (table(), imports());
+    let mut wrong = Vec::new();
+    for (room, found) in &imports {
+        let Some(listed) = table.get(room) else {
+            wrong.push(format!("`{room}` is not in the table; it imports {found:?}"));
+            continue;
+        };
+        wrong.extend(
+            found.difference(listed).map(|other| format!("`{room}` imports `{other}`, which the table does not list")),
+        );
+        wrong.extend(
+            listed.difference(found).map(|other| format!("`{room}` does not import `{other}`, which the table lists")),
+        );
+    }
+    wrong.extend(
+        table.keys().filter(|room| !imports.contains_key(*room)).map(|room| format!("there is no room `{room}`")),
+    );
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Removes rooms that import nothing that is left until none can be removed; what is left lies on cycles or leads to one.
+#[test]
+fn rooms_have_no_cycle() {
+    let mut left = imports();
+    loop {
+        let free: Vec<String> = left.iter().filter(|(_, to)| to.is_empty()).map(|(room, _)| room.clone()).collect();
+        if free.is_empty() {
+            break;
+        }
+        left.retain(|room, _| !free.contains(room));
+        for to in left.values_mut() {
+            to.retain(|room| !free.contains(room));
+        }
+    }
+    assert!(left.is_empty(), "rooms on or above a cycle of imports: {left:#?}");
+}
+
+#[test]
+fn imports_are_found_in_braces_and_in_paths() {
+    assert_eq!(named("robot::Model;"), ["robot"]);
+    assert_eq!(named("{robot::{Model, Joint}, sim, contact::model as m};"), ["robot", "sim", "contact"]);
+    assert!(imports()["sim"].contains("dynamics"));
+}
