@@ -14,8 +14,18 @@ fn source() -> PathBuf {
 /// Rooms: the folders of `src/` and its files but for the two crate roots.
 fn rooms() -> BTreeSet<String> {
     let entries = fs::read_dir(source()).unwrap().map(|entry| entry.unwrap().path());
+    // Version control leaves empty folders behind.
+    let holds_code = |path: &PathBuf| {
+        let mut files = Vec::new();
+        if path.is_dir() {
+            rust_files(path, &mut files)
+        } else {
+            files.push(path.clone())
+        }
+        !files.is_empty()
+    };
     let stem = |path: PathBuf| path.file_stem().unwrap().to_str().unwrap().to_owned();
-    entries.map(stem).filter(|name| name != "lib" && name != "main").collect()
+    entries.filter(holds_code).map(stem).filter(|name| name != "lib" && name != "main").collect()
 }
 
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -136,6 +146,39 @@ fn rooms_have_no_cycle() {
         }
     }
     assert!(left.is_empty(), "rooms on or above a cycle of imports: {left:#?}");
+}
+
+/// Paths of this tree in a page: in backticks or as targets of links, placeholders in capitals left out.
+fn named_paths(page: &str) -> Vec<&str> {
+    const ROOTS: [&str; 3] = ["src/", "tests/", "docs/"];
+    let pieces = page.split(['`', '(', ')', ' ', ',', '\n', '"', '|', ';']);
+    let path = |piece: &str| ROOTS.iter().any(|root| piece.starts_with(root));
+    let plain =
+        |piece: &&str| !piece.contains(['*', '<', '{', '#', '=', ':']) && !piece.split(['/', '.']).any(is_placeholder);
+    pieces.filter(|piece| path(piece)).map(|piece| piece.trim_end_matches(['.', '/'])).filter(plain).collect()
+}
+
+fn is_placeholder(part: &str) -> bool {
+    part.len() > 2 && part.chars().all(|c| c.is_ascii_uppercase()) && part != "README"
+}
+
+#[test]
+fn paths_in_the_docs_exist() {
+    let root = source().parent().unwrap().to_owned();
+    let pages = fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let pages = pages.filter(|path| path.extension().is_some_and(|e| e == "md")).chain([root.join("README.md")]);
+    let (mut missing, mut found) = (Vec::new(), 0);
+    for page in pages {
+        let text = fs::read_to_string(&page).unwrap();
+        for path in named_paths(&text) {
+            match root.join(path).exists() {
+                true => found += 1,
+                false => missing.push(format!("{}: {path}", page.display())),
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+    assert!(found > 50, "only {found} paths were found in the pages");
 }
 
 #[test]

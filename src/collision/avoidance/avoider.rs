@@ -3,13 +3,12 @@
 
 use std::sync::Arc;
 
-use super::Limits;
 use super::candidate::Robot;
 use super::desired_motion::{DesiredMotion, PositionHistory};
 use super::joint_path::JointPath;
 use super::levers::Levers;
 use super::methods::Methods;
-use super::planner::{AT_GOAL, Planner};
+use super::planner::{AT_GOAL, Planner, Settings};
 use super::statistics::AvoidanceStatistics;
 use super::tick_check::{DecayingOffset, JointMode, TickCheck};
 use crate::collision::CollisionModel;
@@ -21,21 +20,6 @@ const FARTHEST: f64 = 0.1;
 
 /// Time between cycles while a joint catches up with a motion that exceeds its limits, s.
 const CATCH_UP: f64 = 0.01;
-
-/// How collisions are avoided.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// 1 to 4 as in the paper's Table I.
-    pub method: u8,
-    /// Cycles per second.
-    pub rate: f64,
-    /// Distance that is kept, m.
-    pub margin: f64,
-    /// Limits by joint.
-    pub limits: Vec<Limits>,
-    /// Seed of the random postures.
-    pub seed: u64,
-}
 
 /// The joints at a tick, one entry per joint. Positions and velocities are commands, rewritten
 /// where they are not safe.

@@ -30,8 +30,9 @@ mod prover;
 mod statistics;
 mod tick_check;
 
-pub use avoider::{Avoider, JointCommands, Settings};
+pub use avoider::{Avoider, JointCommands};
 pub use joint_path::JointPath;
 pub use levers::levers;
 pub use limits::Limits;
+pub use planner::Settings;
 pub use statistics::AvoidanceStatistics;

@@ -1,10 +1,25 @@
 //! One planning cycle: the goals of the joints, the paths proposed to reach them, and the candidate
 //! under test.
 
-use super::avoider::Settings;
+use super::Limits;
 use super::candidate::{CandidatePaths, Robot};
 use super::joint_path::JointPath;
 use crate::motion::spline::TrajectoryPoint;
+
+/// How collisions are avoided.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// 1 to 4 as in the paper's Table I.
+    pub method: u8,
+    /// Cycles per second.
+    pub rate: f64,
+    /// Distance that is kept, m.
+    pub margin: f64,
+    /// Limits by joint.
+    pub limits: Vec<Limits>,
+    /// Seed of the random postures.
+    pub seed: u64,
+}
 
 /// A joint this near to its goal has reached it, rad or m.
 pub(super) const AT_GOAL: f64 = 1e-3;
