@@ -1,4 +1,5 @@
-//! How the one-step method decides, sole by sole, without trying anything (`contact.md` section 10; the paper's III.B).
+//! Decision rules of the one-step method, sole by sole, without trial states (`docs/contact.md` section 10; [Hale 2008],
+//! III.B).
 //!
 //! **Clamp or release.** Every vertex decides for itself from present quantities, at the first level that has an opinion:
 //!
@@ -14,10 +15,10 @@
 //! the one that holds down the fewest pulled vertices, then the one that keeps most of the load, then the one in force,
 //! then the one that clamps most.
 //!
-//! **Mode.** What stuck goes on sticking while its last friction load is within its capacity, and then gives way along that
-//! load's own twist, turning about a vertex if that is where the twist has its centre. What slid sticks when its sliding
-//! velocities have turned round or vanished; where that happens to one vertex alone, the sole turns about it. What comes
-//! down sticks if it is slower than v_t.
+//! **Mode.** A sticking sole keeps sticking while its last friction load is within its capacity. Then it slips along the
+//! twist of that load, turning about a vertex if the twist has its centre there. A sliding sole sticks when its sliding
+//! velocities have reversed or vanished; where that happens to one vertex alone, the sole turns about it. A sole that
+//! lands sticks if it is slower than v_t.
 
 use crate::contact::model::problem::{Problem, SoleProblem, Tolerances};
 use crate::contact::model::solution::Solution;
@@ -25,7 +26,7 @@ use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::contact::search::judge::{self, carried, margin};
 use crate::contact::search::sliding_directions::Onset;
 
-/// What one vertex wants.
+/// Vote of one vertex.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Vote {
     /// To be clamped, or not.
@@ -50,7 +51,7 @@ pub fn vote(height: f64, speed: f64, clamped: bool, normal: f64, n: usize, tol: 
 /// The cheapest pattern for these votes. `normal` are the last normal forces, N; `now` the pattern in force.
 pub fn cheapest(votes: &[Vote], normal: &[f64], now: Pattern) -> Pattern {
     let k = votes.len();
-    // What is less is better.
+    // Smaller is better.
     let rank = |pattern: Pattern| {
         let state = SoleState::fixed(pattern);
         let clamped = |i: &usize| state.clamps(*i, k);
@@ -76,8 +77,8 @@ pub fn pattern(p: &Problem, s: usize, before: SoleState, last: &Solution, tol: &
     cheapest(&votes[..k], &last.normal[s], before.pattern)
 }
 
-/// Sticking or sliding of sole `s` on `pattern`, from its last load and its present velocities. Where it begins to slide,
-/// or goes on, the sliding directions of its vertices are left in the problem.
+/// Sticking or sliding of sole `s` on `pattern`, from its last load and its present velocities. Leaves the sliding directions
+/// of its vertices in the problem where it starts or continues to slide.
 pub fn mode(
     p: &mut Problem,
     s: usize,
@@ -171,7 +172,7 @@ fn go_on(
     mode
 }
 
-/// Points the sliding directions of a sole along its present velocities; what is slower than `rest` (m/s) has none.
+/// Sets the sliding directions of a sole along its present velocities; a vertex slower than `rest` (m/s) has none.
 pub fn oppose(sole: &mut SoleProblem, rest: f64) {
     for v in &mut sole.vertices {
         v.direction = v.velocity.xy().try_normalize(rest).unwrap_or_default();
@@ -258,7 +259,7 @@ mod tests {
         assert_eq!(vote(0.0, -1.0, true, -5.0, K, &tol), release(5.0));
         assert_eq!(vote(0.0, -0.01, false, 0.0, K, &tol), clamp(1.0));
         assert_eq!(vote(0.0, 0.01, false, 0.0, K, &tol), release(1.0));
-        // A clamped vertex without load is asked for its velocity, and one that rests is kept.
+        // A clamped vertex without load votes by its velocity, and one at rest stays clamped.
         assert_eq!(vote(0.0, 0.0, true, 0.0, K, &tol), clamp(1.0));
     }
 

@@ -1,5 +1,5 @@
-//! The exact method: the state is searched for until it is valid. In continuous time that is at events and nowhere else;
-//! with fixed steps once a step, on the velocities at its end.
+//! The exact method: searches for a valid contact state. In continuous time it does so at events only, with fixed steps
+//! once per step, on the velocities at its end.
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::registry::MethodDescriptor;
@@ -21,7 +21,7 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     solver: |_, p| Box::new(Exact::new(p)),
 };
 
-/// See the module.
+/// Solver of the method that the module describes.
 pub struct Exact {
     selector: Selector,
 }

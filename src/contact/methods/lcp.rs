@@ -15,16 +15,13 @@
 //! units of the greatest answer of a point to its own impulse, so that all entries are of order one.
 //!
 //! When Lemke ends on a ray, at its limit of pivots or with an answer that misses the conditions, the selection counts as
-//! `inconsistent` and the impulses are those that [`Sweeps`] reach on the round cone.
+//! `inconsistent` and the impulses are those that the sweeps of [`super::ncp`] reach on the round cone.
 //!
 //! Known flaw: friction is the greatest dissipation in a polygon, not a circle. What sticks holds at least
 //! mu N cos(pi / m), in the middle between two directions; what slides is slowed along the direction nearest against its
 //! motion and veers, until it moves in the middle between two and is slowed by mu N cos(pi / m).
 //!
-//! Sources: D. E. Stewart and J. C. Trinkle, An implicit time-stepping scheme for rigid body dynamics with inelastic
-//! collisions and Coulomb friction, Int. J. Numer. Methods Engrg. 39 (1996); M. Anitescu and F. A. Potra, Formulating
-//! dynamic multi-rigid-body contact problems with friction as solvable linear complementarity problems, Nonlinear
-//! Dynamics 14 (1997).
+//! Sources: [Stewart 1996], [Anitescu 1997].
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::ncp::{Sweeps, plain};
@@ -94,7 +91,7 @@ impl LcpParameters {
     }
 }
 
-/// See the module.
+/// Solver of the method that the module describes.
 pub struct Lcp {
     directions: Vec<Vector2<f64>>,
     points: Points,

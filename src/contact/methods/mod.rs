@@ -1,4 +1,14 @@
-//! Contact methods behind one trait ([`contact_method::ContactMethod`]).
+//! Contact methods: how states and forces are found.
+//!
+//! | file | method |
+//! |---|---|
+//! | [`exact`] | searches for states that satisfy Signorini and Coulomb exactly |
+//! | [`one_step`] (with [`decision`]) | decides once per step, without trial states |
+//! | [`penalty`] | springs and dampers, regularised friction |
+//! | [`lcp`], [`ncp`] (on [`points`]) | time stepping on a polyhedral and on the round friction cone |
+//!
+//! All are behind the traits of [`contact_method`] and listed in [`registry`]. Methods use `contact::model`,
+//! `contact::search` and `linalg`; `sim` calls them through the traits, scenarios and reports read the registry.
 
 pub mod contact_method;
 pub mod decision;

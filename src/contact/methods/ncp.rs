@@ -18,14 +18,12 @@
 //! D_nn is the point's own normal answer, D_tt the greatest eigenvalue of its tangential one, which makes both steps
 //! descents. The first is exact for its point. A sweep's error is the greatest change of an impulse in it, as a velocity
 //! (times D_nn or D_tt), m/s. Sweeps end at `tolerance` or after `iterations`, whichever is first, and the answer is used
-//! as it is: what is missed shows in the residuals. The start are the impulses of the step before.
+//! as it is: the remaining error shows in the residuals. Sweeps start from the impulses of the previous step.
 //!
 //! Known flaw: convergence is linear and slow where points work against each other (several on one sole, heavy on light);
 //! cut short, soles creep and sink, and the answer depends on the order of the points.
 //!
-//! Sources: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics (1988); M. Jean, The non-smooth
-//! contact dynamics method, Comput. Methods Appl. Mech. Engrg. 177 (1999); K. Erleben, Velocity-based shock propagation
-//! for multibody dynamics animation, ACM Trans. Graphics 26 (2007), for the splitting.
+//! Sources: [Moreau 1988], [Jean 1999]; [Erleben 2007] for the splitting.
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::points::Points;
@@ -76,7 +74,7 @@ impl Default for NcpParameters {
     }
 }
 
-/// See the module.
+/// Solver of the method that the module describes.
 pub struct Ncp {
     parameters: NcpParameters,
     points: Points,

@@ -1,5 +1,5 @@
-//! The one-step method: no trial states (`contact.md` section 10, the paper's section III.B). [`crate::contact::methods::decision`] decides
-//! from present quantities, then there is one solve.
+//! The one-step method: no trial states (`docs/contact.md` section 10; [Hale 2008], III.B). [`super::decision`] decides from
+//! present quantities; one solve follows.
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::decision;
@@ -24,7 +24,7 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     solver: |_, p| Box::new(OneStep::new(p)),
 };
 
-/// See the module.
+/// Solver of the method that the module describes.
 pub struct OneStep {
     kernel: Kernel,
 }
@@ -47,7 +47,7 @@ impl OneStep {
             if !(input.allowed)(s, states[s]) {
                 let k = p.soles[s].vertices.len();
                 states[s] = SoleState::all(k).find(|&x| (input.allowed)(s, x)).unwrap_or(states[s]);
-                // What was decided about sliding was not about this state.
+                // The decided sliding directions belong to another state.
                 decision::oppose(&mut p.soles[s], rules.tolerances.rest);
             }
         }

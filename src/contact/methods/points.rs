@@ -29,7 +29,7 @@ pub struct Point {
     pub vertex: usize,
     /// Position from the sole's reference point, m.
     pub r: Vector3<f64>,
-    /// Motion that no wrench causes, beside that of the sole's frame.
+    /// Motion that no wrench causes, in addition to that of the sole's frame.
     pub bias: Vector3<f64>,
     /// Least normal velocity at the end, m/s.
     pub target: f64,
@@ -53,7 +53,7 @@ impl Points {
         Points { list: Vec::with_capacity(most), columns: vec![0.0; 3 * most * p.dim()], dim: p.dim() }
     }
 
-    /// Takes the vertices that may meet the floor. What is below it is brought up at `push_out` (m/s) at most.
+    /// Collects the vertices that may meet the floor. A vertex below it is raised at `push_out` (m/s) at most.
     pub fn gather(&mut self, p: &Problem, push_out: f64) {
         self.list.clear();
         for (s, sole) in p.soles.iter().enumerate() {

@@ -7,17 +7,15 @@
 //! ```
 //!
 //! The normal force is that of Kelvin and Voigt, clipped where it would pull: it is linear while a vertex pushes, so depth
-//! and oscillation have closed forms and `damping` has the unit of a damper. (Hunt and Crossley, *J. Appl. Mech.* 42,
-//! 1975, let the damping grow with the depth, which takes away the jump `-c u_n` at touch-down, but then a robot that
+//! and oscillation have closed forms and `damping` has the unit of a damper. ([Hunt 1975] lets the damping grow with the depth, which takes away the jump `-c u_n` at touch-down, but then a robot that
 //! rests deeper is damped more.) The friction is Coulomb's with a slope at zero speed, smooth everywhere; it is sliding
 //! friction, so it takes mu_k, and nothing sticks: a load of the part r of mu_k N creeps at `s r / sqrt(1 - r^2)`.
 //!
-//! The springs hold `k delta^2 / 2`. What the floor takes out of the normal motion beside that,
-//! `(N - k delta) (-u_n) >= 0`, is lost: c u_n^2 while it pushes, and what the spring gives back to nobody after it has
-//! let go.
+//! The springs store `k delta^2 / 2`. The rest of the energy that the floor takes out of the normal motion,
+//! `(N - k delta) (-u_n) >= 0`, is lost: c u_n^2 while it pushes, and the energy left in the spring when it lets go.
 //!
 //! Which vertices are in the floor is held while a step is integrated, so that its equations are smooth; where one enters
-//! or leaves it is an event. Fixed steps at the velocity level are implicit: see [`step`].
+//! or leaves it is an event. Fixed steps at the velocity level are implicit: see the file `step.rs`.
 
 mod step;
 
@@ -78,13 +76,13 @@ impl PenaltyParameters {
         (-self.stiffness * v.height - self.damping * v.velocity.z).max(0.0)
     }
 
-    /// What the law makes of a slip: its direction, and less than that where it is slow.
+    /// Regularised direction of a slip: a unit vector, shorter where the slip is slow.
     fn slip(&self, velocity: &Vector2<f64>) -> Vector2<f64> {
         velocity / velocity.norm().hypot(self.slip_velocity)
     }
 }
 
-/// See the module.
+/// Solver of the method that the module describes.
 pub struct Penalty {
     law: PenaltyParameters,
     /// Which vertices are in the floor, all soles in a row.

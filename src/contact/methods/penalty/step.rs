@@ -62,7 +62,7 @@ impl Step {
 
     /// Leaves the impulses of the vertices over `dt` in `out`.
     pub fn solve(&mut self, p: &Problem, dt: f64, out: &mut Solution) {
-        let asked = self.law.slip_velocity;
+        let target = self.law.slip_velocity;
         self.motion.copy_from_slice(&p.b);
         if !self.iterate(p, dt) {
             let vertices =
@@ -70,12 +70,12 @@ impl Step {
             let fastest = vertices.map(|(s, i)| p.vertex_motion(&p.b, s, i).norm()).fold(0.0, f64::max);
             self.motion.copy_from_slice(&p.b);
             let mut slip = fastest;
-            while slip > asked {
+            while slip > target {
                 self.law.slip_velocity = slip;
                 self.iterate(p, dt);
                 slip *= SHARPENING;
             }
-            self.law.slip_velocity = asked;
+            self.law.slip_velocity = target;
             self.iterate(p, dt);
         }
         for (s, sole) in p.soles.iter().enumerate() {
