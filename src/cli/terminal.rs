@@ -11,7 +11,7 @@ use stiction::text::visible::visible_lines;
 use super::{Exit, colour};
 
 /// Width of tables where there is no terminal, in characters.
-const WIDTH: usize = 120;
+const WIDTH: usize = 1000;
 
 /// Has standard output failed to take something? What comes after a gap would mislead whoever reads it.
 static GAP: AtomicBool = AtomicBool::new(false);

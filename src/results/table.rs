@@ -67,10 +67,15 @@ fn of_columns(
         cells.push(format!("{:.3}", row.wall_s));
         cells.push(format!("{:.1}", row.real_time_factor));
         cells.push(m.states_tested_mean().map_or("-".to_owned(), |mean| format!("{mean:.2}")));
-        cells.push(format!("{:.4}", m.final_base_position[2]));
+        cells.push(height(m.final_base_position[2]));
         table.push(cells);
     }
     table
+}
+
+/// A height in tenths of millimetres; with an exponent where a run has diverged.
+fn height(z: f64) -> String {
+    if z.abs() < 1e6 { format!("{z:.4}") } else { text_table::significant(z, 3) }
 }
 
 pub(crate) fn clip(text: &str) -> String {

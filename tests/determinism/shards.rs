@@ -161,7 +161,7 @@ fn results_that_do_not_belong_together_are_refused() {
     // Only where the other shard needs the same one.
     let shared = place.path("shard-1").join(path.strip_prefix(place.path("shard-2")).unwrap()).is_file();
     assert_eq!(done.code, Some(if shared { 2 } else { 0 }), "{}", done.stderr);
-    assert!(!shared || done.stderr.contains("do not give the same bits"), "{}", done.stderr);
+    assert!(!shared || done.stderr.contains("do not compute the same bits"), "{}", done.stderr);
     fs::write(&path, kept).unwrap();
 }
 

@@ -39,7 +39,7 @@ fn what_is_done_is_taken_as_it_is() {
     // One record is lost: its run is made, and the reference that it needs, and nothing else.
     let keys: Vec<String> = place.summary("results").column("key").iter().map(|k| k.to_string()).collect();
     fs::remove_file(place.path("results/slides").join(&keys[12]).join("run.json")).unwrap();
-    let done = resume(&place, &ARGUMENTS).exits(ENDS);
+    let done = resume(&place, &[&ARGUMENTS[..], &["-v"]].concat()).exits(ENDS);
     assert!(done.stderr.contains("resumed: 15 runs and 3 reference runs done already"), "{}", done.stderr);
     assert!(done.stderr.contains("1 run for the first time"), "{}", done.stderr);
     let lines: Vec<&str> = done.stderr.lines().filter(|l| l.starts_with('[')).collect();

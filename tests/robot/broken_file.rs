@@ -39,7 +39,7 @@ const CASES: &[(&str, &str, usize, &str)] = &[
     ("base = \"floating\"", "bas = \"floating\"", 2, "did you mean `base`?"),
     ("base = \"floating\"", "base = \"flying\"", 2, "unknown variant `flying`"),
     ("knee = \"20 deg\"", "kne = \"20 deg\"", 4, "did you mean `knee`?"),
-    ("knee = \"20 deg\"", "knee = \"20 grad\"", 4, "such as \"20 deg\""),
+    ("knee = \"20 deg\"", "knee = \"20 grad\"", 4, "such as \"30 deg\""),
     ("knee = \"20 deg\"", "knee = nan", 4, "a finite number of radians"),
     ("knee = \"20 deg\"", "knee = \"90 deg\"", 4, "outside the joint's limits: 1.57"),
     ("knee = \"20 deg\"", "slide = \"20 deg\"", 4, "joint `slide` slides"),

@@ -31,7 +31,7 @@ fn ignored_and_assumed_elements_are_reported_with_their_line() {
         let found = robot.notices.iter().find(|n| n.message.contains(needle));
         let notice = found.unwrap_or_else(|| panic!("`{needle}` is silent: {:#?}", robot.notices));
         assert_eq!((notice.line(), notice.severity), (line, severity), "{notice}");
-        assert!(inspect(&robot).contains(&notice.to_string()));
+        assert!(inspect(&robot).contains(&notice.brief()));
     };
     use Severity::{Note, Warning};
     assert_notice(2, "attribute `type` of <link> is ignored", Note);

@@ -34,7 +34,7 @@ fn a_part_that_was_lost_is_told_and_the_same_again_makes_it() {
     let done = site.runner(&arguments).exits(2);
     assert!(done.stderr.contains("sweep/submit/merge.txt says why"), "{}", done.stderr);
     let said = site.script("sweep", "merge.txt");
-    assert!(said.contains("sweep/part-1: it is not there"), "{said}");
+    assert!(said.contains("sweep/part-1: no such folder"), "{said}");
     assert!(!exists(site.place.path("sweep/results")));
     site.slurm.unset("loses");
     site.runner(&arguments).exits(1);
