@@ -53,7 +53,7 @@ fn right_hand_side(bencher: Bencher) {
     let sim = swaying("exact", ADAPTIVE);
     let problem = sim.plant().problem.clone();
     let method = (MethodDescriptor::named("exact").expect("registered").solver)(&MethodParameters::default(), &problem);
-    let mut plant = Plant::new(&mut setup("exact", ADAPTIVE), method, problem);
+    let mut plant = Plant::new(setup("exact", ADAPTIVE).plant(), method, problem);
     plant.state.clone_from(&sim.plant().state);
     plant.states = sim.plant().states;
     assert!((0..2).all(|s| plant.states[s] == SoleState::fixed(Pattern::Face)), "on both soles");

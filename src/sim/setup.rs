@@ -3,17 +3,20 @@
 use super::carried_object::CarriedObject;
 use super::command_source::CommandSource;
 use super::floor::Floor;
+use super::plant::PlantSetup;
 use super::scenario_event::ScenarioEvent;
 use super::self_collision::SelfCollisionSetup;
 use super::sensing::{EstimatorSetup, Imu, SensorErrors};
 use crate::contact::methods::contact_method::ContactMethod;
+use crate::contact::methods::registry::{METHODS, MethodParameters};
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::state::SoleState;
+use crate::dynamics::State;
 use crate::force::Force;
-use crate::integrate::Tableau;
+use crate::integrate::{DOPRI5, Tableau};
 use crate::robot::Model;
-use crate::task::TaskServer;
-use nalgebra::Vector3;
+use crate::task::{Command, TaskServer};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
 /// A state imposed on a sole for a span of time.
@@ -134,6 +137,80 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// A run of a robot with the defaults of a scenario file: gravity 9.81 m/s^2 along -z, a level floor at height 0 with
+    /// friction 0.8 (static) and 0.6 (kinetic), contact method `exact` with located events, integrator `dopri5` with
+    /// tolerances 1e-6 (relative) and 1e-8 (absolute), joints held in the home posture, control ticks of 1 kHz.
+    ///
+    /// The robot starts at rest with its base at the origin. The run lasts 1 s and logs only its end. There are no tasks,
+    /// forces, events, sensor errors and estimators. All fields can be changed before
+    /// [`Simulation::new`](super::Simulation::new).
+    pub fn new(model: Arc<Model>) -> Self {
+        let command = Command::hold(&model, &model.home);
+        Setup {
+            gravity: Vector3::new(0.0, 0.0, -9.81),
+            floor: Floor {
+                rotation: Matrix3::identity(),
+                point: Vector3::zeros(),
+                mu_s: 0.8,
+                mu_k: 0.6,
+                patches: Vec::new(),
+            },
+            contact: ContactSetup {
+                method: METHODS[0].with(MethodParameters::default()),
+                tolerances: Tolerances::default(),
+                restitution: 0.0,
+                locate: true,
+                forced: Vec::new(),
+            },
+            integrator: IntegratorSetup::Controlled { pair: &DOPRI5, relative: 1e-6, absolute: 1e-8, max_step: 0.01 },
+            start: Start {
+                position: Vector3::zeros(),
+                rotation: UnitQuaternion::identity(),
+                joints: model.home.clone(),
+                v: vec![0.0; model.nv()],
+            },
+            joint_stops: true,
+            tasks: TaskServer::new(1000.0, &model, command),
+            command_source: None,
+            forces: Vec::new(),
+            carried_objects: Vec::new(),
+            sensors: None,
+            imu: Imu::default(),
+            estimator: EstimatorSetup::Truth,
+            self_collision: None,
+            seed: 1,
+            events: Vec::new(),
+            saved_states: 0,
+            duration: 1.0,
+            log_rate: 0.0,
+            fallen_below: None,
+            notes: Vec::new(),
+            model,
+        }
+    }
+
+    /// The plant's part of the setup; takes the forces out of it.
+    pub fn plant(&mut self) -> PlantSetup {
+        let mut state = State::home(&self.model);
+        (state.position, state.rotation) = (self.start.position, self.start.rotation);
+        state.joints.copy_from_slice(&self.start.joints);
+        state.v.copy_from_slice(&self.start.v);
+        PlantSetup {
+            model: self.model.clone(),
+            gravity: self.gravity,
+            floor: self.floor.clone(),
+            state,
+            joint_stops: self.joint_stops,
+            forces: std::mem::take(&mut self.forces),
+            command: self.tasks.command.clone(),
+            rest: self.contact.tolerances.rest,
+            step_error: match self.integrator {
+                IntegratorSetup::Controlled { relative, absolute, .. } if self.contact.locate => (absolute, relative),
+                _ => (0.0, 0.0),
+            },
+        }
+    }
+
     /// Instants at which something jumps, s, ascending: steps end there.
     pub fn corners(&self) -> Vec<f64> {
         let mut corners: Vec<f64> = self.forces.iter().flat_map(|force| force.corners().to_vec()).collect();

@@ -58,7 +58,7 @@ impl Simulation {
         let method = setup.contact.method.solver(&problem);
         let projection = Solution::new(&problem);
         let corners = setup.corners();
-        let mut plant = Plant::new(&mut setup, method, problem);
+        let mut plant = Plant::new(setup.plant(), method, problem);
         let carried = CarriedObjects::new(&model, std::mem::take(&mut setup.carried_objects));
         let stepper = stepper(&setup.integrator, plant.layout.size());
         let mut tolerances = setup.contact.tolerances;

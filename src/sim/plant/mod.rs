@@ -22,4 +22,4 @@ pub mod system;
 
 pub use energy_flows::EnergyFlows;
 pub use state_layout::StateLayout;
-pub use system::Plant;
+pub use system::{Plant, PlantSetup};

@@ -23,10 +23,32 @@ use crate::sim::actuation::drives::Drives;
 use crate::sim::actuation::joint_efforts::{self, JointStop};
 use crate::sim::actuation::kinematic_paths::KinematicPaths;
 use crate::sim::floor::{Floor, VertexRegion};
-use crate::sim::setup::{IntegratorSetup, Setup};
 use crate::task::Command;
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
+
+/// Description of a plant.
+pub struct PlantSetup {
+    /// The robot.
+    pub model: Arc<Model>,
+    /// Gravity, world, m/s^2.
+    pub gravity: Vector3<f64>,
+    /// The floor.
+    pub floor: Floor,
+    /// Initial state.
+    pub state: State,
+    /// Do joint limits stop the joints?
+    pub joint_stops: bool,
+    /// External forces.
+    pub forces: Vec<Box<dyn Force>>,
+    /// Initial joint commands.
+    pub command: Command,
+    /// Speed below which a sliding vertex is at rest, m/s.
+    pub rest: f64,
+    /// Error that a step may make in a speed: absolute, m/s, and relative. Zero without located events: then every step
+    /// decides which vertices rest.
+    pub step_error: (f64, f64),
+}
 
 /// The robot on its floor: state, parameters, and the results of the last evaluation.
 pub struct Plant {
@@ -104,15 +126,10 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// Builds the plant of a run; takes the forces out of the setup.
-    pub fn new(setup: &mut Setup, method: Box<dyn ContactSolver>, problem: Problem) -> Self {
-        let model = setup.model.clone();
+    /// Builds a plant with a contact method for a problem of its size.
+    pub fn new(setup: PlantSetup, method: Box<dyn ContactSolver>, problem: Problem) -> Self {
+        let PlantSetup { model, state, .. } = setup;
         let (nj, nv) = (model.nj(), model.nv());
-        let mut state = State::home(&model);
-        state.position = setup.start.position;
-        state.rotation = setup.start.rotation;
-        state.joints.copy_from_slice(&setup.start.joints);
-        state.v.copy_from_slice(&setup.start.v);
         let mut ws = Workspace::new(&model);
         kinematics::update(&model, &state, &mut ws);
         crba::mass_matrix(&model, &mut ws);
@@ -123,9 +140,9 @@ impl Plant {
         let mut plant = Plant {
             layout: StateLayout::new(&model),
             gravity: setup.gravity,
-            floor: setup.floor.clone(),
-            forces: std::mem::take(&mut setup.forces),
-            command: setup.tasks.command.clone(),
+            floor: setup.floor,
+            forces: setup.forces,
+            command: setup.command,
             stops,
             kinematics_state: state.clone(),
             state,
@@ -136,12 +153,8 @@ impl Plant {
             problem,
             directions,
             regions: model.soles.iter().map(|s| vec![VertexRegion::default(); s.vertices.len()]).collect(),
-            rest: setup.contact.tolerances.rest,
-            step_error: match setup.integrator {
-                IntegratorSetup::Controlled { relative, absolute, .. } if setup.contact.locate => (absolute, relative),
-                // Without located events every step decides which vertices rest.
-                _ => (0.0, 0.0),
-            },
+            rest: setup.rest,
+            step_error: setup.step_error,
             within: 0.0,
             tau: vec![0.0; nv],
             drives: Drives::new(&model),
