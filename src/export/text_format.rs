@@ -71,7 +71,7 @@ impl TimeUnit {
         }
     }
 
-    fn from_seconds(self, seconds: f64) -> f64 {
+    fn of_seconds(self, seconds: f64) -> f64 {
         match self {
             Self::Seconds => seconds,
             Self::Milliseconds => seconds * 1e3,
@@ -105,7 +105,7 @@ impl TextFormat {
             }
             for (at, (_, values)) in table.columns().iter().enumerate() {
                 match values {
-                    Values::Real(v) if at == 0 => self.number(v[row].map(|t| self.time.from_seconds(t)), &mut text),
+                    Values::Real(v) if at == 0 => self.number(v[row].map(|t| self.time.of_seconds(t)), &mut text),
                     _ => {
                         text.push_str(&self.separator);
                         self.cell(values, row, &mut text);

@@ -78,7 +78,8 @@ mod tests {
 
     #[test]
     fn polygons_that_touch_themselves_are_refused() {
-        let bad: [(&[[f64; 2]], Option<usize>, &str); 6] = [
+        type Case = (&'static [[f64; 2]], Option<usize>, &'static str);
+        let bad: [Case; 6] = [
             (&[[0.0, 0.0], [1.0, 0.0]], None, "at least 3 corners, not 2"),
             (&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0]], Some(3), "same point as corner 0"),
             (&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]], None, "edge 0 (from corner 0 to 1) and edge 2"),

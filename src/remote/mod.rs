@@ -8,7 +8,7 @@ mod counts;
 mod error;
 mod impair;
 mod motor_server;
-mod remote;
+mod task_side;
 pub mod wire;
 
 pub use channel::{Address, read_key};
@@ -16,7 +16,7 @@ pub use counts::Counts;
 pub use error::LinkError;
 pub use impair::Impairment;
 pub use motor_server::{MotorServer, Pace};
-pub use remote::{Heard, Remote};
+pub use task_side::{Heard, Remote};
 
 use std::hash::{BuildHasher, RandomState};
 use std::time::Duration;

@@ -23,7 +23,7 @@ impl Simulation {
         for force in setup.forces.into_iter().skip(known) {
             run.plant.add_force(force).map_err(RunError::internal)?;
         }
-        let known = run.carried.len();
+        let known = run.carried.count();
         run.carried.extend(setup.carried_objects.into_iter().skip(known));
         run.tasks.extend_with(setup.tasks);
         run.events.truncate(run.events_done);

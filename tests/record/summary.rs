@@ -303,7 +303,7 @@ fn every_column_has_its_own_metric() {
 
 #[test]
 fn the_table_is_aligned_and_names_failures() {
-    let text = table(&rows(), 120) + &endings(&rows(), true);
+    let text = table(&rows(), 160) + &endings(&rows(), true);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 6, "header, three runs, two reasons\n{text}");
     assert_eq!(endings(&rows(), false), "", "a fall that no expectation excludes is no failure");

@@ -42,7 +42,7 @@ const CASES: &[(&str, &str, usize, &str)] = &[
     ("knee = \"20 deg\"", "knee = \"20 grad\"", 4, "such as \"30 deg\""),
     ("knee = \"20 deg\"", "knee = nan", 4, "a finite number of radians"),
     ("knee = \"20 deg\"", "knee = \"90 deg\"", 4, "outside the joint's limits: 1.57"),
-    ("knee = \"20 deg\"", "slide = \"20 deg\"", 4, "joint `slide` slides"),
+    ("knee = \"20 deg\"", "slide = \"20 deg\"", 4, "joint `slide` is prismatic"),
     ("link = \"foot\"", "link = \"foo\"", 7, "did you mean `foot`?"),
     ("[0, 1, 0]]", "[0, 1, 0.1]]", 8, "sole `s`: it is not flat"),
     ("[1, 1, 0], [0, 1, 0]]", "[0, 1, 0], [1, 1, 0]]", 8, "not in order"),

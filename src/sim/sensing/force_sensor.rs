@@ -63,7 +63,7 @@ impl ForceSensor {
     }
 
     /// Transforms a load from the frame to world axes and the mean of the vertices.
-    pub fn from_frame(&self, orientation: &UnitQuaternion<f64>, sole: &mut SoleLoad) {
+    pub fn to_world(&self, orientation: &UnitQuaternion<f64>, sole: &mut SoleLoad) {
         sole.moment = orientation * (sole.moment - self.lever.cross(&sole.force));
         sole.force = orientation * sole.force;
         sole.mean_force = orientation * sole.mean_force;

@@ -193,7 +193,7 @@ impl ErrorModel {
         let base = imu.base_orientation(model, &out.orientation, &out.position, &out.velocity);
         for (sole, sensor) in out.soles.iter_mut().zip(&self.frames) {
             let Some(sensor) = sensor else { continue };
-            sensor.from_frame(&sensor.orientation(model, &base, &out.position, &out.velocity), sole);
+            sensor.to_world(&sensor.orientation(model, &base, &out.position, &out.velocity), sole);
         }
         // Such a sensor does not measure the pressure distribution: all vertices are clamped, or none.
         let light = LIGHT * model.mass() * plant.gravity.norm();
