@@ -22,6 +22,8 @@
 //! The modules below are the program's rooms. They are public for the program and its tests; only what the crate root
 //! exports is meant to be stable.
 
+#![warn(missing_docs)]
+
 mod api;
 pub mod assemble;
 pub mod batch;

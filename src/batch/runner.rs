@@ -100,7 +100,7 @@ impl Batch {
         Interrupter(self.events.0.clone())
     }
 
-    /// Runs all jobs with `body`, which is [`simulate`] unless a test wants something else to happen, and writes the
+    /// Runs all jobs with `body`, which is [`super::simulate`] unless a test wants something else to happen, and writes the
     /// summary of those that finished.
     ///
     /// # Errors

@@ -2,12 +2,12 @@
 //!
 //! | section | file |
 //! |---|---|
-//! | what was run, where and when | [`head`] |
-//! | error over cost | [`cost_section`], drawn by [`cost_plot`] |
-//! | residuals | [`residuals`] |
-//! | runs over time, from their logs | [`pictures`], drawn by [`run_plot`] |
-//! | expectations | [`expectations`] |
-//! | all runs, notes, files | [`runs`] |
+//! | what was run, where and when | `head` |
+//! | error over cost | `cost_section`, drawn by `cost_plot` |
+//! | residuals | `residuals` |
+//! | runs over time, from their logs | `pictures`, drawn by `run_plot` |
+//! | expectations | `expectations` |
+//! | all runs, notes, files | `runs` |
 //!
 //! Names, messages and paths are untrusted text: the templates escape all of it. The size of the page is bounded for any
 //! number of runs, and the page states what it omits.

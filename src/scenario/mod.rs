@@ -5,7 +5,7 @@
 //! ```
 //!
 //! [`load`] reads a file and [`ScenarioFile::expand`] gives its [`Run`]s. Errors come back as
-//! [`Diagnostics`](crate::text::Diagnostics) with file, line, column, an excerpt and a suggestion.
+//! [`Diagnostics`] with file, line, column, an excerpt and a suggestion.
 //!
 //! Imports `text`, `files`, `geometry`, `random` and `metrics`. Reads the files that a scenario names, but opens no robot file and
 //! simulates nothing. `assemble` and `batch` call it.

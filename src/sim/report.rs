@@ -43,7 +43,7 @@ pub struct Snapshot {
     pub centre_of_pressure: Option<Vector3<f64>>,
     /// Convex hull of the touching vertices, in order; may be empty.
     pub support_polygon: Vec<Vector3<f64>>,
-    /// Point of optimal stability of that hull on the floor plane, see [`crate::geometry::stable_point`]; none in flight.
+    /// Point of optimal stability of that hull on the floor plane, see [`mod@crate::geometry::stable_point`]; none in flight.
     pub stable_point: Option<Vector3<f64>>,
     /// Named points of the tasks, always the same ones.
     pub points: Vec<PointOfInterest>,
