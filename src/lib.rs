@@ -19,43 +19,86 @@
 //! # }
 //! ```
 //!
-//! The modules below are the program's rooms. They are public for the program and its tests; only what the crate root
-//! exports is meant to be stable.
+//! The other modules of the crate belong to the program and may change at any time.
 
 #![warn(missing_docs)]
 
+// Rooms of the program. They are public for `runner`, tests and benches, but no part of the documented library; hidden from
+// rustdoc only, so that the lint above holds for them too.
 mod api;
+#[cfg_attr(doc, doc(hidden))]
 pub mod assemble;
+#[cfg_attr(doc, doc(hidden))]
 pub mod batch;
+#[cfg_attr(doc, doc(hidden))]
 pub mod collision;
+#[cfg_attr(doc, doc(hidden))]
 pub mod console;
+#[cfg_attr(doc, doc(hidden))]
 pub mod contact;
+#[cfg_attr(doc, doc(hidden))]
 pub mod dynamics;
+#[cfg_attr(doc, doc(hidden))]
 pub mod export;
+#[cfg_attr(doc, doc(hidden))]
 pub mod files;
+#[cfg_attr(doc, doc(hidden))]
 pub mod force;
+#[cfg_attr(doc, doc(hidden))]
 pub mod geometry;
+#[cfg_attr(doc, doc(hidden))]
 pub mod integrate;
+#[cfg_attr(doc, doc(hidden))]
 pub mod linalg;
 #[cfg(feature = "live")]
+#[cfg_attr(doc, doc(hidden))]
 pub mod live;
+#[cfg_attr(doc, doc(hidden))]
 pub mod log;
+#[cfg_attr(doc, doc(hidden))]
 pub mod metrics;
+#[cfg_attr(doc, doc(hidden))]
 pub mod motion;
+#[cfg_attr(doc, doc(hidden))]
 pub mod random;
+#[cfg_attr(doc, doc(hidden))]
 pub mod remote;
+#[cfg_attr(doc, doc(hidden))]
 pub mod replay;
+#[cfg_attr(doc, doc(hidden))]
 pub mod report;
+#[cfg_attr(doc, doc(hidden))]
 pub mod results;
+#[cfg_attr(doc, doc(hidden))]
 pub mod robot;
+#[cfg_attr(doc, doc(hidden))]
 pub mod scenario;
+#[cfg_attr(doc, doc(hidden))]
 pub mod schema_page;
+#[cfg_attr(doc, doc(hidden))]
 pub mod script;
+#[cfg_attr(doc, doc(hidden))]
 pub mod sim;
+#[cfg_attr(doc, doc(hidden))]
 pub mod submit;
+#[cfg_attr(doc, doc(hidden))]
 pub mod task;
+#[cfg_attr(doc, doc(hidden))]
 pub mod text;
+#[cfg_attr(doc, doc(hidden))]
 pub mod view;
+
+/// Types of the fields of [`Setup`].
+pub mod setup {
+    pub use crate::collision::avoidance::Settings as AvoidanceSettings;
+    pub use crate::integrate::{BS23, DOPRI5, RK4, Tableau};
+    pub use crate::sim::floor::{Floor, patch::Patch};
+    pub use crate::sim::self_collision::SelfCollisionSetup;
+    pub use crate::sim::sensing::{channel_error::SensorErrors, estimator::EstimatorSetup, imu::Imu};
+    pub use crate::sim::setup::{ContactSetup, Forced, IntegratorSetup, Start};
+    pub use crate::sim::{CarriedObject, CommandSource, ScenarioEvent};
+    pub use crate::task::TaskServer;
+}
 
 /// What a contact method implements and sees, see [`contact_methods::ContactMethod`].
 pub mod contact_methods {
@@ -75,7 +118,7 @@ pub use contact::model::state::SoleState;
 pub use dynamics::State;
 pub use force::{AppliedForces, Force, ForceContext};
 pub use nalgebra;
-pub use robot::{LinkId, Model, Robot};
+pub use robot::{JointId, LinkId, Model, Robot, SoleId};
 pub use scenario::Run;
 pub use sim::{Metrics, Observer, Outcome, RunError, Setup, SimEvent, Simulation, Snapshot};
 pub use task::{Command, Context, Status, Task, TaskResult};

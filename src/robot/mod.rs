@@ -1,6 +1,6 @@
 //! Robot files and URDFs in, an immutable [`Model`] out.
 //!
-//! [`load`] reads a robot file (TOML) or a URDF, checks all that can be checked without simulating, and keeps the bytes of
+//! `load` reads a robot file (TOML) or a URDF, checks all that can be checked without simulating, and keeps the bytes of
 //! the files it used. It reports what it ignored, assumed or found as notes and warnings, and what cannot be simulated as a
 //! [`RobotError`] with its position. [`adjustments`] changes a loaded model as scenarios require.
 //!

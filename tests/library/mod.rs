@@ -9,7 +9,8 @@ mod run_scenario;
 #[path = "../../examples/step_and_read.rs"]
 mod step_and_read;
 
-use stiction::{Error, Options, Outcome, Scenario, run_batch};
+use std::sync::Arc;
+use stiction::{Error, Options, Outcome, Scenario, Setup, Simulation, run_batch};
 
 #[test]
 fn examples_run() {
@@ -32,6 +33,21 @@ fn advancing_by_hand_gives_the_bits_of_an_uninterrupted_run() {
     parts.run_to_end(&mut ()).unwrap();
     assert_eq!(parts.state(), whole.state());
     assert_eq!(parts.metrics(), whole.metrics());
+}
+
+#[test]
+fn a_setup_needs_only_a_robot() {
+    let scenario = Scenario::parse("block.toml", "robot = { model = \"robots/block/block.toml\" }").unwrap();
+    let robot = scenario.runs().unwrap()[0].load_robot().unwrap();
+    let mut setup = Setup::new(Arc::new(robot.model));
+    // Flat on the floor, sliding: it stops after v0^2 / (2 mu g), mu = 0.6.
+    setup.start.position.z = 0.05;
+    setup.start.v[0] = 1.0;
+    let mut simulation = Simulation::new(setup).unwrap();
+    simulation.run_to_end(&mut ()).unwrap();
+    let distance = 1.0 / (2.0 * 0.6 * 9.81);
+    // Friction is constant, so the integrator is exact; the stop is located to rounding.
+    assert!((simulation.state().position.x - distance).abs() < 1e-12);
 }
 
 #[test]

@@ -5,7 +5,7 @@
 //!
 //! Imports plant, robot, dynamics, random and task (the type of the readings). Called by the control tick.
 
-mod channel_error;
+pub mod channel_error;
 mod delay;
 pub mod estimator;
 mod force_sensor;
