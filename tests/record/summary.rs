@@ -317,7 +317,7 @@ fn the_table_is_aligned_and_names_failures() {
     // Without room for a column of each parameter there is one for all, and names are clipped.
     let narrow = table(&rows(), 72);
     assert!(narrow.lines().all(|line| line.chars().count() <= 72), "{narrow}");
-    assert!(narrow.contains("paramete") && narrow.contains("0.700"), "{narrow}");
+    assert!(narrow.contains("paramet…") && narrow.contains("0.700"), "{narrow}");
 }
 
 #[test]
