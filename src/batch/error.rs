@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::files::RecordError;
 
-/// What can go wrong with a batch as a whole; a run's own troubles are its outcome.
+/// Failure of a batch as a whole; a run's own failure is its outcome.
 #[derive(Debug, thiserror::Error)]
 pub enum BatchError {
     /// The output folder cannot be used; nothing has run.
@@ -15,7 +15,7 @@ pub enum BatchError {
         /// The cause.
         source: std::io::Error,
     },
-    /// A robot cannot do two things at once, and stays where a run has left it.
+    /// The plan drives a remote robot more than once; nothing resets it between runs.
     #[error(
         "a robot that is somewhere else (`robot.backend`) makes one run, and this asks for it {0} times: choose one with \
          --filter or --set, without `compare`"

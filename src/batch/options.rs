@@ -6,31 +6,31 @@ use std::time::Duration;
 
 use crate::sim::Problems;
 
-/// How a batch is run.
+/// Settings of a batch.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Folder of the results; created if need be.
+    /// Folder of the results; created if missing.
     pub output: PathBuf,
     /// Threads, at least 1.
     pub jobs: usize,
-    /// Write `log.mcap` where the scenario wants one?
+    /// Write `log.mcap` where the scenario requests one?
     pub log: bool,
     /// Wall-clock limit of each run.
     pub timeout: Option<Duration>,
     /// Start no more runs once so many failed or did not finish; none: start all.
     pub max_fail: Option<NonZero<usize>>,
-    /// Wall-clock time after which a run that is still going is told of as slow.
+    /// Wall-clock time after which an active run is reported as slow.
     pub slow: Option<Duration>,
     /// Contact problems to write below each run's folder.
     pub problems: Problems,
-    /// Repeat runs whose scenarios ask for it, to time them?
+    /// Repeat runs for timing where their scenarios request it?
     pub timing: bool,
-    /// Make only those runs whose results are not there?
+    /// Skip runs whose results exist?
     pub resume: bool,
 }
 
 impl Default for Options {
-    /// Results in `results`, one thread per processor, logs where scenarios want them, no limits.
+    /// Results in `results`, one thread per processor, logs as scenarios request, no limits.
     fn default() -> Self {
         Self {
             output: PathBuf::from("results"),

@@ -8,9 +8,9 @@ use crate::sim::Outcome;
 /// A finished run.
 #[derive(Clone, Debug)]
 pub struct Finished {
-    /// The files it left: `run.json`, and `log.mcap` and the folder `problems` if they are there.
+    /// Its files: `run.json`, and `log.mcap` and the folder `problems` if they exist.
     pub files: Vec<PathBuf>,
-    /// What else there is to tell a person.
+    /// Additional notes.
     pub notes: Vec<String>,
     /// Its row of the summary.
     pub row: SummaryRow,
@@ -18,17 +18,17 @@ pub struct Finished {
     pub accepted: bool,
 }
 
-/// What a batch came to.
+/// Outcome of a batch.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// Numbers of all finished runs.
+    /// Statistics of all finished runs.
     pub statistics: RunStatistics,
-    /// Finished runs in the order of the plan: all of them unless they are more than [`SAMPLE_SIZE`](crate::results::SAMPLE_SIZE),
-    /// else the first of those that went wrong and of the others.
+    /// Finished runs in the order of the plan; if there are more than
+    /// [`SAMPLE_SIZE`](crate::results::SAMPLE_SIZE), the first refused and the first other ones.
     pub finished: Vec<Finished>,
-    /// How many of all finished runs did not end as they should, those apart of which an expectation did not hold.
+    /// Number of finished runs that did not end as they should, failed expectations excluded.
     pub unfinished: usize,
-    /// Of how many an expectation did not hold.
+    /// Number of finished runs with a failed expectation.
     pub failed: usize,
     /// Finished reference runs, in the order in which they are first needed; they have no row in the summary.
     pub references: Vec<Finished>,
@@ -57,7 +57,7 @@ impl Report {
         self.failed > 0
     }
 
-    /// The rows of the summary that are at hand.
+    /// Summary rows of the runs in `finished`.
     pub fn rows(&self) -> Vec<SummaryRow> {
         self.finished.iter().map(|f| f.row.clone()).collect()
     }

@@ -1,4 +1,4 @@
-//! Runs the jobs of a plan: workers simulate, the dispatcher orders what they report, then summary and report are written.
+//! Runs the jobs of a plan on worker threads, then writes summary and report.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -16,20 +16,20 @@ use crate::files::{RecordError, confined, names, remove_partial};
 use crate::report::{Pictured, ReportRun, write_report_of};
 use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, write_summary_of};
 
-/// Interrupts a batch from anywhere, such as a signal handler. The first interruption lets running runs finish and
-/// starts no more; the second cancels them.
+/// Interrupts a batch from anywhere, such as a signal handler. The first interruption starts no
+/// more runs; the second cancels active ones.
 #[derive(Clone)]
 pub struct Interrupter(Sender<Event>);
 
 impl Interrupter {
-    /// Interrupts.
+    /// Sends an interruption.
     pub fn interrupt(&self) {
         // A batch that is over has nothing left to interrupt.
         let _ = self.0.send(Event::Interrupt);
     }
 }
 
-/// A plan that is about to run, its output folder at hand.
+/// A plan with its prepared output folder, ready to run.
 pub struct Batch {
     plan: Plan,
     options: Options,
@@ -40,8 +40,7 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Makes sure of the output folder, and looks for what is done already if that is wanted. From here on no summary of an
-    /// earlier batch is there.
+    /// Prepares the output folder, removes an earlier summary, and finds finished runs to resume.
     ///
     /// # Errors
     /// The folder cannot be created or written, or another program is writing there.
@@ -51,15 +50,15 @@ impl Batch {
         }
         let refused = |source| BatchError::Output { folder: options.output.clone(), source };
         std::fs::create_dir_all(&options.output).map_err(refused)?;
-        // The summary is written at the end; that its folder takes files must be known now.
+        // The summary is written last, so an unwritable folder must be detected now.
         tempfile::tempfile_in(&options.output).map_err(refused)?;
         let runs_log_path = options.output.join(names::RUNS_LOG);
         let mut runs_log = RunsLog::append(&runs_log_path)?;
-        // Told now and not by each run.
+        // Detected now rather than by each run.
         for scenario in plan.scenarios() {
             let folder = options.output.join(scenario);
             confined::check(&options.output, &folder.join(names::REFERENCES))?;
-            // Where others may not write, all of its runs would fail.
+            // Without write permission, all of its runs would fail.
             if folder.is_dir() {
                 tempfile::tempfile_in(&folder).map_err(RecordError::io(&folder))?;
             }
@@ -79,7 +78,7 @@ impl Batch {
         }
         let resumed = if options.resume { resumed::find_results(&plan, &options) } else { Resumed::default() };
         if resumed.runs() > 0 {
-            // Between a run's record and its line the program may have been killed.
+            // The program may have been killed between writing a record and its line.
             let told = RunsLog::logged(&runs_log_path)?;
             for index in resumed.finished.positions() {
                 if !told.contains(plan.scenario(index), &plan.key(index)) {
@@ -90,7 +89,7 @@ impl Batch {
         Ok(Self { plan, options, runs_log, runs_log_path, resumed, events: channel() })
     }
 
-    /// What is there already.
+    /// Results found by `--resume`.
     pub fn resumed(&self) -> &Resumed {
         &self.resumed
     }
@@ -100,8 +99,7 @@ impl Batch {
         Interrupter(self.events.0.clone())
     }
 
-    /// Runs all jobs with `body`, which is [`super::simulate`] unless a test wants something else to happen, and writes the
-    /// summary of those that finished.
+    /// Runs all jobs with `body` (normally [`super::simulate`]) and summarises finished runs.
     ///
     /// # Errors
     /// Threads cannot be started, or a file of the batch cannot be written. Runs that finished keep their records.
@@ -109,7 +107,7 @@ impl Batch {
         self.run_with_listener(progress, &mut NoListener, body)
     }
 
-    /// The same, and `listener` is told what happens.
+    /// Like [`Batch::run`], reporting events to `listener`.
     ///
     /// # Errors
     /// See [`Batch::run`].

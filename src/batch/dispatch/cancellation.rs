@@ -1,19 +1,19 @@
-//! Ending runs before their time, and keeping further ones from starting.
+//! Cancels active runs and prevents further ones from starting.
 
 use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// Why a run is ended from outside.
+/// Why a run was cancelled.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reason {
-    /// A person does not want it any more.
+    /// The batch was interrupted.
     Interrupted,
-    /// It used up its wall-clock time.
+    /// It exceeded its wall-clock limit.
     TimedOut,
 }
 
-/// The flag that ends one run at its next step, and why it was raised.
+/// Flag that ends one run at its next step, with the reason.
 #[derive(Debug, Default)]
 pub struct Cancellation {
     flag: Arc<AtomicBool>,
@@ -21,18 +21,18 @@ pub struct Cancellation {
 }
 
 impl Cancellation {
-    /// Ends the run; the first reason stays.
+    /// Cancels the run; keeps the first reason.
     pub fn cancel(&self, reason: Reason) {
         let _ = self.reason.set(reason);
         self.flag.store(true, Ordering::Release);
     }
 
-    /// The flag that the simulation looks at.
+    /// The flag that the simulation polls.
     pub fn flag(&self) -> &AtomicBool {
         &self.flag
     }
 
-    /// The same, for scripts.
+    /// The flag as a shared handle, for scripts.
     pub(in crate::batch) fn shared(&self) -> Arc<AtomicBool> {
         self.flag.clone()
     }
@@ -43,7 +43,7 @@ impl Cancellation {
     }
 }
 
-/// Stands before the jobs that have not started.
+/// Lets jobs start until it is closed.
 #[derive(Debug, Default)]
 pub(in crate::batch) struct Gate {
     closed: AtomicBool,
@@ -51,12 +51,12 @@ pub(in crate::batch) struct Gate {
 }
 
 impl Gate {
-    /// Lets no further run start.
+    /// Prevents further runs from starting.
     pub fn close(&self) {
         self.closed.store(true, Ordering::Release);
     }
 
-    /// Counts a run that did not end as it should; the last one that is allowed closes the gate.
+    /// Counts a run that did not end as it should; closes the gate at the `most`-th.
     pub fn count_failure(&self, most: Option<NonZero<usize>>) {
         let failures = self.failures.fetch_add(1, Ordering::AcqRel) + 1;
         if most.is_some_and(|most| failures >= most.get()) {

@@ -1,4 +1,4 @@
-//! The one who is told everything: keeps the order, the clock of each run, and the only voice.
+//! Event dispatcher: orders events from worker threads, times runs, and owns progress output.
 
 use crate::files::names;
 use std::collections::BTreeMap;
@@ -22,20 +22,20 @@ struct Active {
     /// None for a repetition.
     job: Option<Arc<Job>>,
     cancellation: Arc<Cancellation>,
-    /// When its time is up; none: never, or it has been told already.
+    /// When its time limit expires; none without a limit or once it has expired.
     deadline: Option<Instant>,
-    /// The same for telling that it is slow.
+    /// When to report it as slow; none if never or already reported.
     slow: Option<Instant>,
 }
 
-/// What was collected.
+/// Results collected by the dispatcher.
 pub(in crate::batch) struct Collected {
     pub finished: Store,
     pub references: Store,
     pub interrupted: bool,
 }
 
-/// Linearises what happens in a batch.
+/// Processes the events of a batch in order.
 pub(in crate::batch) struct Dispatcher<'a> {
     plan: &'a Plan,
     options: &'a Options,
@@ -49,7 +49,7 @@ pub(in crate::batch) struct Dispatcher<'a> {
     /// Runs to be repeated for timing.
     again: Vec<usize>,
     laps: BTreeMap<usize, Vec<Lap>>,
-    /// What there is to tell of repetitions.
+    /// Notes on failed repetitions, by run.
     notes: BTreeMap<usize, Vec<String>>,
     interruptions: u32,
     failure: Option<RecordError>,
@@ -85,7 +85,7 @@ impl<'a> Dispatcher<'a> {
         }
     }
 
-    /// Listens until no thread works any more.
+    /// Processes events until all threads have finished.
     pub fn receive(&mut self, events: &Receiver<Event>) {
         loop {
             let event = match self.patience() {
@@ -106,7 +106,7 @@ impl<'a> Dispatcher<'a> {
         }
     }
 
-    /// The runs to be repeated for timing: those that ended by themselves, unless no more shall begin.
+    /// Takes the runs to repeat for timing; none if the gate is closed or timing is off.
     pub fn take_repeats(&mut self) -> Vec<usize> {
         if self.gate.is_closed() || !self.options.timing {
             return Vec::new();
@@ -115,7 +115,7 @@ impl<'a> Dispatcher<'a> {
         std::mem::take(&mut self.again)
     }
 
-    /// All finished runs in the order of the plan.
+    /// Writes repeated timings into the records and returns all finished runs, in plan order.
     ///
     /// # Errors
     /// `runs.jsonl` could not be written, or a record with its timings.
@@ -141,7 +141,7 @@ impl<'a> Dispatcher<'a> {
         Ok(Collected { finished: self.finished, references: self.references, interrupted: self.interruptions > 0 })
     }
 
-    /// How long nothing needs to be done unless something happens.
+    /// Time until the next deadline or progress tick.
     fn patience(&self) -> Option<Duration> {
         let now = Instant::now();
         let deadlines = self.active.values().flat_map(|a| [a.deadline, a.slow]).flatten();
@@ -155,7 +155,7 @@ impl<'a> Dispatcher<'a> {
         }
         let after = |limit: Option<Duration>| limit.and_then(|limit| at.checked_add(limit));
         let deadline = after(self.options.timeout);
-        // Repetitions have no job here, and are not told of.
+        // Repetitions have no job here and are not reported.
         let slow = after(self.options.slow.filter(|_| job.is_some()));
         let told = job.clone();
         self.active.insert(work, Active { job, cancellation, deadline, slow });
@@ -166,18 +166,18 @@ impl<'a> Dispatcher<'a> {
     }
 
     fn finished(&mut self, work: Work, finished: Finished) {
-        // What ends has begun.
+        // Every finished job was started.
         let Some(job) = self.active.remove(&work).and_then(|active| active.job) else { return };
         let is_run = matches!(work, Work::Run(_));
         if is_run && let Err(error) = self.runs_log.push(&finished.row) {
-            // Results that leave no trace are not worth computing.
+            // Further results could not be listed either.
             self.gate.close();
             self.failure.get_or_insert(error);
         }
         if finished.row.outcome == Outcome::Error
             && let Err(source) = writable(&self.options.output)
         {
-            // The next run would fare no better.
+            // Further runs would fail in the same way.
             self.gate.close();
             let (what, folder) = (finished.row.message.clone(), self.options.output.clone());
             self.failure.get_or_insert(RecordError::NoRoom { what, folder, source });
@@ -245,16 +245,16 @@ impl<'a> Dispatcher<'a> {
     }
 }
 
-/// Does a finished run want to be timed more often than it was?
+/// Does a finished run need more repetitions for timing?
 pub(in crate::batch) fn is_to_repeat(job: &Job, finished: &Finished) -> bool {
     let whole = matches!(finished.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen);
     whole && job.repetitions() > finished.row.repeats.map_or(0, |repeats| repeats.count)
 }
 
-/// More than a folder's entry, so that a disk on which nothing but that has room counts as full.
+/// Larger than a directory entry: a disk with room for nothing else counts as full. Bytes.
 const PROBE: usize = 64 << 10;
 
-/// Can results be written at all?
+/// Checks that the folder accepts a file of `PROBE` bytes.
 fn writable(folder: &Path) -> std::io::Result<()> {
     tempfile::tempfile_in(folder)?.write_all(&[0; PROBE])
 }

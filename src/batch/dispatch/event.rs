@@ -1,4 +1,4 @@
-//! What the dispatcher is told, in the order in which it happened.
+//! Events that worker threads send to the dispatcher.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::batch::run::run_timer::Lap;
 use crate::batch::{Cancellation, Finished, Job};
 
-/// Something that is done, by its position in the plan.
+/// A unit of work, by its position in the plan.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(in crate::batch) enum Work {
     /// A run that others are compared with.
@@ -17,31 +17,31 @@ pub(in crate::batch) enum Work {
     Repetition(usize),
 }
 
-/// Something that happened in a batch.
+/// An event of a batch.
 pub(in crate::batch) enum Event {
     /// Work began.
     Started {
-        /// Which.
+        /// The work.
         work: Work,
         /// The run; none for a repetition.
         job: Option<Arc<Job>>,
-        /// When.
+        /// Start time.
         at: Instant,
-        /// Ends it.
+        /// Cancels it.
         cancellation: Arc<Cancellation>,
     },
     /// A run ended and its files are written.
     Finished {
-        /// Which.
+        /// The work.
         work: Work,
-        /// What it came to.
+        /// Its result.
         finished: Box<Finished>,
     },
     /// A round of repetitions begins.
     Round {
-        /// Which, from 1.
+        /// Its number, from 1.
         round: u32,
-        /// Of how many.
+        /// Number of rounds.
         rounds: u32,
         /// Repetitions in it.
         runs: usize,
@@ -53,8 +53,8 @@ pub(in crate::batch) enum Event {
         /// Its times, or why there are none.
         lap: Result<Lap, String>,
     },
-    /// A person wants the batch to end.
+    /// The user interrupted the batch.
     Interrupt,
-    /// No thread works any more.
+    /// All threads have finished.
     Drained,
 }

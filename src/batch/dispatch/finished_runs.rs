@@ -1,4 +1,4 @@
-//! What has finished, whatever its number: a few thousand runs in memory, the others in their records.
+//! Stores finished runs: a few thousand in memory, the others in their records.
 
 use crate::files::names;
 use std::cell::RefCell;
@@ -14,19 +14,19 @@ use crate::sim::Outcome;
 #[derive(Debug, Default)]
 pub(in crate::batch) struct Store {
     kept: BoundedSample<Finished>,
-    /// Those without a record: nothing but memory has them.
+    /// Runs without a record, which exist only in memory.
     unwritten: BTreeMap<usize, Finished>,
     done: Vec<bool>,
-    /// How many are done.
+    /// Number of finished runs.
     pub count: usize,
-    /// How many did not end as they should, those apart of which an expectation did not hold.
+    /// Number of runs that did not end as they should, failed expectations excluded.
     pub unfinished: usize,
-    /// Of how many an expectation did not hold.
+    /// Number of runs with a failed expectation.
     pub failed: usize,
 }
 
 impl Store {
-    /// Takes in a finished run.
+    /// Adds a finished run.
     pub fn insert(&mut self, index: usize, finished: Finished) {
         if self.done.len() <= index {
             self.done.resize(index + 1, false);
@@ -51,12 +51,12 @@ impl Store {
         self.done.get(index).copied().unwrap_or(false)
     }
 
-    /// Positions of all that are done.
+    /// Positions of all finished runs.
     pub fn positions(&self) -> impl Iterator<Item = usize> {
         self.done.iter().enumerate().filter(|(_, done)| **done).map(|(index, _)| index)
     }
 
-    /// If it is in memory.
+    /// A finished run, if it is in memory.
     pub fn get_mut(&mut self, index: usize) -> Option<&mut Finished> {
         self.unwritten.get_mut(&index).or_else(|| self.kept.get_mut(index))
     }
@@ -64,7 +64,7 @@ impl Store {
     /// The row of a finished run, from memory or from its record.
     ///
     /// # Errors
-    /// The record cannot be read any more.
+    /// The record cannot be read.
     pub fn row(&self, index: usize, plan: &Plan, output: &Path) -> Result<SummaryRow, RecordError> {
         match self.unwritten.get(&index).or_else(|| self.kept.get(index)) {
             Some(finished) => Ok(finished.row.clone()),
@@ -75,7 +75,7 @@ impl Store {
     /// A finished run, from memory or from its record.
     ///
     /// # Errors
-    /// The record cannot be read any more.
+    /// The record cannot be read.
     pub fn finished(&self, job: &Job, output: &Path) -> Result<Finished, RecordError> {
         if let Some(finished) = self.unwritten.get(&job.index).or_else(|| self.kept.get(job.index)) {
             return Ok(finished.clone());
@@ -86,7 +86,7 @@ impl Store {
         Ok(Finished { files: vec![path], notes: record.notes, accepted: !row.is_refused(), row })
     }
 
-    /// What is in memory, in the order of the plan.
+    /// The runs in memory, in the order of the plan.
     pub fn into_kept(self) -> Vec<Finished> {
         let Store { mut kept, unwritten, .. } = self;
         for (index, finished) in unwritten {
@@ -102,7 +102,7 @@ pub(in crate::batch) struct AllRows<'a> {
     pub store: &'a Store,
     pub plan: &'a Plan,
     pub output: &'a Path,
-    /// Numbers of them; complete when they have been gone through. The order of sums is that of the plan.
+    /// Statistics of the rows, complete after one pass; sums follow the order of the plan.
     pub statistics: RefCell<Option<RunStatistics>>,
 }
 

@@ -1,18 +1,17 @@
-//! Being told what happens in a batch.
+//! Interface for observers of a batch.
 
 use std::time::Duration;
 
 use crate::batch::{Finished, Job};
 
-/// One who is told what happens in a batch, in the order in which it happened, all on one thread. Repetitions for timing
-/// are not told of.
+/// Receives the events of a batch in order, on one thread. Repetitions for timing are not reported.
 pub trait Listener {
-    /// Is there anybody?
+    /// Does it need events?
     fn is_active(&self) -> bool {
         true
     }
 
-    /// A run or a reference run need not be made: its records were there. Told of all these before the first begins.
+    /// A run or reference run is recorded already; called before the first run starts.
     fn kept(&mut self, job: &Job, finished: &Finished) {
         let _ = (job, finished);
     }
@@ -22,18 +21,18 @@ pub trait Listener {
         let _ = job;
     }
 
-    /// It has been going for longer than [`Options::slow`](crate::batch::Options::slow); told once.
+    /// The run exceeds [`Options::slow`](crate::batch::Options::slow); called once.
     fn slow(&mut self, job: &Job, after: Duration) {
         let _ = (job, after);
     }
 
-    /// It ended and its files are written.
+    /// The run ended and its files are written.
     fn finished(&mut self, job: &Job, finished: &Finished) {
         let _ = (job, finished);
     }
 }
 
-/// One who does not listen.
+/// Ignores all events.
 pub struct NoListener;
 
 impl Listener for NoListener {

@@ -1,7 +1,8 @@
 //! Distributes the jobs of a plan over threads and orders what they report.
 //!
-//! [`schedule`] gives out work, [`workers`] and [`repetitions`] do it, [`dispatcher`] receives their [`event`]s, prints
-//! [`progress`] and calls the [`listener`]. [`cancellation`] ends runs, [`finished_runs`] keeps their results.
+//! [`schedule`] hands out work; [`workers`] and [`repetitions`] do it. [`dispatcher`] receives
+//! their [`event`]s, prints [`progress`] and calls the [`listener`]. [`cancellation`] ends runs;
+//! [`finished_runs`] stores results.
 
 pub(in crate::batch) mod cancellation;
 pub(in crate::batch) mod dispatcher;

@@ -1,4 +1,4 @@
-//! Shows on standard error how far a batch is: a bar on a terminal, else lines.
+//! Shows the progress of a batch on standard error: a bar on a terminal, else lines.
 
 use std::cell::Cell;
 use std::io::{IsTerminal, Write};
@@ -9,12 +9,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::batch::{Finished, Job};
 use crate::text::visible::visible;
 
-/// How often a bar is drawn again while nothing ends.
+/// Interval between redraws of the bar while no run ends.
 const TICK: Duration = Duration::from_millis(200);
 
-/// Lines of progress of a batch, if all of its runs are accepted and fast.
+/// Progress lines of a batch whose runs are all accepted and fast.
 const LINES: usize = 10;
-/// After this time a line is written with the next run that ends.
+/// After this time without a line, the next finished run gets one.
 const SILENCE: Duration = Duration::from_secs(10);
 
 /// Where progress goes.
@@ -23,12 +23,11 @@ pub enum Progress {
     Bar(ProgressBar),
     /// Lines for some of the finished runs.
     Lines(Lines),
-    /// Nowhere.
+    /// No output.
     Silent,
 }
 
-/// Chooses the finished runs that have a line: all of them; else those that were not accepted, and others so seldom that the
-/// lines of a large batch fit a screen.
+/// Selects the finished runs that get a line: all, or those not accepted and a few others.
 pub struct Lines {
     all: bool,
     /// When the last line was written.
@@ -47,14 +46,14 @@ impl Lines {
 }
 
 impl Progress {
-    /// A bar if standard error is a terminal that can move back, else lines; `all`: a line for each run.
+    /// A bar on a terminal that can move its cursor, else lines; `all` writes a line for each run.
     pub fn on_stderr(runs: usize, all: bool) -> Self {
         let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
         if dumb || !std::io::stderr().is_terminal() {
             return Progress::Lines(Lines { all, last: Cell::new(Instant::now()) });
         }
         let bar = ProgressBar::with_draw_target(Some(runs as u64), ProgressDrawTarget::stderr());
-        // A template without the keys it knows is refused; this one is fixed, and the default does as well.
+        // The template is fixed and valid; the default style would do as well.
         if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} {wide_bar} {pos}/{len} runs  {msg}") {
             bar.set_style(style);
         }
@@ -92,12 +91,12 @@ impl Progress {
         }
     }
 
-    /// A run has been going for longer than that and is not at its end.
+    /// Reports a run that has exceeded `limit`.
     pub(in crate::batch) fn slow(&self, job: &Job, limit: Duration) {
         self.say(&format!("slow: {} has been running for {} s", named(job), limit.as_secs_f64()));
     }
 
-    /// Runs that need not be made.
+    /// Counts runs that are recorded already.
     pub(in crate::batch) fn skipped(&self, runs: usize) {
         if let Progress::Bar(bar) = self {
             bar.inc(runs as u64);
@@ -124,7 +123,7 @@ impl Progress {
         }
     }
 
-    /// Something else to say.
+    /// Writes another line.
     pub(in crate::batch) fn say(&self, line: &str) {
         match self {
             Progress::Bar(bar) => bar.println(line),
@@ -140,7 +139,7 @@ impl Progress {
     }
 }
 
-/// NoListener listening is no reason to stop.
+/// A closed standard error does not stop the batch.
 fn say(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }

@@ -1,7 +1,8 @@
-//! Timing: finished runs once more, one at a time, nothing else at work.
+//! Repeats finished runs for timing, one at a time with no other work.
 //!
-//! Rounds are interleaved: every run once, then every run again, so that a slow minute of the machine falls on all of them.
-//! Timed is the simulation from its first decision to its last step. Building it, logs, comparisons and files are not.
+//! Rounds are interleaved: every run once, then every run again, so that a slow period of the
+//! machine affects all of them. The measured time covers the simulation from its first decision to
+//! its last step, without setup, logs, comparisons and files.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -18,7 +19,7 @@ use crate::batch::{Cancellation, Job, Plan, Reason};
 use crate::script::interruptible;
 use crate::sim::{NullObserver, Outcome, Setup, Simulation};
 
-/// Repeats each of these runs as often as it asks for and tells `events` of it.
+/// Repeats each of these runs as often as its scenario requires and sends the times to `events`.
 pub(in crate::batch) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events: &Sender<Event>) {
     let _drained = Drained(events);
     let rounds = runs.iter().map(|run| plan.repetitions_of(*run)).max().unwrap_or(0);
@@ -39,10 +40,10 @@ pub(in crate::batch) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events:
     }
 }
 
-/// The times of one repetition; words when it did not come to its end, as when it was cancelled.
+/// Times one repetition; an error message if it did not reach its end.
 fn time(job: &Job, cancellation: &Cancellation) -> Result<Lap, String> {
     let done = interruptible(cancellation.shared(), || advance(job, cancellation.flag()));
-    // What is ended from outside may fail in any way.
+    // A cancelled run may fail with any error.
     done.map_err(|message| match cancellation.reason() {
         Some(Reason::TimedOut) => format!("{}: it used up its wall-clock time", Outcome::TimedOut.name()),
         Some(Reason::Interrupted) => format!("{}: interrupted", Outcome::Cancelled.name()),
@@ -67,7 +68,7 @@ mod tests {
     use super::*;
     use crate::batch::prepare;
 
-    /// A block whose script goes through nine tenths of its budget while it is loaded.
+    /// A block whose script uses nine tenths of its budget while it is loaded.
     fn slow_to_load(folder: &std::path::Path) -> Plan {
         let robots = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/block/block.toml");
         let scenario = format!(
@@ -98,7 +99,7 @@ mod tests {
             cancellation.cancel(reason);
             let (ended, cpu) = cost(&cancellation);
             assert_eq!(ended, Err(words.to_owned()));
-            // The script alone takes most of `full`; without the flag all of that is spent before the first step.
+            // Without the flag the script would take most of `full` before the first step.
             assert!(cpu < 0.5 * full, "{cpu} s of processor time, {full} s when it is let go on");
         }
     }

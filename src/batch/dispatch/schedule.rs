@@ -1,7 +1,7 @@
-//! Which work comes next: every reference just before the first run that needs it, and no run before its reference.
+//! Schedules work: each reference just before the first run that needs it.
 //!
-//! A thread takes the first work that is ready, so it waits only when all that is left needs references that other threads
-//! are at. A reference needs nothing, so there is always one to wait for: also a single thread never waits for itself.
+//! A thread takes the first ready work. It waits only if all remaining runs need references that
+//! other threads are computing. References need nothing, so a single thread never waits for itself.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -34,14 +34,14 @@ struct State {
 
 /// A reference run.
 struct Reference {
-    /// None until it has ended, and when nobody needs it any more.
+    /// None until it has ended, and once no run needs it.
     result: Option<Result<Arc<ReferenceMotion>, String>>,
     /// Runs that still need it.
     needed: usize,
 }
 
 impl<'a> Schedule<'a> {
-    /// All of a plan but what is done already.
+    /// Schedules all unfinished work of a plan.
     pub fn new(plan: &'a Plan, resumed: &Resumed) -> Self {
         let mut waiting = VecDeque::with_capacity(plan.runs() + plan.references());
         let mut references: Vec<Reference> =
@@ -55,13 +55,13 @@ impl<'a> Schedule<'a> {
             }
             waiting.push_back(Work::Run(index));
         }
-        // A run that is done left its reference behind, unless somebody removed that.
+        // References of finished runs exist unless their records were removed.
         let lost = (0..references.len()).filter(|i| references[*i].needed == 0 && !resumed.references.is_done(*i));
         waiting.extend(lost.map(Work::Reference));
         Schedule { plan, state: Mutex::new(State { waiting, references }), changed: Condvar::new() }
     }
 
-    /// The next work that is ready and what it is compared with; none when there is no more, or none shall begin.
+    /// Takes the next ready work and its reference; none if none is left or the gate is closed.
     pub fn take(&self, gate: &Gate) -> Option<(Work, Option<AwaitedReference>)> {
         let mut state = self.lock();
         loop {
@@ -79,12 +79,12 @@ impl<'a> Schedule<'a> {
             if state.waiting.is_empty() {
                 return None;
             }
-            // Some reference is being computed: its end is told.
+            // A reference is being computed; its end notifies `changed`.
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
-    /// A reference has ended, with a trajectory or without.
+    /// Records the end of a reference and wakes waiting threads.
     pub fn ended(&self, reference: usize, result: Result<ReferenceMotion, String>) {
         let mut state = self.lock();
         let entry = &mut state.references[reference];
@@ -94,7 +94,7 @@ impl<'a> Schedule<'a> {
         self.changed.notify_all();
     }
 
-    /// The reference that a work needs.
+    /// Reference that this work needs.
     fn needs(&self, work: Work) -> Option<usize> {
         match work {
             Work::Run(index) => self.plan.reference_of(index),
@@ -102,7 +102,7 @@ impl<'a> Schedule<'a> {
         }
     }
 
-    /// A panic of another thread leaves nothing half done here.
+    /// A panic of another thread never leaves the state inconsistent.
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -113,7 +113,7 @@ impl State {
         self.references[reference].result.is_some()
     }
 
-    /// Its trajectory is kept only while runs need it.
+    /// Returns a reference's trajectory and drops it after the last run that needs it.
     fn hand_out(&mut self, reference: usize) -> Option<Result<Arc<ReferenceMotion>, String>> {
         let entry = &mut self.references[reference];
         entry.needed -= 1;

@@ -1,4 +1,4 @@
-//! The threads: each takes the next work that is ready until there is none or the gate is closed.
+//! Worker threads: each takes the next ready work until none is left or the gate is closed.
 
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -10,7 +10,7 @@ use crate::batch::dispatch::schedule::Schedule;
 use crate::batch::run::job_run;
 use crate::batch::{Body, Cancellation, Options, Plan};
 
-/// Does what is left of the plan's work on every thread of the pool and tells `events` of it; returns when no thread works any more.
+/// Executes the remaining work on all threads of the pool and sends events until all are done.
 pub(in crate::batch) fn work(
     pool: &rayon::ThreadPool,
     plan: &Plan,
@@ -21,7 +21,7 @@ pub(in crate::batch) fn work(
     body: &Body<'_>,
 ) {
     let _drained = Drained(events);
-    // Not a parallel iterator, which would begin in the middle of the plan.
+    // A parallel iterator would start in the middle of the plan.
     pool.broadcast(|_| {
         while let Some((work, against)) = schedule.take(gate) {
             let job = match work {
@@ -30,7 +30,7 @@ pub(in crate::batch) fn work(
             };
             let job = Arc::new(job);
             let cancellation = Arc::new(Cancellation::default());
-            // The dispatcher listens until `Drained`.
+            // The dispatcher receives until `Drained`.
             let _ = events.send(Event::Started {
                 work,
                 job: Some(job.clone()),
@@ -42,7 +42,7 @@ pub(in crate::batch) fn work(
             waited_for.result = Some(trajectory);
             drop(waited_for);
             if !finished.accepted {
-                // Here and not by the dispatcher, which would hear of it when this thread has long taken its next job.
+                // Counted here: the dispatcher would be too late for this thread's next job.
                 gate.count_failure(options.max_fail);
             }
             let _ = events.send(Event::Finished { work, finished: Box::new(finished) });
@@ -50,7 +50,7 @@ pub(in crate::batch) fn work(
     });
 }
 
-/// A reference that runs may wait for: whatever happens to this thread, they hear of its end.
+/// Reports the end of a reference even if this thread panics, so that no run waits forever.
 struct ReferenceGuard<'a, 'p> {
     schedule: &'a Schedule<'p>,
     work: Work,
@@ -65,7 +65,7 @@ impl Drop for ReferenceGuard<'_, '_> {
     }
 }
 
-/// Whatever happens here, the dispatcher must not wait for ever.
+/// Sends `Drained` even on a panic, so that the dispatcher does not wait forever.
 pub(in crate::batch) struct Drained<'a>(pub &'a Sender<Event>);
 
 impl Drop for Drained<'_> {

@@ -1,4 +1,4 @@
-//! An expression as it was understood.
+//! Parsed filter expressions.
 
 use std::fmt;
 use std::ops::Range;
@@ -8,31 +8,31 @@ use crate::results::ParamValue;
 /// An expression over one run.
 #[derive(Clone, Debug)]
 pub(super) enum Expression {
-    /// Two or more, side by side: however long the text, the tree is as deep as its brackets.
+    /// Two or more operands in one list, so that the tree is only as deep as its brackets.
     Any(Vec<Expression>),
     All(Vec<Expression>),
     Not(Box<Expression>),
-    /// A comparison, by its position in the text: the first is 0.
+    /// A comparison and its number in the text, from 0.
     Holds(usize, Comparison),
 }
 
-/// Something of a run held against something written.
+/// Compares a property of a run with written values.
 #[derive(Clone, Debug)]
 pub(super) struct Comparison {
     pub subject: Subject,
     pub relation: Relation,
-    /// At least one, all of one kind; more only with [`Relation::In`]. Patterns have `\` before characters that mean
-    /// themselves, as in double quotes.
+    /// At least one, all of one kind; several only with [`Relation::In`]. Patterns have `\` before
+    /// literal characters, as in double quotes.
     pub wanted: Vec<ParamValue>,
-    /// Where the subject stands in the text.
+    /// Range of the subject in the text.
     pub at: Range<usize>,
-    /// Where what is wanted does.
+    /// Range of the right side.
     pub wanted_at: Range<usize>,
-    /// Where each of its values does.
+    /// Range of each value.
     pub values_at: Vec<Range<usize>>,
 }
 
-/// What of a run is looked at.
+/// Property of a run that a comparison uses.
 #[derive(Clone, Debug)]
 pub(super) enum Subject {
     /// Name of the scenario.
@@ -58,7 +58,7 @@ pub(super) enum Relation {
 }
 
 impl Relation {
-    /// Longer ones first, so that none hides behind its beginning.
+    /// Longer signs first, so that a prefix does not match instead.
     pub const SIGNS: [(&str, Relation); 9] = [
         ("==", Relation::Equal),
         ("!=", Relation::Unequal),
@@ -80,7 +80,7 @@ impl Relation {
         matches!(self, Relation::Less | Relation::AtMost | Relation::Greater | Relation::AtLeast)
     }
 
-    /// The relation of the two sides when they change places; none where that makes no sense.
+    /// The sign after swapping both sides; none where swapping makes no sense.
     pub fn turned(self) -> Option<&'static str> {
         match self {
             Relation::Equal | Relation::Unequal => Some(self.sign()),
@@ -92,7 +92,7 @@ impl Relation {
         }
     }
 
-    /// Is it about values being the same?
+    /// Does it test equality?
     pub fn equals(self) -> bool {
         matches!(self, Relation::Equal | Relation::Unequal | Relation::In)
     }
@@ -109,7 +109,7 @@ impl Relation {
 }
 
 impl Comparison {
-    /// Is a parameter to be equal to words, which may be misspelt?
+    /// Does it compare a parameter with words, which may be misspelt?
     pub fn names_words(&self) -> bool {
         let is_word = |value: &ParamValue| matches!(value, ParamValue::Text(_));
         self.relation.equals() && matches!(self.subject, Subject::Parameter(_)) && self.wanted.iter().any(is_word)
@@ -126,7 +126,7 @@ impl Expression {
         }
     }
 
-    /// Its value when that of each comparison is known.
+    /// Evaluates the expression, given the result of each comparison.
     pub fn value(&self, held: &[bool]) -> bool {
         match self {
             Expression::Any(all) => all.iter().any(|one| one.value(held)),
@@ -148,7 +148,7 @@ impl fmt::Display for Expression {
             Expression::Not(a) => write!(f, "not {a}"),
             Expression::Holds(_, Comparison { subject, relation, wanted, .. }) => {
                 let literal = |value: &ParamValue| match value {
-                    // It is kept as it stands in double quotes.
+                    // Patterns are stored as written in double quotes.
                     ParamValue::Text(pattern) if relation.globs() => format!("\"{pattern}\""),
                     ParamValue::Text(text) => super::parse::quoted(text),
                     other => other.to_string(),

@@ -1,4 +1,4 @@
-//! Which runs of a plan are meant: an expression over name, key and parameters, such as
+//! Selects runs by an expression over name, key and parameters, such as
 //!
 //! ```text
 //! name ~ "push*" and (contact.method == "exact" or not floor.friction.static >= 0.5)
@@ -14,10 +14,10 @@
 //! value      = number | text in double or single quotes | "true" | "false"
 //! ```
 //!
-//! `~` matches a pattern with `*` and `?`, `^=` a beginning. The values of a list are of one kind. A path leads into the run's resolved scenario, where
-//! defaults are written out, numbers have SI units and angles are in radians; where that holds a table or a list, the value
-//! that a sweep gave under this name counts. A run that has no value there, or one of another kind, satisfies no
-//! comparison with it.
+//! `~` matches a pattern with `*` and `?`, `^=` a prefix. The values of a list have one kind. A
+//! path refers to the run's resolved scenario, with defaults written out, numbers in SI units and
+//! angles in radians. Where that holds a table or list, the swept value of this name counts. A run
+//! without a value there, or with one of another kind, satisfies no comparison with it.
 
 mod expression;
 mod parse;
@@ -32,7 +32,7 @@ use std::fmt;
 use crate::scenario::Diagnostic;
 use expression::Expression;
 
-/// What diagnostics call the text of a filter.
+/// Name of a filter's text in diagnostics.
 const FILE: &str = "--filter";
 
 /// A parsed expression.
@@ -43,16 +43,16 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// Reads an expression.
+    /// Parses an expression.
     ///
     /// # Errors
-    /// What is wrong with it, shown at its place in the text.
+    /// A syntax error, with its position in the text.
     pub fn parse(text: &str) -> Result<Self, Box<Diagnostic>> {
         Ok(Filter { text: text.to_owned(), expression: parse::parse(text)? })
     }
 }
 
-/// The expression with every bracket written out; it reads back to the same.
+/// Writes the expression with all brackets; parsing it gives the same expression.
 impl fmt::Display for Filter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.expression.fmt(f)

@@ -1,4 +1,4 @@
-//! From text to expression.
+//! Parses filter expressions.
 
 use std::ops::Range;
 
@@ -6,23 +6,23 @@ use super::expression::{Comparison, Expression, Relation, Subject};
 use crate::results::ParamValue;
 use crate::scenario::Diagnostic;
 
-/// Brackets and negations inside each other; more would be a mistake, and the stack is not endless.
+/// Maximum nesting of brackets and negations, which bounds the stack.
 const DEEPEST: usize = 100;
 
-/// Said of a word in capitals.
+/// Help for a keyword in capitals.
 const SMALL: &str = "it is written in small letters: `?`";
 
 type Parsed<T> = Result<T, Box<Diagnostic>>;
 
-/// A value as it was written.
+/// A parsed value and its position.
 struct Written {
     value: ParamValue,
-    /// A text as a pattern: with `\` before characters that mean themselves.
+    /// A text as a pattern, with `\` before literal characters.
     pattern: Option<String>,
     at: Range<usize>,
 }
 
-/// Reads a whole text.
+/// Parses a whole text.
 pub(super) fn parse(text: &str) -> Parsed<Expression> {
     let mut parser = Parser { text, at: 0, depth: 0, comparisons: 0 };
     let expression = parser.any()?;
@@ -36,13 +36,13 @@ pub(super) fn parse(text: &str) -> Parsed<Expression> {
     }
 }
 
-/// A segment of a path, in quotes where it is no bare word or would be taken for another.
+/// A path segment, in quotes unless it is a bare word other than a keyword.
 pub(super) fn segment(name: &str) -> String {
     let is_word = !name.is_empty() && name.chars().all(is_bare);
     if is_word && !["not", "name", "key"].contains(&name) { name.to_owned() } else { quoted(name) }
 }
 
-/// A text in quotes: in single ones as it is, else with `\` before what would end it.
+/// A quoted text: verbatim in single quotes, else escaped in double quotes.
 pub(super) fn quoted(text: &str) -> String {
     if text.contains('"') && !text.contains('\'') {
         return format!("'{text}'");
@@ -50,7 +50,7 @@ pub(super) fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-/// What kind of value it is, in words.
+/// Name of a value's kind, for messages.
 pub(super) fn kind(value: &ParamValue) -> &'static str {
     match value {
         ParamValue::Integer(_) | ParamValue::Number(_) => "a number",
@@ -162,8 +162,8 @@ impl<'a> Parser<'a> {
         Ok(Expression::Holds(index, Comparison { subject, relation, wanted, at, wanted_at, values_at }))
     }
 
-    /// The mistake of one who writes `0.4 == floor.friction`: what stands at `left` is no path, and what begins at `right` is
-    /// one, or there are numbers on both sides. A text in quotes may be a path, unless the right side is wrong.
+    /// Detects swapped sides, as in `0.4 == floor.friction`: no path at `left` and one at `right`,
+    /// or numbers on both sides. A quoted text may be a path, unless the right side is wrong.
     fn turned(&self, left: &Range<usize>, relation: Relation, right: usize, wrong: bool) -> Option<Box<Diagnostic>> {
         let word = &self.text[left.clone()];
         let is_number = word.starts_with(|c: char| c.is_ascii_digit() || c == '-') && word.parse::<f64>().is_ok();
@@ -276,8 +276,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// A text at the present place, and the pattern that it is: in double quotes `\` takes away the meaning of the next
-    /// character, in the pattern too.
+    /// Parses a quoted text and its pattern; after `\` in double quotes a character is literal.
     fn string(&mut self) -> Parsed<(String, String)> {
         let start = self.at;
         let mut characters = self.text[start..].char_indices();
@@ -297,7 +296,7 @@ impl<'a> Parser<'a> {
                 }
                 c => {
                     out.push(c);
-                    // So that the pattern stands in double quotes as it is.
+                    // Keeps the pattern valid in double quotes.
                     pattern.extend(['"', '\\'].contains(&c).then_some('\\').into_iter().chain([c]));
                 }
             }
@@ -305,7 +304,7 @@ impl<'a> Parser<'a> {
         Err(super::error(self.text, start..self.text.len(), "this text is never closed", None))
     }
 
-    /// The rest of the text, blanks skipped.
+    /// Skips blanks and returns the rest of the text.
     fn rest(&mut self) -> &'a str {
         self.blanks();
         &self.text[self.at..]
@@ -328,7 +327,7 @@ impl<'a> Parser<'a> {
         found
     }
 
-    /// A word that is not the beginning of a longer one or of a path.
+    /// Consumes a whole word, not the beginning of a longer word or path.
     fn word(&mut self, word: &str) -> bool {
         let after = self.rest().strip_prefix(word);
         let found = after.is_some_and(|rest| !rest.starts_with(|c| is_bare(c) || c == '.'));
@@ -336,14 +335,14 @@ impl<'a> Parser<'a> {
         found
     }
 
-    /// Help for one who wrote one of these words in capitals.
+    /// Help if one of these keywords is written in capitals.
     fn small(&mut self, words: &[&str]) -> Option<String> {
         let rest = self.rest();
         let word = &rest[..rest.find(|c| !is_bare(c)).unwrap_or(rest.len())];
         words.iter().find(|small| word.eq_ignore_ascii_case(small)).map(|small| SMALL.replace('?', small))
     }
 
-    /// The next character, or the place behind the last one.
+    /// Range of the next character, or the end of the text.
     fn here(&mut self) -> Range<usize> {
         let length = self.rest().chars().next().map_or(0, char::len_utf8);
         self.at..self.at + length

@@ -1,14 +1,14 @@
-//! A plan of which only some runs are left.
+//! Applies a filter to a plan.
 
 use super::{Filter, Selection};
 use crate::batch::Plan;
 use crate::scenario::Diagnostic;
 
 impl Plan {
-    /// Keeps the runs that are meant, in their order, and the references that these need.
+    /// Keeps the selected runs, in order, and the references they need.
     ///
     /// # Errors
-    /// A comparison was possible with no run; the plan is as it was.
+    /// A comparison applies to no run; the plan is unchanged.
     pub fn select(&mut self, filter: &Filter) -> Result<(), Box<Diagnostic>> {
         let mut selection = Selection::new(filter);
         let taken: Vec<usize> =

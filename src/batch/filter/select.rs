@@ -1,4 +1,4 @@
-//! Runs are selected one by one; what no run had is a mistake, told at the end.
+//! Selects runs one by one; at the end, reports comparisons that applied to no run.
 
 use std::rc::Rc;
 
@@ -10,18 +10,18 @@ use crate::results::ParamValue;
 use crate::scenario::{Diagnostic, Run};
 use crate::text::suggest;
 
-/// Selects runs, and remembers for each comparison what it met.
+/// Selects runs and records the values that each comparison met.
 pub struct Selection<'a> {
     filter: &'a Filter,
     comparisons: Vec<(&'a Comparison, Met)>,
     held: Vec<bool>,
-    /// Of each comparison: which of the wanted values some run has, and a run that has a value of their kind.
+    /// For each comparison: which values some run has, and a run with a value of their kind.
     same: Vec<(Vec<bool>, Option<Rc<Run>>)>,
-    /// Names of parameters, wanted only while some comparison has met nothing.
+    /// Parameter names, collected only while a comparison has met no value.
     names: Vec<String>,
 }
 
-/// The best that a comparison met.
+/// Best match of a comparison so far.
 enum Met {
     Nothing,
     Composite(String),
@@ -41,7 +41,7 @@ impl Met {
 }
 
 impl<'a> Selection<'a> {
-    /// Nothing selected yet.
+    /// Starts a selection.
     pub fn new(filter: &'a Filter) -> Self {
         let comparisons: Vec<_> = filter.expression.comparisons().into_iter().map(|c| (c, Met::Nothing)).collect();
         let held = vec![false; comparisons.len()];
@@ -49,11 +49,11 @@ impl<'a> Selection<'a> {
         Selection { filter, comparisons, held, same, names: Vec::new() }
     }
 
-    /// Is a run meant?
+    /// Does the filter select this run?
     pub fn takes(&mut self, run: &Run, key: &str) -> bool {
         let mut seen = Seen::new(run, key);
         let mut lost = false;
-        // However long the filter, a run is kept once.
+        // All comparisons share one copy of the run.
         let mut shared: Option<Rc<Run>> = None;
         let all = self.comparisons.iter_mut().zip(&mut self.held).zip(&mut self.same);
         for (((comparison, met), held), (same, example)) in all {
@@ -84,10 +84,10 @@ impl<'a> Selection<'a> {
         self.filter.expression.value(&self.held)
     }
 
-    /// Were all comparisons possible with some run, and can the words that no run has stand there at all?
+    /// Checks that every comparison applied to some run and every unmatched word is possible.
     ///
     /// # Errors
-    /// The first of which this is not so, with what was probably meant.
+    /// The first violation, with a suggestion.
     pub fn end(self) -> Result<(), Box<Diagnostic>> {
         for (comparison, met) in &self.comparisons {
             let name = comparison.subject.to_string();
@@ -111,7 +111,7 @@ impl<'a> Selection<'a> {
         self.words()
     }
 
-    /// A word that no run has and none could have, as `contact.method` cannot be "exct".
+    /// Refuses a word that no run can have, such as "exct" for `contact.method`.
     fn words(&self) -> Result<(), Box<Diagnostic>> {
         for ((comparison, _), (same, example)) in self.comparisons.iter().zip(&self.same) {
             let (Subject::Parameter(path), Some(run)) = (&comparison.subject, example) else { continue };
@@ -126,7 +126,7 @@ impl<'a> Selection<'a> {
         Ok(())
     }
 
-    /// The nearest name; where none is near, those of the same table, or where to look.
+    /// Suggests the nearest name, else one with the same last segment, else where to find names.
     fn meant(&self, name: &str) -> String {
         let known = ["name", "key"].into_iter().chain(self.names.iter().map(String::as_str));
         let near = suggest(name, known);

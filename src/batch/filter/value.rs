@@ -1,26 +1,26 @@
-//! What a run has at a path, and whether that is as wanted.
+//! Looks up a run's value at a path and compares it.
 
 use super::expression::{Comparison, Relation, Subject};
 use crate::results::ParamValue;
 use crate::scenario::{Diagnostic, Run, parse, segment};
 use crate::text::pattern::matches;
 
-/// What came of one comparison with one run.
+/// Result of one comparison with one run.
 pub(super) enum Answer {
-    /// The run has nothing there.
+    /// The run has no value there.
     Absent,
-    /// It has something else than a number, a text or a flag there, in words.
+    /// The value is not a number, text or flag; help on what to name instead.
     Composite(String),
-    /// It has a value of a kind that cannot be compared with what is wanted.
+    /// The value's kind cannot be compared with the expected one.
     OtherKind(ParamValue),
     Held(bool),
 }
 
-/// A run as comparisons see it.
+/// View of a run for comparisons.
 pub(super) struct Seen<'a> {
     run: &'a Run,
     key: &'a str,
-    /// The resolved scenario, when first asked for.
+    /// The resolved scenario, built on first use.
     table: Option<toml::Value>,
 }
 
@@ -29,7 +29,7 @@ impl<'a> Seen<'a> {
         Seen { run, key, table: None }
     }
 
-    /// `same` are told which of the wanted values the run's is the same as.
+    /// Evaluates a comparison; sets `same` where the run's value equals an expected value.
     pub fn answer(&mut self, comparison: &Comparison, same: &mut [bool]) -> Answer {
         let value = match &comparison.subject {
             Subject::Name => ParamValue::Text(self.run.name.clone()),
@@ -67,7 +67,7 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// Names of everything that can be compared.
+    /// Collects the names of all comparable values.
     pub fn names(&mut self, out: &mut Vec<String>) {
         leaves(self.table(), String::new(), out);
         let swept = self.run.parameters.iter().filter(|(_, value)| scalar(value).is_some());
@@ -76,24 +76,24 @@ impl<'a> Seen<'a> {
 
     fn table(&mut self) -> &toml::Value {
         let run = self.run;
-        // It was written out when the run was made; a run that cannot be written has no parameters.
+        // Planning wrote it out already; a run that cannot be written has no parameters.
         let made = || toml::Value::try_from(&run.scenario).unwrap_or_else(|_| toml::Value::Table(toml::Table::new()));
         self.table.get_or_insert_with(made)
     }
 }
 
-/// What a scenario says when this word stands at this path; none if it may stand there. `run` is one that has a text there.
+/// The scenario's error for this word at this path, where `run` has a text; none if allowed.
 pub(super) fn refusal(run: &Run, path: &[String], word: &str) -> Option<Diagnostic> {
     let path = path.iter().map(|s| segment(s)).collect::<Vec<_>>().join(".");
     let file = parse(&run.file, run.resolved_toml.as_str()).ok()?;
     let refused = file.expand(&[(path, toml::Value::String(word.to_owned()))]).err()?;
-    // Other things may be wrong with the word, such as a file that is not there, and would not be for another run.
+    // Other errors, such as a missing file, need not occur for another run.
     let is_choice =
         |wrong: &Diagnostic| wrong.file == "--set" && wrong.message.ends_with(&format!("cannot be {word:?}"));
     refused.0.into_iter().find(is_choice)
 }
 
-/// Does the relation hold; none when the two cannot be compared.
+/// Evaluates the relation; none if the two cannot be compared.
 fn compare(value: &ParamValue, relation: Relation, wanted: &ParamValue) -> Option<bool> {
     let equal = match (value, wanted) {
         (ParamValue::Text(a), ParamValue::Text(b)) => match relation {
@@ -140,7 +140,7 @@ fn scalar(value: &toml::Value) -> Option<ParamValue> {
     }
 }
 
-/// What to name instead of a table or a list.
+/// Help: what to name instead of a table or list.
 fn inner(name: &str, value: &toml::Value) -> String {
     let mut names = Vec::new();
     leaves(value, name.to_owned(), &mut names);

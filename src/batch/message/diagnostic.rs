@@ -1,4 +1,4 @@
-//! Findings as messages.
+//! Converts findings to messages.
 
 use super::DiagnosticMessage;
 use crate::batch::Finding;
@@ -32,7 +32,7 @@ fn of_diagnostic(diagnostic: &Diagnostic) -> DiagnosticMessage {
 
 fn of_robot(error: &RobotError) -> DiagnosticMessage {
     let message = of_diagnostic(&error.diagnostic());
-    // What the TOML parser of a robot file found has the key at its position.
+    // An error of the robot file's TOML parser has the key at its position.
     match error.file_error().map(|error| error.element.as_str()) {
         None | Some("robot file") => message,
         Some(element) => DiagnosticMessage { key: Some(element.to_owned()).filter(|key| !key.is_empty()), ..message },

@@ -1,4 +1,4 @@
-//! A batch as JUnit XML.
+//! Writes a batch as JUnit XML.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use crate::files::{Made, RecordError, may_replace};
 use crate::results::{JunitCase, JunitStatus, Verdict, write_junit};
 use crate::sim::Outcome;
 
-/// Listens to a batch, and writes what became of every run of the plan.
+/// Observes a batch and writes the outcome of every planned run.
 pub struct Junit {
     path: PathBuf,
     output: PathBuf,
@@ -21,8 +21,8 @@ pub struct Junit {
 }
 
 impl Junit {
-    /// Makes sure that the file can be written; all runs are skipped ones so far. `output` is the folder of the results,
-    /// and runs that take longer than `slow` are marked.
+    /// Checks that the file can be written and marks all runs as skipped. `output` is the folder of
+    /// the results; runs longer than `slow` are marked.
     ///
     /// # Errors
     /// The file's folder cannot be created or written.
@@ -51,7 +51,7 @@ impl Junit {
             let shared = names.get(&(job.run.name.clone(), plain.clone())).is_some_and(|count| *count > 1);
             JunitCase {
                 suite: job.run.name.clone(),
-                // A name that stays when the key changes lets a case be followed from one batch to the next.
+                // A name without the key identifies a case across batches.
                 name: if shared { format!("{plain} {}", job.key) } else { plain },
                 time: None,
                 status: JunitStatus::Skipped { message: "not started".into() },
@@ -69,7 +69,7 @@ impl Junit {
         })
     }
 
-    /// Writes the file, whole or not at all: suites and runs in the order of the plan, reference runs first in their suites.
+    /// Writes the whole file in the order of the plan, reference runs first in their suites.
     ///
     /// # Errors
     /// It cannot be written.
@@ -111,25 +111,25 @@ impl Listener for Junit {
     }
 }
 
-/// Will the batch make a folder of it: of the results, on the way there, or of a scenario?
+/// Will the batch use this path as a folder: of the results, a parent of it, or of a scenario?
 fn becomes_folder(path: &Path, plan: &Plan, output: &Path) -> bool {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let (path, output) = (absolute(path), absolute(output));
     output.starts_with(&path) || plan.scenarios().any(|name| output.join(name) == path)
 }
 
-/// Does a file stand directly in a folder?
+/// Is the file directly in the folder?
 fn is_at(path: &Path, folder: &Path) -> bool {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     matches!((parent.canonicalize(), folder.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
-/// Did a run take longer than is thought quick enough?
+/// Did a run take longer than the limit?
 pub fn is_slow(limit: Option<Duration>, wall_s: f64) -> bool {
     limit.is_some_and(|limit| wall_s > limit.as_secs_f64())
 }
 
-/// What distinguishes it in its scenario, or the scenario's name if nothing does.
+/// The run's label, or the scenario's name if it has none.
 fn name(job: &Job) -> String {
     if job.label.is_empty() { job.run.name.clone() } else { job.label.clone() }
 }
@@ -146,7 +146,7 @@ fn status(finished: &Finished) -> JunitStatus {
             let message = format!("{} broken {plural} of {}: {}", broken.len(), row.verdicts.len(), row.message);
             JunitStatus::Failed { message, detail: broken.into_iter().map(detail).collect::<Vec<_>>().join("\n") }
         }
-        // Whoever cancels a run learns nothing about it.
+        // A cancelled run has no result.
         Outcome::Cancelled => JunitStatus::Skipped { message: "interrupted".into() },
         outcome => {
             let said = Some(&row.message).filter(|message| !message.is_empty()).map(String::as_str);
@@ -164,7 +164,7 @@ fn detail(verdict: &Verdict) -> String {
         (None, _, Some(min), Some(max)) => format!("{min:?} to {max:?}"),
         (None, _, Some(min), None) => format!("at least {min:?}"),
         (None, _, None, Some(max)) => format!("at most {max:?}"),
-        // An outcome: its words say what was wanted.
+        // An expected outcome; the message names it.
         (None, _, None, None) => return format!("{}: {}", verdict.metric, verdict.message),
     };
     let error = verdict.error.map_or_else(String::new, |e| format!(", error {e:?}"));

@@ -1,7 +1,8 @@
-//! What happens in a batch as messages for other programs: one JSON object per line.
+//! Messages about a batch for other programs: one JSON object per line.
 //!
-//! [`MESSAGE_SCHEMA`] stands in every line. It changes when a field or a message is taken away, renamed or given another
-//! meaning; fields and kinds of messages may be added without notice, so readers pass over what they do not know.
+//! Every line contains [`MESSAGE_SCHEMA`], which changes when a field or message is removed,
+//! renamed or given another meaning. Fields and messages may be added; readers must ignore unknown
+//! ones.
 
 mod diagnostic;
 pub(in crate::batch) mod junit;
@@ -183,7 +184,7 @@ fn outcomes(_: &mut schemars::SchemaGenerator) -> Schema {
 impl Message {
     /// The message as a line, with its line break.
     pub fn line(self) -> String {
-        // Maps have texts for keys, and numbers that JSON has no word for are written as words.
+        // Map keys are texts, and numbers that JSON lacks are written as texts.
         let line = serde_json::to_string(&Line { schema: MESSAGE_SCHEMA, message: self });
         line.map_or_else(|error| format!("{{\"error\":\"{error}\"}}\n"), |line| line + "\n")
     }

@@ -1,4 +1,4 @@
-//! Jobs and what became of them as messages.
+//! Writes jobs and their outcomes as messages.
 
 use std::path::Path;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use super::{BatchFinished, BatchStarted, Message, RunFinished, RunMessage, RunSl
 use crate::batch::{Finished, Job, Listener, Options, Plan, Report, Role, is_slow};
 use crate::results::{NUMERIC_COLUMNS, PROGRAM, measure, truth_columns};
 
-/// Turns what it hears into lines and hands them on.
+/// Converts events to message lines and passes them to a callback.
 pub struct MessageWriter<F: FnMut(String)> {
     options: Options,
     hand_on: F,
@@ -79,7 +79,7 @@ impl From<&Job> for RunMessage {
 }
 
 impl BatchStarted {
-    /// About a plan that is about to be run.
+    /// Describes a plan before it runs.
     pub fn new(plan: &Plan, options: &Options) -> Self {
         BatchStarted {
             program: PROGRAM,
@@ -93,7 +93,7 @@ impl BatchStarted {
 }
 
 impl BatchFinished {
-    /// About a batch that is over. `junit` was written beside the files it knows of.
+    /// Summarises a finished batch; `junit` is the path of the written test results.
     pub fn new(report: &Report, junit: Option<&Path>) -> Self {
         let mut finished = BatchFinished {
             not_started: report.not_started,

@@ -1,4 +1,4 @@
-//! What will be run, and each run when it is wanted.
+//! The plan of a batch: compact tickets, expanded to jobs on demand.
 
 use crate::files::names;
 use std::collections::HashMap;
@@ -11,30 +11,29 @@ use crate::results::{ParamValue, is_truth};
 use crate::robot::Robot;
 use crate::scenario::{Expansion, Run};
 
-/// What will be run, in order. Runs are made from their numbers when they are wanted, so a plan of millions is small: 24
-/// bytes for each of them.
+/// The runs of a batch in order: 24 bytes per run, from which jobs are built on demand.
 #[derive(Clone)]
 pub struct Plan {
     pub(in crate::batch) runs: Vec<Ticket>,
-    /// The runs that some of these are compared with, each once, in the order in which they are first needed.
+    /// Reference runs, each once, in the order of first use.
     pub(in crate::batch) references: Vec<Ticket>,
     pub(in crate::batch) sources: Vec<Arc<Source>>,
     pub(in crate::batch) robots: Arc<Mutex<Robots>>,
-    /// The scenario files they come from.
+    /// Scenario files of the runs.
     pub files: Vec<PathBuf>,
-    /// What it is a part of, if it is.
+    /// The shard that this plan is; none for a whole plan.
     pub part: Option<Part>,
-    /// What its runs tell as swept, where that is known from elsewhere: from the record of a run that is made again.
+    /// Swept parameters that replace those of the runs: on replay, those of the record.
     pub(in crate::batch) swept: Option<Arc<[(String, toml::Value)]>>,
 }
 
-/// A run that has been checked, by the number from which it is made again.
+/// A checked run, identified by its number in its file's expansion.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::batch) struct Ticket {
     pub key: u64,
     /// Position of its file among the sources.
     pub source: u32,
-    /// Its number among the runs of the file; of a reference, that of the first run that needs it.
+    /// Number in its file's expansion; for a reference, that of the first run that needs it.
     pub number: u32,
     /// Position of its reference, or [`NONE`].
     pub reference: u32,
@@ -44,59 +43,59 @@ pub(in crate::batch) struct Ticket {
 
 pub(in crate::batch) const NONE: u32 = u32::MAX;
 
-/// A scenario file from which runs are made.
+/// A scenario file and its expansion.
 pub(in crate::batch) struct Source {
     pub expansion: Expansion,
     pub name: String,
-    /// What its runs are, taken together.
+    /// Combined traits of its runs.
     pub kind: Traits,
 }
 
-/// What the runs of a file are, taken together.
+/// Combined traits of the runs of a file.
 #[derive(Clone, Copy, Default)]
 pub(in crate::batch) struct Traits {
     /// Do they have different seeds?
     pub repeated: bool,
-    /// Is the robot of some of them somewhere else?
+    /// Does any of them drive a remote robot?
     pub elsewhere: bool,
 }
 
 impl Plan {
-    /// How many runs.
+    /// Number of runs.
     pub fn runs(&self) -> usize {
         self.runs.len()
     }
 
-    /// How often robots that are somewhere else are asked: runs, references and repetitions of files that have such runs.
+    /// Number of runs, references and repetitions in files that drive a remote robot.
     pub fn visits(&self) -> usize {
         let all = self.runs.iter().chain(&self.references);
         let visits = all.filter(|ticket| self.sources[ticket.source as usize].kind.elsewhere);
         visits.map(|ticket| 1 + ticket.repetitions as usize).sum()
     }
 
-    /// How many references.
+    /// Number of references.
     pub fn references(&self) -> usize {
         self.references.len()
     }
 
-    /// Has its runs tell these values as the swept ones: a scenario that was written out sweeps nothing.
+    /// Sets the swept parameters that runs report: a resolved scenario sweeps nothing.
     pub(crate) fn set_swept_parameters(&mut self, parameters: &[(String, ParamValue)]) {
         self.swept = Some(parameters.iter().map(|(name, value)| (name.clone(), written_out(value))).collect());
     }
 
-    /// Makes the run at a position.
+    /// Builds the run at a position.
     pub fn job(&self, index: usize) -> Job {
         let ticket = self.runs[index];
         let reference = Some(ticket.reference).filter(|r| *r != NONE).map(|r| r as usize);
         self.make(index, ticket, Role::Run { reference })
     }
 
-    /// Makes the reference at a position.
+    /// Builds the reference at a position.
     pub fn reference(&self, index: usize) -> Job {
         self.make(index, self.references[index], Role::Reference)
     }
 
-    /// All runs in order, made one after the other.
+    /// Builds all runs in order, one at a time.
     pub fn jobs(&self) -> impl ExactSizeIterator<Item = Job> {
         (0..self.runs.len()).map(|index| self.job(index))
     }
@@ -126,12 +125,12 @@ impl Plan {
         Some(self.runs[index].reference).filter(|r| *r != NONE).map(|r| r as usize)
     }
 
-    /// The folder of the records of the run at a position, below that of the results.
+    /// Folder of the records of the run at a position, below the results folder.
     pub fn folder(&self, index: usize, results: &Path) -> PathBuf {
         results.join(self.scenario(index)).join(self.key(index))
     }
 
-    /// How many runs come from a file.
+    /// Number of runs of a scenario file.
     pub fn runs_of(&self, file: &Path) -> usize {
         self.runs.iter().filter(|t| self.sources[t.source as usize].expansion.file().path == *file).count()
     }
@@ -146,7 +145,7 @@ impl Plan {
         self.runs[index].repetitions
     }
 
-    /// Keeps the runs at these positions, which ascend, and the references that they need.
+    /// Keeps the runs at these ascending positions and the references they need.
     pub(in crate::batch) fn keep(&mut self, positions: &[usize]) {
         let (mut needed, mut known) = (Vec::new(), HashMap::new());
         let mut runs = Vec::with_capacity(positions.len());
@@ -167,7 +166,7 @@ impl Plan {
         let source = &self.sources[ticket.source as usize];
         let run = source.expansion.run(ticket.number as usize);
         let run = if role == Role::Reference { run.and_then(|run| run.reference).map(|run| *run) } else { run };
-        // It was made before, of the same text, values and files, and nothing was wrong with it.
+        // Planning built the same run from the same text, values and files without an error.
         let mut run = run.expect("a run that has been checked");
         if let Some(swept) = &self.swept {
             run.parameters = swept.to_vec();
@@ -188,12 +187,12 @@ impl std::fmt::Debug for Plan {
     }
 }
 
-/// Keys are the first 64 bits of a hash, written out.
+/// Formats a key, the first 64 bits of a hash, as hexadecimal.
 fn written(key: u64) -> String {
     format!("{key:016x}")
 }
 
-/// One run that is ready to go.
+/// One run, ready to execute.
 #[derive(Clone, Debug)]
 pub struct Job {
     /// Position in the plan, from 0.
@@ -206,16 +205,16 @@ pub struct Job {
     pub key: String,
     /// What distinguishes it from the other runs of its file, such as `contact.method=exact seed=2`; may be empty.
     pub label: String,
-    /// Its part in comparisons.
+    /// Its role in comparisons.
     pub role: Role,
 }
 
-/// A run's part in comparisons.
+/// A run's role in comparisons.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Role {
-    /// A run of its own.
+    /// An ordinary run.
     Run {
-        /// Position among the references of the run that it is compared with.
+        /// Position of its reference in the plan.
         reference: Option<usize>,
     },
     /// A run that others are compared with.
@@ -223,17 +222,17 @@ pub enum Role {
 }
 
 impl Job {
-    /// The folder of its records, below that of the results.
+    /// Folder of its records below the results folder.
     pub fn folder(&self, results: &Path) -> PathBuf {
         let scenario = results.join(&self.run.name);
         match self.role {
             Role::Run { .. } => scenario.join(&self.key),
-            // One level deeper: who lists the runs of a scenario does not find it.
+            // One level deeper, so that listing a scenario's runs does not include it.
             Role::Reference => scenario.join(names::REFERENCES).join(&self.key),
         }
     }
 
-    /// Position among the references of the run that it is compared with.
+    /// Position of its reference in the plan.
     pub fn reference(&self) -> Option<usize> {
         match self.role {
             Role::Run { reference } => reference,
@@ -241,7 +240,7 @@ impl Job {
         }
     }
 
-    /// Shall it leave a log?
+    /// Does it write a log?
     pub(in crate::batch) fn wants_log(&self, options: &Options) -> bool {
         options.log && self.run.scenario.log.rate > 0.0 && self.role != Role::Reference
     }
@@ -258,7 +257,7 @@ impl Job {
     }
 }
 
-/// What [`parameter`] makes the same of.
+/// Inverse of [`parameter`].
 fn written_out(value: &ParamValue) -> toml::Value {
     match value {
         ParamValue::Integer(i) => (*i).into(),

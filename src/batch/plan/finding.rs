@@ -1,11 +1,11 @@
-//! What there is to say before a batch starts: errors, warnings and notes of scenarios and robots in one list.
+//! Findings before a batch starts: errors, warnings and notes of scenarios and robots.
 
 use std::collections::HashSet;
 
 use crate::robot::RobotError;
 use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 
-/// One thing to say.
+/// An error, warning or note.
 #[derive(Clone, Debug)]
 pub enum Finding {
     /// About a scenario file.
@@ -24,7 +24,7 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// How bad it is.
+    /// Its severity.
     pub fn severity(&self) -> Severity {
         match self {
             Finding::Scenario(diagnostic) => diagnostic.severity,
@@ -33,12 +33,12 @@ impl Finding {
         }
     }
 
-    /// Does its text show a piece of a file, over several lines?
+    /// Does its text contain an excerpt of a file?
     pub fn is_block(&self) -> bool {
         matches!(self, Finding::Scenario(_) | Finding::Robot { .. })
     }
 
-    /// For a person, with terminal colours or without; no newline at the end.
+    /// Renders it for a terminal, with or without colours; no final newline.
     pub fn render(&self, colour: bool) -> String {
         match self {
             Finding::Scenario(diagnostic) => diagnostic.render(colour),
@@ -51,7 +51,7 @@ impl Finding {
     }
 }
 
-/// All there is to say, in the order in which it was found; the same thing is said once.
+/// Findings in order of discovery, without duplicates.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
     list: Vec<Finding>,
@@ -60,7 +60,7 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Adds one.
+    /// Adds a finding unless an equal one is present.
     pub fn push(&mut self, finding: Finding) {
         if self.said.insert(finding.render(false)) {
             self.errors += usize::from(finding.severity() == Severity::Error);
@@ -68,24 +68,24 @@ impl Findings {
         }
     }
 
-    /// Adds all of a scenario's.
+    /// Adds all diagnostics of a scenario.
     pub fn extend(&mut self, diagnostics: Diagnostics) {
         for diagnostic in diagnostics.0 {
             self.push(Finding::Scenario(Box::new(diagnostic)));
         }
     }
 
-    /// In order.
+    /// Iterates in order of discovery.
     pub fn iter(&self) -> std::slice::Iter<'_, Finding> {
         self.list.iter()
     }
 
-    /// How many errors.
+    /// Number of errors.
     pub fn errors(&self) -> usize {
         self.errors
     }
 
-    /// How many of one severity.
+    /// Number of findings of a severity.
     pub fn count(&self, severity: Severity) -> usize {
         self.list.iter().filter(|f| f.severity() == severity).count()
     }

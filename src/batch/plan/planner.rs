@@ -1,4 +1,4 @@
-//! From scenario files to a plan, everything checked.
+//! Turns scenario files into a checked plan.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -14,15 +14,15 @@ use crate::files::names::BATCH_FILES;
 use crate::robot::{Robot, RobotError};
 use crate::scenario::{self, Diagnostic, Diagnostics, Expansion, Run, ScenarioFile, Severity};
 
-/// Errors after which checking gives up.
+/// Number of errors at which checking stops.
 const MAX_ERRORS: usize = 50;
 
-/// Loads scenario files and robots, makes every run of their sweeps and builds its setup once to see that it can be built.
+/// Loads scenario files and robots, expands every sweep and checks each run's setup by building it.
 ///
-/// `overrides` are values under dotted paths that replace those of every file. No more than `max_runs` runs are made.
+/// `overrides` replace values of every file by dotted path. The plan has at most `max_runs` runs.
 ///
 /// # Errors
-/// All errors found, with what else there is to say; nothing has been written. `Ok` holds warnings and notes.
+/// The errors found, with warnings and notes; nothing was written. `Ok` holds warnings and notes.
 pub fn prepare(
     files: &[PathBuf],
     overrides: &[(String, toml::Value)],
@@ -39,7 +39,7 @@ pub fn prepare(
     planner.plan(files)
 }
 
-/// The same for one file whose text is at hand, such as that of a record.
+/// Like [`prepare`] for one file whose text is in memory, such as that of a record.
 ///
 /// # Errors
 /// See [`prepare`].
@@ -49,7 +49,7 @@ pub fn prepare_file(file: &ScenarioFile) -> Result<(Plan, Findings), Findings> {
     planner.plan(vec![file.path.clone()])
 }
 
-/// A file named twice, by itself and by its folder, is one file.
+/// Removes duplicates: a file may be named directly and through its folder.
 fn distinct(files: &[PathBuf]) -> Vec<PathBuf> {
     let mut seen = BTreeSet::new();
     let identity = |path: &PathBuf| path.canonicalize().unwrap_or_else(|_| path.clone());
@@ -64,15 +64,15 @@ struct Planner {
     sources: Vec<Arc<Source>>,
     findings: Findings,
     max_runs: usize,
-    /// Scenario names with their files: a name is a folder of the results.
+    /// Files by scenario name; a name is also a folder of the results.
     names: HashMap<String, PathBuf>,
-    /// Files that were looked at for links.
+    /// Files already checked for symbolic links.
     looked_at: HashSet<PathBuf>,
     /// References by key, with the shape of their robots.
     known: HashMap<u64, (u32, Shape)>,
 }
 
-/// What of two robots must be equal for their runs to be compared: numbers of joints and of soles.
+/// Numbers of joints and soles, which must be equal for two runs to be compared.
 type Shape = (usize, usize);
 
 impl Planner {
@@ -100,8 +100,7 @@ impl Planner {
         }
     }
 
-    /// Makes all runs of a file once, so that everything that is wrong with them is told together; returns the first, and
-    /// what they are, taken together.
+    /// Expands all runs of a file and reports all errors together; returns first run and traits.
     fn check(&mut self, expansion: Expansion) -> Result<(Expansion, Option<Run>, Traits), Diagnostics> {
         let (mut first, mut kind): (Option<Run>, Traits) = (None, Traits::default());
         let mut warnings = Diagnostics::default();
@@ -144,13 +143,13 @@ impl Planner {
             let error = run.error_at("integrator", message, help);
             return self.findings.push(Finding::Scenario(Box::new(error)));
         }
-        // Folders of the results that are taken.
+        // Keys already used, which name folders of the results.
         let mut taken = HashMap::new();
         for number in 0..expansion.runs() {
             if self.findings.errors() >= MAX_ERRORS {
                 return;
             }
-            // It was made before; nothing was wrong with it.
+            // `check` expanded it without an error.
             if let Some(run) = expansion.run(number) {
                 self.add_run(run, &mut taken);
             }
@@ -158,7 +157,7 @@ impl Planner {
         self.sources.push(Arc::new(Source { expansion, name, kind }));
     }
 
-    /// What is wrong with a scenario beside others, its text being sound.
+    /// Reports a conflict of a valid scenario with other files or the limits.
     fn refuse_file(&mut self, file: &ScenarioFile, message: String, help: &str) {
         let wrong = Diagnostic::whole_file(file.path.display().to_string(), message);
         self.findings.push(Finding::Scenario(Box::new(wrong.with_help(help))));
@@ -184,12 +183,12 @@ impl Planner {
         self.runs.push(Ticket { repetitions, ..self.ticket(key, &run, reference) });
     }
 
-    /// A ticket for a run of the file at hand.
+    /// Ticket for a run of the current file.
     fn ticket(&self, key: u64, run: &Run, reference: u32) -> Ticket {
         Ticket { key, source: self.sources.len() as u32, number: run.index as u32, reference, repetitions: 0 }
     }
 
-    /// The reference of a run, made when no other run has it already.
+    /// Position of a run's reference, added unless another run has it already.
     fn add_reference(&mut self, of: &Run, run: Run, shape: Shape) -> Option<u32> {
         let robot = self.robot(&run)?;
         let key = self.key(&run, &robot)?;
@@ -214,7 +213,7 @@ impl Planner {
         Some(index)
     }
 
-    /// Builds a run's setup to see that it can be built.
+    /// Builds a run's setup to check it.
     fn build(&mut self, run: &Run, robot: &Robot) -> Option<Shape> {
         match setup(run, robot) {
             Ok(setup) => Some((setup.model.nj(), setup.model.soles.len())),
@@ -231,7 +230,7 @@ impl Planner {
         key.map_err(|message| self.findings.push(Finding::Plan(format!("{}: {message}", run.file.display())))).ok()
     }
 
-    /// Tells of symbolic links by which the files that a run names lie elsewhere than their names say.
+    /// Warns about symbolic links that redirect the files a run names.
     fn look_for_links(&mut self, run: &Run) {
         let home = run.file.parent().unwrap_or(Path::new(""));
         let robot = ("robot.model", run.resolve(&run.scenario.robot.model));
@@ -259,7 +258,7 @@ impl Planner {
                 }
                 Some(robot)
             }
-            // The mistake is in the scenario: there is no such file.
+            // The scenario names an unreadable file, so the error points into the scenario.
             Err(error @ RobotError::Read { .. }) => {
                 let shown = run.error_at("robot.model", error.to_string(), None);
                 self.findings.push(Finding::Scenario(Box::new(shown)));

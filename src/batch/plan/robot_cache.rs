@@ -1,4 +1,4 @@
-//! Each robot is loaded once for each way of reading it, however many runs use it.
+//! Caches robots: each file is loaded once per inertia policy.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -14,9 +14,9 @@ pub(in crate::batch) struct Robots {
 }
 
 impl Robots {
-    /// The robot at a path, read as a scenario asks, and whether it was loaded just now.
+    /// The robot at a path under the scenario's inertia policy, and whether this call loaded it.
     pub fn get(&mut self, path: &Path, spec: &RobotSpec) -> (Result<Arc<Robot>, RobotError>, bool) {
-        // Two ways to the same file lead to one robot; a file that is not there is the loader's to complain about.
+        // Different paths of one file share a robot; the loader reports a missing file.
         let policy = spec.inertia.map(|word| match word {
             InertiaSpec::Refuse => InertiaPolicy::Refuse,
             InertiaSpec::Repair => InertiaPolicy::Repair,

@@ -1,13 +1,14 @@
-//! Run keys: equal for equal runs, wherever their files lie.
+//! Computes run keys: equal for equal runs, wherever their files are.
 
 use crate::robot::Robot;
 use crate::scenario::{CompareSpec, Run, Scenario, key};
 
-/// The key of a run with its robot: resolved scenario (seed included), bytes of the robot's files in the order in which
-/// they are read, bytes of the files that the scenario names, version of this program. The robot's path and repetitions for timing are no part of it.
+/// Hashes the resolved scenario (seed included), the bytes of the robot's files in reading order,
+/// the bytes of files that the scenario names, and the program version. The robot's path and
+/// repetitions for timing are excluded.
 ///
 /// # Errors
-/// The scenario cannot be written as TOML, in words.
+/// The scenario cannot be written as TOML.
 pub(in crate::batch) fn of(run: &Run, robot: &Robot) -> Result<String, String> {
     let mut scenario: Scenario = run.scenario.clone();
     scenario.robot.model.clear();

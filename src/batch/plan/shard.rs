@@ -1,5 +1,5 @@
-//! A part of a plan, so that several machines share it. Which runs are in a shard depends on their keys alone: another
-//! filter, another order or more scenarios beside it move no run from one shard to another.
+//! Splits a plan into shards for several machines. A run's shard depends on its key alone: filters,
+//! order and additional scenarios do not move it.
 
 use std::num::NonZero;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use std::str::FromStr;
 use crate::batch::Plan;
 use crate::results::{PlanHash, ShardHead, ShardRun};
 
-/// One of equal parts.
+/// One of N equal parts of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     /// From 1 to `of`.
@@ -15,23 +15,23 @@ pub struct Shard {
     of: NonZero<u64>,
 }
 
-/// Names of environment variables that say which part this is: the number, the first number, the step, how many.
+/// Slurm variables: task number, first number, step, number of tasks.
 const SLURM: [&str; 4] =
     ["SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP", "SLURM_ARRAY_TASK_COUNT"];
 
-/// The number, from 0, and how many. Kubernetes sets the first alone.
+/// Index from 0 and number of parts. Kubernetes itself sets only the index.
 const KUBERNETES: [&str; 2] = ["JOB_COMPLETION_INDEX", "JOB_COMPLETION_COUNT"];
 
 impl Shard {
-    /// Part `number`, from 1, of so many; none if there is no such part.
+    /// Part `number` (from 1) of `of`; none if there is no such part.
     pub fn new(number: u64, of: u64) -> Option<Self> {
         Some(Shard { number: Some(number).filter(|n| (1..=of).contains(n))?, of: NonZero::new(of)? })
     }
 
-    /// The part that a job array of Slurm, or an indexed job of Kubernetes, says this process has.
+    /// Reads this process's part from a Slurm job array or an indexed Kubernetes job.
     ///
     /// # Errors
-    /// In words: what is missing, is no number, or contradicts itself.
+    /// A variable is missing, is not a number, or contradicts another.
     pub fn from_environment(variable: impl Fn(&str) -> Option<String>) -> Result<Self, String> {
         let number = |name: &str| match variable(name) {
             None => Ok(None),
@@ -58,14 +58,14 @@ impl Shard {
         Shard::new(index.saturating_add(1), of).ok_or_else(|| format!("{name} says part {} of {of}", index + 1))
     }
 
-    /// Is it all there is?
+    /// Is it the whole batch?
     pub fn is_whole(&self) -> bool {
         self.of.get() == 1
     }
 
-    /// Is a run with this key in it?
+    /// Does it contain the run with this key?
     pub fn takes(&self, key: &str) -> bool {
-        // Keys are the beginnings of hashes, spread evenly.
+        // Keys are prefixes of hashes, so they are evenly distributed.
         u64::from_str_radix(key, 16).is_ok_and(|hash| hash % self.of == self.number - 1)
     }
 }
@@ -79,7 +79,7 @@ impl std::fmt::Display for Shard {
 impl FromStr for Shard {
     type Err = String;
 
-    /// `I/N`, or `env` for what the environment says.
+    /// Parses `I/N`, or `env` for the environment of a job array.
     fn from_str(text: &str) -> Result<Self, String> {
         if text == "env" {
             return Self::from_environment(|name| std::env::var(name).ok());
@@ -90,30 +90,30 @@ impl FromStr for Shard {
     }
 }
 
-/// What a plan is a part of.
+/// The shard of a reduced plan and the positions of its runs in the whole plan.
 #[derive(Clone, Debug)]
 pub struct Part {
     pub(in crate::batch) head: ShardHead,
-    /// Places of its runs in the whole plan.
+    /// Positions of its runs in the whole plan.
     pub(in crate::batch) places: Vec<usize>,
 }
 
 impl Part {
-    /// Runs of the whole plan.
+    /// Number of runs in the whole plan.
     pub fn whole(&self) -> usize {
         self.head.runs
     }
 }
 
 impl Plan {
-    /// A hash of its runs, by their scenarios and keys in order: the same for the same batch on any machine.
+    /// Hashes scenarios and keys of its runs in order; equal for the same batch on any machine.
     pub fn hash(&self) -> String {
         let mut hash = PlanHash::default();
         (0..self.runs()).for_each(|place| hash.add(self.scenario(place), &self.key(place)));
         hash.end()
     }
 
-    /// Keeps the runs of a shard, in their order, and the references that these need.
+    /// Keeps the runs of a shard, in order, and the references they need.
     pub fn take_shard(&mut self, shard: Shard) {
         let places: Vec<usize> = (0..self.runs()).filter(|place| shard.takes(&self.key(*place))).collect();
         let head = ShardHead::new(shard.number, shard.of.get(), self.runs(), self.hash());
@@ -121,7 +121,7 @@ impl Plan {
         self.part = Some(Part { head, places });
     }
 
-    /// The runs of a shard as its list has them.
+    /// Entries of the shard's run list.
     pub(in crate::batch) fn shard_runs(&self) -> impl Iterator<Item = ShardRun> {
         let places = self.part.iter().flat_map(|part| &part.places).enumerate();
         places.map(|(i, at)| ShardRun { at: *at, scenario: self.scenario(i).to_owned(), key: self.key(i) })
@@ -156,7 +156,7 @@ mod tests {
         }
         for part in parts {
             let runs = keys.iter().filter(|key| part.takes(key)).count();
-            // Binomial: 1000 with a deviation of 30; these keys are what they are.
+            // Binomial: mean 1000, standard deviation 30; the keys are fixed.
             assert!((850..1150).contains(&runs), "{part}: {runs}");
         }
     }

@@ -1,4 +1,4 @@
-//! Why a run is not the run that was made before: which of the inputs of its key differ.
+//! Reports why a run differs from its earlier record: which inputs of its key changed.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,13 +7,13 @@ use crate::batch::Job;
 use crate::batch::run::job_run::inputs;
 use crate::results::{InputHash, PROGRAM, RunRecord};
 
-/// Changes named; of more only the number.
+/// Changes listed by name; the rest are counted.
 const MOST_NAMED: usize = 4;
 
-/// Values that are no part of a key.
+/// Values that do not enter the key.
 const NO_PART: [&str; 2] = ["robot.model", "compare.timing_repeats"];
 
-/// What changed since a record was made, in words; none when nothing did.
+/// Describes what changed since a record was written; none if nothing did.
 pub(in crate::batch) fn why(job: &Job, record: &RunRecord) -> Option<String> {
     let mut changes = Vec::new();
     if record.program != PROGRAM {
@@ -29,7 +29,7 @@ pub(in crate::batch) fn why(job: &Job, record: &RunRecord) -> Option<String> {
     (!changes.is_empty()).then(|| changes.join("; "))
 }
 
-/// Values of the scenario.
+/// Changed values of the scenario.
 fn values(before: &str, now: &str) -> Vec<String> {
     let leaves = |text: &str| {
         let mut leaves = BTreeMap::new();
@@ -48,7 +48,7 @@ fn values(before: &str, now: &str) -> Vec<String> {
     changed.chain(gone.map(|(path, was)| format!("`{path}` = {was} is gone"))).collect()
 }
 
-/// Every value that is no table, under its dotted path.
+/// Collects every value except tables under its dotted path.
 fn gather(path: &str, value: &toml::Value, leaves: &mut BTreeMap<String, String>) {
     let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
     match value {
@@ -65,13 +65,13 @@ fn gather(path: &str, value: &toml::Value, leaves: &mut BTreeMap<String, String>
     }
 }
 
-/// What a file of a robot is.
+/// Kind of a robot's file, for messages.
 fn kind(path: &Path) -> String {
     let describes = path.extension().is_some_and(|e| ["toml", "urdf", "xml"].iter().any(|x| e.eq_ignore_ascii_case(x)));
     if describes { "robot file" } else { "mesh" }.to_owned()
 }
 
-/// Files of the robot and those that the scenario names.
+/// Changed files of the robot and files that the scenario names.
 fn files(job: &Job, before: &[InputHash]) -> Vec<String> {
     let now = inputs(job);
     let robot = job.robot.files.iter().map(|(path, _)| kind(path));

@@ -1,7 +1,8 @@
-//! `--resume`: the runs of a plan that are done, by their records, and why the others are not.
+//! `--resume`: finds finished runs by their records, and why the others must run.
 //!
-//! A run's key is a hash of everything its result depends on, so a whole record under the key of a run is that run's result.
-//! What depended on the clock, on a person or on trouble of the machine is made again.
+//! A run's key hashes everything its result depends on, so a complete record under it is the
+//! result. Runs that timed out, were cancelled or failed with an error run again unless that was
+//! expected.
 
 use crate::files::names;
 use std::collections::{HashMap, HashSet};
@@ -16,58 +17,58 @@ use crate::log::MAX_PROBLEMS;
 use crate::results::{BUILD, ParamValue, RunRecord, SummaryRow, log_mismatch};
 use crate::sim::{Outcome, Problems};
 
-/// What is there already of a batch.
+/// Existing results of a batch.
 #[derive(Debug, Default)]
 pub struct Resumed {
     pub(in crate::batch) finished: Store,
     pub(in crate::batch) references: Store,
-    /// Runs that are done and are to be repeated for timing.
+    /// Finished runs still to be repeated for timing.
     pub(in crate::batch) again: Vec<usize>,
     stale: Vec<Rerun>,
-    /// Places of the reasons.
+    /// Index of each reason in `stale`.
     reasons: HashMap<String, usize>,
     first: usize,
     other_builds: usize,
 }
 
-/// Runs that were made before and are made again.
+/// Runs that have a record but must run again.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rerun {
-    /// Why, in words.
+    /// The reason.
     pub why: String,
-    /// How many.
+    /// Number of runs.
     pub runs: usize,
     /// Scenario and label of the first of them.
     pub example: String,
 }
 
 impl Resumed {
-    /// Runs that are done.
+    /// Number of finished runs.
     pub fn runs(&self) -> usize {
         self.finished.count
     }
 
-    /// References that are done and that no run waits for.
+    /// Number of finished references that no run still needs.
     pub fn references(&self) -> usize {
         self.references.count
     }
 
-    /// Runs that are made again, by reason.
+    /// Runs that must run again, by reason.
     pub fn again(&self) -> &[Rerun] {
         &self.stale
     }
 
-    /// Runs that are made for the first time.
+    /// Number of runs that run for the first time.
     pub fn first(&self) -> usize {
         self.first
     }
 
-    /// Of those that are done, how many another build of this version made.
+    /// Number of finished runs computed by another build of this version.
     pub fn other_builds(&self) -> usize {
         self.other_builds
     }
 
-    /// What is done, references first, with the runs that it is about.
+    /// All finished jobs with the store that holds them, references first.
     pub(in crate::batch) fn all<'a>(&'a self, plan: &'a Plan) -> impl Iterator<Item = (&'a Store, Job)> {
         let references = self.references.positions().map(|index| (&self.references, plan.reference(index)));
         references.chain(self.finished.positions().map(|index| (&self.finished, plan.job(index))))
@@ -83,18 +84,18 @@ impl Resumed {
     }
 }
 
-/// What there is of one run.
+/// State of one run's record.
 enum State {
     Done {
         finished: Box<Finished>,
         other_build: bool,
     },
-    /// It was made, but not so that its result could be taken; why.
+    /// A record exists but cannot be used; the reason.
     Rerun(String),
     Absent,
 }
 
-/// Looks for the records of a plan. NoListener else may be writing there: what was left unfinished is removed.
+/// Finds the records of a plan and removes partial files. No other process may write there.
 pub(in crate::batch) fn find_results(plan: &Plan, options: &Options) -> Resumed {
     let mut resumed = Resumed::default();
     let (mut absent, mut needed): (Vec<usize>, HashSet<usize>) = (Vec::new(), HashSet::new());
@@ -156,7 +157,7 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     if (&record.scenario, &record.key) != (&job.run.name, &job.key) {
         return State::Rerun("its record is that of another run".into());
     }
-    // The key is that of the resolved scenario: the same run may stand in another sweep, under other columns.
+    // Another sweep may contain the same resolved scenario under other summary columns.
     if job.role != Role::Reference && record.parameters != job.parameters() {
         return State::Rerun("other values are swept now".into());
     }
@@ -189,7 +190,7 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     State::Done { finished: Box::new(finished), other_build }
 }
 
-/// Would the run end like this again?
+/// Would a repetition end in the same way?
 fn repeats(row: &SummaryRow) -> bool {
     !matches!(row.outcome, Outcome::TimedOut | Outcome::Error | Outcome::Cancelled) || !row.is_refused()
 }
@@ -203,11 +204,11 @@ fn has_problems(row: &SummaryRow, folder: &Path, wanted: Problems) -> bool {
     met == 0 || std::fs::read_dir(folder).is_ok_and(|files| files.count() as u64 >= met.min(MAX_PROBLEMS as u64))
 }
 
-/// Records of a scenario that no run of the plan has the key of.
+/// Records of a scenario whose keys belong to no run of the plan.
 struct Earlier {
-    /// The folder of the last of each, by what distinguished the run and its seed.
+    /// Folder of the latest record, by swept values and seed.
     with_seed: HashMap<String, String>,
-    /// The same without the seed, and the seed; none where there are several.
+    /// Folder and seed by swept values alone; none where several seeds exist.
     without: HashMap<String, Option<(String, u64)>>,
     folder: std::path::PathBuf,
 }
@@ -237,7 +238,7 @@ impl Earlier {
         self.with_seed.is_empty()
     }
 
-    /// The record of the run that had the same swept values and the same seed, if it is clear which that is.
+    /// The record with the same swept values and seed, or with the only seed those values have.
     fn like(&self, job: &Job) -> Option<RunRecord> {
         let place = identity(&job.parameters());
         let same_seed = self.with_seed.get(&format!("{place} {}", job.run.scenario.seed));

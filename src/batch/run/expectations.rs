@@ -1,15 +1,15 @@
-//! The verdict on a finished run.
+//! Evaluates the expectations of a finished run.
 
 use crate::results::{SummaryRow, Verdict, metric};
 use crate::scenario::Expect;
 use crate::sim::Outcome;
 
-/// Holds a run against its expectations.
+/// Evaluates a run against its expectations.
 ///
-/// A run that reached its end or was stopped by a rule is `failed` when an expectation does not hold. One that ended
-/// in another way keeps that outcome, unless an expectation names it: then that was what should happen, and the other
-/// expectations are looked at. A cancelled run is not judged. Returns the row with its verdict, and whether the run
-/// ended as it should.
+/// A run that reached its end or was stopped by a rule is `failed` if an expectation does not hold.
+/// Any other outcome stays and is refused, unless an expectation names it: then the other
+/// expectations are evaluated too. A cancelled run is not judged. Returns the row with its
+/// verdicts, and whether the run was accepted.
 pub(in crate::batch) fn evaluate(mut row: SummaryRow, expectations: &[Expect]) -> (SummaryRow, bool) {
     let word = row.outcome.name();
     let named = expectations.iter().any(|e| e.outcome.is_some_and(|o| o.name() == word));
@@ -28,7 +28,7 @@ pub(in crate::batch) fn evaluate(mut row: SummaryRow, expectations: &[Expect]) -
     (row, held)
 }
 
-/// One expectation held against the run.
+/// Evaluates one expectation.
 fn verdict(expect: &Expect, row: &SummaryRow) -> Verdict {
     let judged = expect.judge(row.outcome.name(), |name| metric(row, name));
     let measured = expect.metric.as_deref().and_then(|name| metric(row, name));
@@ -81,7 +81,7 @@ mod tests {
         Expect { outcome: Some(outcome), ..Expect::default() }
     }
 
-    /// Outcome, expectations, and what comes of them.
+    /// Outcome, expectations, resulting outcome, accepted.
     #[test]
     fn verdicts() {
         use Outcome::*;

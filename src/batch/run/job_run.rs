@@ -1,4 +1,4 @@
-//! One run from its job to its records.
+//! Executes one job and writes its record.
 
 use std::path::Path;
 
@@ -16,32 +16,32 @@ use crate::results::{
 use crate::script::interruptible;
 use crate::sim::{AvoidanceTime, Metrics, Outcome, Problems};
 
-/// How the body of a run ended.
+/// How a simulation ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunEnd {
-    /// Before any expectation is looked at.
+    /// Outcome before expectations are evaluated.
     pub outcome: Outcome,
-    /// Why, when there is something to say.
+    /// The reason; may be empty.
     pub message: String,
-    /// What was measured; none when nothing was.
+    /// Metrics; none if nothing was measured.
     pub metrics: Option<Metrics>,
-    /// What else there is to tell a person.
+    /// Additional notes.
     pub notes: Vec<String>,
-    /// How far it is from its reference.
+    /// Its distance from its reference.
     pub comparison: Comparison,
-    /// Its motion, if it was to be kept.
+    /// Its motion, if requested.
     pub trajectory: Option<ReferenceMotion>,
-    /// Processor time that avoidance of self-collision took.
+    /// Processor time of self-collision avoidance.
     pub avoidance: Option<AvoidanceTime>,
 }
 
 impl RunEnd {
-    /// The end of a run that something went wrong with.
+    /// An end by an error.
     pub fn error(message: impl Into<String>) -> Self {
         Self { message: message.into(), ..Self::of(Outcome::Error) }
     }
 
-    /// An end of which there is nothing more to say.
+    /// An end with this outcome and no further data.
     pub fn of(outcome: Outcome) -> Self {
         let (message, notes) = (String::new(), Vec::new());
         Self {
@@ -56,8 +56,8 @@ impl RunEnd {
     }
 }
 
-/// Runs a job: simulates, compares, judges, writes `run.json` last. Whatever goes wrong is the run's outcome. A reference
-/// leaves its trajectory, or words why there is none.
+/// Runs a job: simulates, compares, evaluates, writes `run.json` last. Every failure becomes the
+/// run's outcome. Returns a reference's trajectory, or why there is none.
 pub(in crate::batch) fn run(
     job: &Job,
     options: &Options,
@@ -77,7 +77,7 @@ pub(in crate::batch) fn run(
             interruptible(cancellation.shared(), || body(job, &outputs, cancellation.flag()))
         })
         .unwrap_or_else(RunEnd::error),
-        // What it would leave could not be kept.
+        // Its files could not be written.
         Err(error) => RunEnd::error(error.to_string()),
     };
     let timing = Timing { avoidance: end.avoidance, ..clock.read() };
@@ -99,7 +99,7 @@ pub(in crate::batch) fn run(
     let (row, accepted) = evaluate(record.summary_row(), &job.run.scenario.expect);
     (record.outcome, record.message) = (row.outcome, row.message.clone());
     record.verdicts.clone_from(&row.verdicts);
-    // What cannot be read now cannot be taken for whole later.
+    // A log that cannot be read now gets no fingerprint, so it never counts as complete.
     record.log = outputs.log.as_deref().and_then(|log| LogFingerprint::of(log).ok());
     let path = folder.join(names::RUN_RECORD);
     let left = [outputs.log, outputs.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
@@ -113,16 +113,16 @@ pub(in crate::batch) fn run(
     (finished, trajectory)
 }
 
-/// While a run goes on there is no record of it: one that is there tells of the files that lie beside it.
+/// Removes an earlier record and log: a record exists only once its run has ended.
 fn clear(folder: &Path) {
     remove_partial(folder);
     for name in [names::RUN_RECORD, names::LOG] {
-        // What is in the way and cannot be removed is told when it is written anew.
+        // Writing the new file reports an obstacle that cannot be removed.
         let _ = std::fs::remove_file(folder.join(name));
     }
 }
 
-/// A reference leaves its motion and its record, other runs what the options ask for.
+/// A reference keeps its motion; other runs write what the options request.
 fn outputs(job: &Job, options: &Options, folder: &Path, against: Option<&AwaitedReference>) -> RunOutputs {
     if job.role == Role::Reference {
         return RunOutputs { track: Track::Keep(job.run.scenario.log.rate), ..RunOutputs::default() };
@@ -134,7 +134,7 @@ fn outputs(job: &Job, options: &Options, folder: &Path, against: Option<&Awaited
     }
 }
 
-/// The trajectory of a reference that ended as a run should.
+/// The trajectory of a run that ended normally, or why there is none.
 fn keep(end: &mut RunEnd) -> Result<ReferenceMotion, String> {
     match (end.outcome, end.trajectory.take()) {
         (Outcome::Passed | Outcome::Fallen, Some(trajectory)) => Ok(trajectory),
@@ -158,7 +158,7 @@ fn not_compared(record: &RunRecord, against: &AwaitedReference) -> Option<String
     }
 }
 
-/// What makes a reference doubtful.
+/// Note on a reference with inconsistent selections.
 fn doubtful(job: &Job, metrics: &Metrics) -> Option<String> {
     let count = metrics.inconsistent;
     let plural = if count == 1 { "selection" } else { "selections" };
@@ -166,7 +166,7 @@ fn doubtful(job: &Job, metrics: &Metrics) -> Option<String> {
         .then(|| format!("a reference with {count} {plural} of a contact state without a valid one (`inconsistent`)"))
 }
 
-/// Distances of what was measured from what is known to be true.
+/// Absolute errors of measured values against known true values.
 fn truths(job: &Job, record: &RunRecord) -> Vec<TruthError> {
     let row = record.summary_row();
     let known = job.run.scenario.compare.iter().flat_map(|compare| &compare.truth);
@@ -203,8 +203,7 @@ fn record(job: &Job, end: RunEnd, timing: Timing) -> RunRecord {
     }
 }
 
-/// Files of the robot under their names from its folder, so that moving all of them changes nothing, and those that the
-/// scenario names.
+/// Hashes of the files that the scenario names and of the robot's, named relative to its folder.
 pub(in crate::batch) fn inputs(job: &Job) -> Vec<InputHash> {
     let home = job.robot.files.first().and_then(|(path, _)| path.parent()).unwrap_or(Path::new(""));
     let name = |path: &Path| match path.strip_prefix(home) {

@@ -1,4 +1,4 @@
-//! People who look on while a run is made: what they are told, and how fast.
+//! Connects live clients to a run and paces it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::sleep;
@@ -6,33 +6,33 @@ use std::time::{Duration, Instant};
 
 use crate::log::MessageSink;
 
-/// How often a second of a run is told when its scenario wants no log.
+/// Snapshot rate for live clients of a run without a log, Hz.
 pub(in crate::batch) const RATE: f64 = 60.0;
-/// A run that is later than this is not made to catch up.
+/// A run later than this does not catch up.
 const LATE: Duration = Duration::from_millis(100);
-/// How long it sleeps without looking whether it is cancelled.
+/// Longest sleep between checks for cancellation.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// Somebody who looks on.
+/// Clients that observe a run while it is simulated.
 pub trait LiveClients: Sync {
-    /// Takes what the log holds.
+    /// Sink for the messages of the log.
     fn outlet(&self) -> Box<dyn MessageSink>;
-    /// Called once the run has described itself, before its first step: may wait for somebody, until it is cancelled.
+    /// Called after the log's header, before the first step; may wait for a client or `cancel`.
     fn wait(&self, cancel: &AtomicBool);
-    /// How often somebody began to look: whoever came while nothing moved has seen nothing yet.
+    /// Number of client arrivals; a client that arrives while the run is paused has seen no data.
     fn arrivals(&self) -> u64;
-    /// Simulated seconds per second; none: as fast as it goes.
+    /// Simulated seconds per second; none: unlimited.
     fn pace(&self) -> Option<f64>;
-    /// The run is over.
+    /// Reports the end of the run.
     fn farewell(&self);
-    /// What there is to tell a person of all this, after the end. It is no part of the run, which is the same for nobody.
+    /// Notes for the user. They are not part of the run, which is the same without clients.
     fn told(&self) -> Vec<String>;
 }
 
-/// Makes a run wait at the instants of its log, by the clock on the wall.
+/// Delays a run at the instants of its log to match the wall clock.
 pub(in crate::batch) struct Pacer {
     pace: f64,
-    /// When simulated time 0 was, or would have been.
+    /// Wall-clock instant of simulated time 0.
     start: Option<Instant>,
 }
 
@@ -41,7 +41,7 @@ impl Pacer {
         Pacer { pace, start: None }
     }
 
-    /// Waits until a simulated time is due, or until it is cancelled.
+    /// Waits until a simulated time is due or the run is cancelled.
     pub fn wait(&mut self, time: f64, cancel: &AtomicBool) {
         let due = self.due(time, Instant::now());
         while !cancel.load(Ordering::Relaxed)
@@ -52,9 +52,9 @@ impl Pacer {
         }
     }
 
-    /// When a simulated time is due, asked at `now`.
+    /// Instant at which a simulated time is due, evaluated at `now`.
     fn due(&mut self, time: f64, now: Instant) -> Instant {
-        // A pace so small that the clock cannot hold it waits until it is cancelled.
+        // A pace too small for the clock waits until cancelled.
         let after = Duration::try_from_secs_f64(time / self.pace).unwrap_or(Duration::from_secs(u32::MAX.into()));
         let start = self.start.get_or_insert(now);
         if now > *start + after + LATE {
@@ -87,7 +87,7 @@ mod tests {
         let (mut pacer, start) = (Pacer::new(1.0), Instant::now());
         let near = |a: Instant, b: Instant| a.max(b).duration_since(a.min(b)) < Duration::from_nanos(2);
         assert!(near(pacer.due(0.0, start), start));
-        // A little late is made up for, much is not.
+        // A short delay is caught up, a long one is not.
         assert!(near(pacer.due(0.01, start + ms(60)), start + ms(10)));
         assert!(near(pacer.due(0.02, start + ms(150)), start + ms(150)));
         assert!(near(pacer.due(0.05, start + ms(151)), start + ms(180)));

@@ -1,7 +1,7 @@
 //! One run from its job to its record.
 //!
-//! [`job_run`] calls [`simulate`] under [`panic_capture`], evaluates [`expectations`], checks [`plausibility`] and writes the
-//! record. [`outputs`] says what else the run leaves, [`live_clients`] who watches it.
+//! [`job_run`] calls [`simulate`] under [`panic_capture`], evaluates [`expectations`], checks
+//! [`plausibility`] and writes the record. [`outputs`] lists other files; [`live_clients`] observe.
 
 pub(in crate::batch) mod expectations;
 pub(in crate::batch) mod job_run;

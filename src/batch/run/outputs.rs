@@ -8,28 +8,28 @@ use crate::batch::{Job, RunEnd};
 use crate::results::ReferenceMotion;
 use crate::sim::Problems;
 
-/// What a run shall leave besides its record.
+/// Outputs of a run besides its record.
 #[derive(Clone, Debug, Default)]
 pub struct RunOutputs {
-    /// Where its log goes; none: no log.
+    /// Path of its log; none: no log.
     pub log: Option<PathBuf>,
-    /// The folder of its contact problems; none: they are not wanted.
+    /// Folder and selection of its contact problems; none: not written.
     pub problems: Option<(PathBuf, Problems)>,
-    /// What becomes of its motion.
+    /// How its motion is used.
     pub track: Track,
 }
 
-/// What becomes of a run's motion.
+/// Use of a run's motion.
 #[derive(Clone, Debug, Default)]
 pub enum Track {
-    /// Nothing.
+    /// Discarded.
     #[default]
     Nothing,
-    /// It is kept for others to be compared with, at so many samples per second, Hz.
+    /// Kept for others to be compared with, sampled at this rate, Hz.
     Keep(f64),
-    /// It is compared with a reference.
+    /// Compared with a reference.
     Compare(Arc<ReferenceMotion>),
 }
 
-/// What happens in a run: the job, what it shall leave, and the flag that ends it.
+/// Body of a run: takes the job, its outputs and the cancellation flag.
 pub type Body<'a> = dyn Fn(&Job, &RunOutputs, &AtomicBool) -> RunEnd + Sync + 'a;

@@ -1,4 +1,4 @@
-//! A panic in one run is that run's outcome, with its message and place, and nothing on the screen.
+//! Turns a panic in a run into that run's outcome, without output on the terminal.
 
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook, take_hook};
@@ -9,9 +9,9 @@ thread_local! {
     static CAUGHT: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Calls `f`; a panic in it becomes its words and place. Panics elsewhere are shown as ever.
+/// Calls `f` and returns a panic as its message and location. Panics elsewhere print as usual.
 ///
-/// What `f` worked on is not looked at after a panic but for being dropped, so it may be broken.
+/// After a panic, data of `f` is only dropped, so its invariants may be broken.
 pub(in crate::batch) fn catch_panic<T>(f: impl FnOnce() -> T) -> Result<T, String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
@@ -27,7 +27,7 @@ pub(in crate::batch) fn catch_panic<T>(f: impl FnOnce() -> T) -> Result<T, Strin
 fn keep(info: &PanicHookInfo) {
     let words = info.payload_as_str().unwrap_or("panicked");
     let place = info.location().map(|at| format!(" at {}:{}", at.file(), at.line())).unwrap_or_default();
-    // A second panic while the first unwinds would only follow from it.
+    // A second panic during unwinding is a consequence of the first.
     CAUGHT.with_borrow_mut(|caught| caught.get_or_insert_with(|| format!("panic: {words}{place}")).truncate(4000));
 }
 

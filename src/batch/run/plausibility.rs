@@ -1,4 +1,4 @@
-//! Marks runs whose robot has left the plausible, whether or not an expectation names it.
+//! Marks runs that end with the base at an implausible position, whatever the expectations.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -7,8 +7,8 @@ use crate::geometry::Plane;
 use crate::robot::Base;
 use crate::sim::{Metrics, Outcome};
 
-/// Depth of the base's origin below the floor from which a run is marked, m. Only soles touch the floor, so any other part of
-/// a robot that fell passes through it.
+/// Depth of the base's origin below the floor from which a run is marked, m. Only soles touch the
+/// floor, so other parts of a fallen robot pass through it.
 const SUNK: f64 = 1e-3;
 
 /// Distance of the base from its start beyond which a run is marked, m.
@@ -39,7 +39,7 @@ fn what(height: f64, shift: f64) -> Option<String> {
     }
 }
 
-/// Does a note mark its run?
+/// Does a note mark its run as implausible?
 pub fn marks_implausible(note: &str) -> bool {
     note.starts_with(MARK)
 }

@@ -1,4 +1,4 @@
-//! What a run costs. A run lives on one thread, so that thread's processor time is the run's.
+//! Measures the time of a run, which stays on one thread and so has that thread's processor time.
 
 use std::time::Instant;
 
@@ -6,7 +6,7 @@ use cpu_time::ThreadTime;
 
 use crate::results::{BUILD, Machine, Repeats, Timing};
 
-/// Started with a run, on its thread.
+/// Clock started with a run, on its thread.
 pub(in crate::batch) struct Clock {
     wall: Instant,
     cpu: Option<ThreadTime>,
@@ -14,7 +14,7 @@ pub(in crate::batch) struct Clock {
 
 impl Clock {
     pub fn start() -> Self {
-        // Not every system has a clock per thread; NaN says so.
+        // Without a clock per thread, the processor time is NaN.
         Self { wall: Instant::now(), cpu: ThreadTime::try_now().ok() }
     }
 
@@ -24,7 +24,7 @@ impl Clock {
         Lap { wall_s: self.wall.elapsed().as_secs_f64(), cpu_s }
     }
 
-    /// The same with the machine.
+    /// Time since the start, with machine and build.
     pub fn read(&self) -> Timing {
         let Lap { wall_s, cpu_s } = self.lap();
         Timing {
@@ -48,7 +48,7 @@ pub(in crate::batch) struct Lap {
     pub cpu_s: f64,
 }
 
-/// Least and median of repeated timings; none without any.
+/// Minimum and median of repeated timings; none without repetitions.
 pub(in crate::batch) fn repeats(laps: &[Lap]) -> Option<Repeats> {
     let (wall, cpu) = (sorted(laps, |l| l.wall_s), sorted(laps, |l| l.cpu_s));
     Some(Repeats {
@@ -66,7 +66,7 @@ fn sorted(laps: &[Lap], of: fn(&Lap) -> f64) -> Vec<f64> {
     times
 }
 
-/// Of sorted values, at least one.
+/// Median of at least one sorted value.
 fn median(sorted: &[f64]) -> f64 {
     let (low, high) = (sorted[(sorted.len() - 1) / 2], sorted[sorted.len() / 2]);
     0.5 * (low + high)

@@ -1,4 +1,4 @@
-//! The body of a run: builds it, simulates it, writes its log and its contact problems.
+//! Simulates one job: builds its setup, runs it, writes its log and contact problems.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -24,15 +24,15 @@ use crate::sim::RemoteRun;
 use crate::sim::sensing::EstimatorSetup;
 use crate::sim::{Observer, Outcome, Problems, RunError, Sample, Setup, SimEvent, Simulation, Snapshot};
 
-/// Simulates a job. Ends at the next step once `cancel` is set; scripts that are being loaded end too, if the caller made
-/// them [`interruptible`](crate::script::interruptible) by it.
+/// Simulates a job; ends at the next step once `cancel` is set. Loading of scripts ends too, if the
+/// caller made them [`interruptible`](crate::script::interruptible) by it.
 ///
-/// Where the scenario names a robot somewhere else, that one is driven instead of a simulated one.
+/// If the scenario names a remote robot, the tasks drive that robot instead of a simulated one.
 pub fn simulate(job: &Job, wanted: &RunOutputs, cancel: &AtomicBool) -> RunEnd {
     simulate_with_clients(job, wanted, cancel, None)
 }
 
-/// The same with somebody who looks on, unless it is a reference, which is no more than a means.
+/// Like [`simulate`], with live clients; references have none.
 pub fn simulate_with_clients(
     job: &Job,
     wanted: &RunOutputs,
@@ -48,8 +48,8 @@ pub fn simulate_with_clients(
     }
 }
 
-/// Simulates a job whose robot does what somebody else says instead of its tasks. `make` finds who, and may wait for it until the
-/// flag is raised.
+/// Simulates a job commanded by a [`CommandSource`] instead of its tasks. `make` creates the source
+/// and may wait for it until the flag is raised.
 pub fn simulate_with_command_source(
     job: &Job,
     wanted: &RunOutputs,
@@ -63,14 +63,14 @@ pub fn simulate_with_command_source(
             Err(stop) => return RunEnd { outcome: stop.outcome, ..RunEnd::error(stop.message) },
         };
         setup.command_source = Some(command_source);
-        // Tasks estimate, and keep bodies apart, where they run.
+        // State estimation and self-collision avoidance belong to the process of the tasks.
         setup.estimator = EstimatorSetup::Truth;
         setup.self_collision.iter_mut().for_each(|own| own.avoid = None);
         here(setup, observer, cancel)
     })
 }
 
-/// Builds a run, has it driven and keeps what it tells.
+/// Builds a run, drives it and records its data.
 fn drive(
     job: &Job,
     wanted: &RunOutputs,
@@ -80,7 +80,7 @@ fn drive(
 ) -> RunEnd {
     let setup = match setup(&job.run, &job.robot) {
         Ok(setup) => setup,
-        // All of it was built once before anything ran: a script that was ended from outside fails, but not by its own fault.
+        // Planning built every setup without an error, so this is a script that was interrupted.
         Err(_) if cancel.load(Ordering::Relaxed) => {
             return RunEnd { message: "interrupted".into(), ..RunEnd::of(Outcome::Cancelled) };
         }
@@ -100,7 +100,7 @@ fn drive(
     end
 }
 
-/// Hears what a run tells, and writes what is wanted of it.
+/// Observes a run and writes its requested outputs.
 struct Recorder<'a> {
     log: Option<LogWriter>,
     pacer: Option<Pacer>,
@@ -176,7 +176,7 @@ fn recorded(
 ) -> RunEnd {
     let log_rate = match recorder.log {
         None => 0.0,
-        // Somebody looks on at a run without a log.
+        // Live clients of a run without a log.
         Some(_) if setup.log_rate <= 0.0 => RATE,
         Some(_) => setup.log_rate,
     };
@@ -184,11 +184,11 @@ fn recorded(
     end.notes.extend(recorder.problems.and_then(|p| p.summary()));
     end.comparison = recorder.compared.map(|c| c.comparison()).unwrap_or_default();
     end.trajectory = recorder.kept;
-    // When cancelled, dropping it leaves a log that says of itself that it is not complete.
+    // When cancelled, dropping the writer leaves a log marked as incomplete.
     let log = recorder.log.filter(|_| end.outcome != Outcome::Cancelled);
     match log.map_or(Ok(()), LogWriter::finish) {
         Ok(()) => end,
-        // What went wrong first is told: after it nothing more could be written.
+        // The first error is reported: nothing could be written after it.
         Err(_) if end.outcome == Outcome::Error => end,
         Err(error) => RunEnd { outcome: Outcome::Error, message: error.to_string(), ..end },
     }
@@ -206,7 +206,7 @@ fn here(mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> R
     RunEnd { message, metrics: Some(simulation.metrics().clone()), notes, avoidance, ..RunEnd::of(outcome) }
 }
 
-/// Tasks here, the robot at the other end of a link.
+/// Runs the tasks here with a remote robot.
 fn elsewhere(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> RunEnd {
     let mut notes = std::mem::take(&mut setup.notes);
     let rate = job.run.scenario.control.rate;
@@ -247,7 +247,7 @@ fn open_log(
     )
 }
 
-/// Opens the log of a run whose robot and floor are these.
+/// Opens the log of a run with this robot and floor.
 pub(crate) fn open_log_of(
     (path, outlet): (Option<&Path>, Option<Box<dyn MessageSink>>),
     run: &Run,
@@ -259,7 +259,7 @@ pub(crate) fn open_log_of(
 ) -> Result<LogWriter, RecordError> {
     let (robot_file, urdf) = documents(robot);
     let scenario_name = format!("{}.toml", run.name);
-    // What is no text, such as a log that is played back, is only hashed.
+    // Binary inputs, such as a log for playback, are only hashed.
     let texts = run.inputs.iter().filter_map(|i| Some((i.name(), std::str::from_utf8(&i.bytes).ok()?)));
     let texts: Vec<_> = texts.collect();
     let inputs: Vec<_> = texts.iter().map(|(name, text)| AttachedText { name, text }).collect();
@@ -297,7 +297,7 @@ fn pose(floor: &Floor) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(floor.point), rotation)
 }
 
-/// The topics that a scenario wants.
+/// Topic groups that a scenario logs.
 pub(crate) fn topics(wanted: &[LogTopic]) -> TopicGroups {
     TopicGroups {
         state: wanted.contains(&LogTopic::State),
