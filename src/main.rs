@@ -1,4 +1,4 @@
-//! `runner`: scenarios of legged-robot contact in, logs, verdicts and one summary out.
+//! `runner`: simulates scenarios of legged-robot contact and writes logs, verdicts and a summary.
 
 mod cli;
 

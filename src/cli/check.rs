@@ -1,4 +1,4 @@
-//! `runner check`: everything that happens before the first step.
+//! `runner check`: validates scenarios without simulating them.
 
 use clap::Args;
 use stiction::batch::{CheckFinished, Message, Plan};
@@ -19,7 +19,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// Says what is wrong, else what there is.
+    /// Reports errors, or a summary if there are none.
     pub fn execute(self) -> Result<Exit, Exit> {
         let format = self.format.message_format;
         let plan = self.scenarios.prepare(usize::MAX, format);

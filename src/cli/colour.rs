@@ -1,4 +1,4 @@
-//! Are there colours: as is asked for, else only where a person looks.
+//! Decides whether output has colours: by `--color`, else only on a terminal.
 
 use std::ffi::OsString;
 use std::io::{IsTerminal, stderr, stdout};
@@ -17,8 +17,7 @@ pub enum Colour {
     Never,
 }
 
-/// Decides for the whole program, before anything is shown: what was typed is not parsed yet, but mistakes in it are told in
-/// colours too.
+/// Sets the choice for the whole program before parsing, so that usage errors have colours too.
 pub fn decide(typed: impl Iterator<Item = OsString>) {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
     let choice = match asked_for(typed) {
@@ -26,7 +25,7 @@ pub fn decide(typed: impl Iterator<Item = OsString>) {
         Colour::Never => ColorChoice::Never,
         Colour::Auto if set("NO_COLOR").is_some() => ColorChoice::Never,
         Colour::Auto => match set("CLICOLOR_FORCE") {
-            // The convention says that 0 is no; the library forces on any word.
+            // By convention 0 means no; the library forces colours for any value.
             Some(value) if value == "0" && stdout().is_terminal() && stderr().is_terminal() => ColorChoice::Always,
             Some(value) if value == "0" => ColorChoice::Never,
             _ => ColorChoice::Auto,
@@ -40,7 +39,7 @@ pub fn on_stderr() -> bool {
     AutoStream::choice(&stderr()) != ColorChoice::Never
 }
 
-/// The last `--color` before `--`; what is no answer to it is left to the parser.
+/// The last valid `--color` before `--`; the parser reports invalid values.
 fn asked_for(typed: impl Iterator<Item = OsString>) -> Colour {
     let mut asked = Colour::Auto;
     let mut typed = typed.map(|word| word.to_string_lossy().into_owned()).take_while(|word| word != "--");

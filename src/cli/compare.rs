@@ -1,4 +1,4 @@
-//! `runner compare`: what differs between two results.
+//! `runner compare`: lists differences between two results.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -44,7 +44,7 @@ enum Format {
 }
 
 impl Compare {
-    /// Prints what differs.
+    /// Prints the differences.
     pub fn execute(self) -> Result<Exit, Exit> {
         let refused = |error: &dyn std::error::Error| {
             complain_of(error);

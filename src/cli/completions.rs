@@ -1,4 +1,4 @@
-//! `runner completions`: what shells need to know to complete command lines.
+//! `runner completions`: prints shell completion scripts.
 
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
@@ -17,7 +17,7 @@ pub struct Completions {
 impl Completions {
     /// Prints a script that the shell reads.
     pub fn execute(self) -> Result<Exit, Exit> {
-        // Into memory first: the generator has no patience with a closed pipe.
+        // Into memory first: the generator panics on a closed pipe.
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut Arguments::command(), "runner", &mut script);
         print(&String::from_utf8_lossy(&script))?;

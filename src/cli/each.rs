@@ -1,4 +1,4 @@
-//! What is asked of each run, wherever it is made.
+//! Options that apply to each run, local or submitted.
 
 use std::time::Duration;
 
@@ -37,7 +37,7 @@ pub enum Which {
 }
 
 impl Which {
-    /// What to write of these.
+    /// The contact problems to write.
     pub fn problems(asked: Option<Which>) -> Problems {
         match asked {
             None => Problems::None,
@@ -53,7 +53,7 @@ impl Each {
         Which::problems(self.dump_problems)
     }
 
-    /// The same as arguments of `runner run`.
+    /// The options as arguments of `runner run`.
     pub fn words(&self) -> Vec<String> {
         let flags = [(self.no_timing, "--no-timing"), (self.no_log, "--no-log")];
         let flags = flags.into_iter().filter(|(set, _)| *set).map(|(_, flag)| flag.to_owned());

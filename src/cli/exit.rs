@@ -1,5 +1,4 @@
-//! Exit codes. They are API: scripts rely on them. What they mean stands here once: helps and manual pages are made from it,
-//! and a test holds docs/ci.md against it.
+//! Exit codes, which scripts rely on; the source of help, manual pages and a test of docs/ci.md.
 
 use std::error::Error;
 use std::io::ErrorKind;
@@ -10,19 +9,19 @@ use stiction::batch::Report;
 /// How the program ends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Exit {
-    /// All is well.
+    /// Success.
     Success = 0,
     /// An expectation did not hold, or something differs.
     Failed = 1,
     /// Wrong usage or invalid input; nothing was done.
     Invalid = 2,
-    /// A run did not finish, or what was made could not be written to the end.
+    /// A run did not finish, or output could not be written completely.
     Unfinished = 3,
     /// There is nothing to do.
     Nothing = 4,
-    /// Interrupted by a person: 128 and the number of SIGINT.
+    /// Interrupted by SIGINT: 128 plus its number.
     Interrupted = 130,
-    /// Interrupted by whoever asked the program to end: 128 and the number of SIGTERM.
+    /// Terminated by SIGTERM: 128 plus its number.
     Terminated = 143,
 }
 
@@ -33,8 +32,8 @@ impl Termination for Exit {
 }
 
 impl Exit {
-    /// After something could not be written: was it the place that was named, or what became of it since? Whoever named a
-    /// wrong place has to name another; a full disk is not their mistake.
+    /// Exit code of a write error: `Invalid` if the path is wrong, else, as on a full disk,
+    /// `Unfinished`.
     pub fn of_writing(error: &(dyn Error + 'static)) -> Self {
         let (mut cause, mut kind) = (Some(error), None);
         while let Some(error) = cause {
@@ -86,7 +85,7 @@ impl Exit {
     }
 }
 
-/// Codes of a command, with what they mean there.
+/// Exit codes of a command with their meanings.
 pub type Codes = [(Exit, &'static str)];
 
 const SCENARIO: &str = "wrong usage, or a scenario, robot or filter is invalid";
@@ -232,10 +231,10 @@ pub fn codes(command: &str) -> &'static Codes {
     }
 }
 
-/// Columns of a terminal that helps are laid out for.
+/// Width of help texts, columns.
 const WIDTH: usize = 80;
 
-/// Below the help of a command.
+/// Text below the help of a command.
 pub fn help(command: &str) -> String {
     let mut out = "Exit codes:".to_owned();
     for (exit, meaning) in codes(command) {

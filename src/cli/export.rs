@@ -1,4 +1,4 @@
-//! `runner export`: a log's time series as CSV, Parquet or columns of text.
+//! `runner export`: writes a log's time series as CSV, Parquet or columns of text.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -101,7 +101,7 @@ enum Unit {
 }
 
 impl Export {
-    /// Reads the log and writes what is wanted of it.
+    /// Reads the log and writes the selected data.
     pub fn execute(self) -> Result<Exit, Exit> {
         let format = self.format()?;
         let log = self.read()?;
@@ -227,7 +227,7 @@ fn by_ending(path: &Path) -> Result<Kind, Exit> {
     }
 }
 
-/// Do both names lead to one file that exists.
+/// Do both paths name the same existing file?
 fn same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

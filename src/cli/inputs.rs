@@ -1,10 +1,10 @@
-//! Scenario files from what was typed: files, and folders standing for the scenarios in them.
+//! Resolves command-line paths to scenario files; a folder stands for the scenarios in it.
 
 use std::path::{Path, PathBuf};
 
 use super::{Exit, terminal};
 
-/// Commands, for those who misspell one.
+/// Command names, for suggestions on a misspelt one.
 const COMMANDS: [&str; 16] = [
     "run",
     "check",
@@ -26,13 +26,13 @@ const COMMANDS: [&str; 16] = [
 
 /// Why there are no files.
 pub enum Unusable {
-    /// What is wrong with what was typed.
+    /// The errors in the arguments.
     Wrong(Vec<String>),
-    /// There are none where they were looked for.
+    /// The folders contain no scenario.
     Nothing(String),
 }
 
-/// The files, those of a folder in alphabetical order.
+/// Returns the files; those of a folder in alphabetical order.
 pub fn scenario_files(typed: &[PathBuf]) -> Result<Vec<PathBuf>, Unusable> {
     let mut files = Vec::new();
     let mut wrong = Vec::new();
@@ -62,7 +62,7 @@ pub fn scenario_files(typed: &[PathBuf]) -> Result<Vec<PathBuf>, Unusable> {
     }
 }
 
-/// The absolute path of a file as text, for a command that is run elsewhere.
+/// The absolute path of a file as text, for a command on another machine.
 pub fn absolute_text(path: &Path) -> Result<String, Exit> {
     let refused = |why: &str| {
         terminal::complain_of(format!("{}: {why}", path.display()));
@@ -77,18 +77,18 @@ fn scenarios_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
-        // A link that leads nowhere was meant to be a scenario.
+        // A dangling link counts as a scenario, so that loading it reports the error.
         let lost = path.is_symlink() && !path.exists();
         if path.extension().is_some_and(|e| e == "toml") && (path.is_file() || lost) {
             found.push(path);
         }
     }
-    // The file system has an order of its own.
+    // Directory order depends on the file system.
     found.sort();
     Ok(found)
 }
 
-/// The command that a path which leads nowhere resembles.
+/// The command that a nonexistent path resembles.
 fn misspelt(path: &Path) -> Option<&'static str> {
     let word = path.to_str().filter(|w| !w.contains(['.', '/', '\\']) && !path.exists())?;
     COMMANDS.into_iter().find(|command| strsim::damerau_levenshtein(word, command) <= 2)

@@ -1,4 +1,4 @@
-//! `runner inspect`: a robot as the simulator sees it.
+//! `runner inspect`: describes a robot as the simulator uses it.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! `runner list`: the runs that scenarios expand to.
+//! `runner list`: lists the runs that scenarios expand to.
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};

@@ -1,4 +1,4 @@
-//! What other programs are told: JUnit XML, and messages on standard output.
+//! Output for other programs: JUnit XML, and JSON messages on standard output.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub enum MessageFormat {
 }
 
 impl MessageFormat {
-    /// Prints a message, if messages are wanted.
+    /// Prints a message, if messages are enabled.
     pub fn tell(self, message: Message) -> Result<(), Exit> {
         match self {
             MessageFormat::Human => Ok(()),
@@ -26,9 +26,9 @@ impl MessageFormat {
         }
     }
 
-    /// Prints findings as messages, if messages are requested.
+    /// Prints findings as messages, if messages are enabled.
     pub fn tell_findings(self, findings: &Findings) -> Result<(), Exit> {
-        // Making them may take long.
+        // Rendering them may take long.
         if self == MessageFormat::Human {
             return Ok(());
         }
@@ -53,7 +53,7 @@ pub struct TestResults {
 }
 
 impl TestResults {
-    /// One who listens and writes them, if they are wanted.
+    /// Listener that writes test results, if requested.
     pub fn listener(&self, plan: &Plan, options: &Options) -> Result<Option<Junit>, BatchError> {
         self.junit.as_deref().map(|path| Junit::new(path, plan, &options.output, options.slow)).transpose()
     }

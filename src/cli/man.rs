@@ -55,12 +55,12 @@ fn page(command: Command) -> io::Result<(String, String)> {
     let codes = exit::codes(command.get_name());
     let below = command.get_after_help().map(ToString::to_string).unwrap_or_default();
     let notes = below.strip_prefix(&exit::help(command.get_name())).unwrap_or_default().trim().to_owned();
-    // The exit codes have a section of their own, and so has what else stands below the help.
+    // Exit codes and other text below the help get sections of their own.
     let command = command.after_help(Resettable::<StyledStr>::Reset).mut_args(|argument| {
         let many = argument.get_num_args().is_some_and(|count| count.max_values() > 1);
         match argument.get_value_names() {
             Some([name]) if many && argument.is_positional() => {
-                // Names live as long as the program; a page is made once.
+                // clap requires a static name; each page is generated once.
                 let name: &'static str = format!("{name}{MANY}").leak();
                 argument.value_name(name)
             }
@@ -71,7 +71,7 @@ fn page(command: Command) -> io::Result<(String, String)> {
     let mut text = Vec::new();
     man.render(&mut text)?;
     let text = String::from_utf8_lossy(&text).into_owned();
-    // The dots stand behind the bracket, as in helps.
+    // Dots follow the bracket, as in help texts.
     let text = text.replace(&format!("{MANY}\\fR>"), "\\fR>...").replace(&format!("{MANY}\\fR]"), "\\fR]...");
     let mut status = Roff::default();
     status.control("SH", ["EXIT STATUS"]);

@@ -1,4 +1,4 @@
-//! `runner merge`: the results of shards in one folder.
+//! `runner merge`: merges the results of shards into one folder.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -56,7 +56,7 @@ impl Merge {
     }
 }
 
-/// As `run` shows it, but for notes and times.
+/// The summary of `run` without notes and times.
 fn summary(merged: &Merged, page: &Path) -> String {
     let rows: Vec<_> = merged.runs.iter().map(|run| run.record.summary_row()).collect();
     let marked = merged.runs.iter().filter(|run| run.record.notes.iter().any(|note| marks_implausible(note)));
@@ -68,7 +68,7 @@ fn summary(merged: &Merged, page: &Path) -> String {
     }
     out += "\nwritten:\n";
     for path in [&*merged.summary.csv, &merged.summary.parquet, &merged.runs_log, page] {
-        // A String takes every write.
+        // Writing to a String cannot fail.
         let _ = writeln!(out, "  {}", visible_path(path));
     }
     out

@@ -1,4 +1,4 @@
-//! What is typed, and what is shown for it: one file per command.
+//! Command line of `runner`: one file per command.
 
 mod check;
 mod colour;
@@ -45,12 +45,12 @@ pub struct Arguments {
     #[command(flatten)]
     run: run::Run,
     /// When errors and help have colours
-    // Read before the command line is parsed, see `colour`; here it is checked and described.
+    // `colour` reads it before parsing; here it is only checked and described.
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t = colour::Colour::Auto)]
     color: colour::Colour,
 }
 
-/// Decides about colours from what was typed and from the environment.
+/// Sets colours from the arguments and the environment.
 pub fn decide_colours() {
     colour::decide(std::env::args_os().skip(1));
 }
@@ -109,7 +109,7 @@ pub enum Command {
 }
 
 impl Arguments {
-    /// What was typed. Help, version and mistakes are told here, and how the program ends after them is returned.
+    /// Parses the command line. After help, version or a usage error, returns the exit code.
     pub fn typed() -> Result<Self, Exit> {
         Self::try_parse().map_err(|told| {
             let outcome = told.print().and_then(|()| std::io::stdout().flush());
@@ -120,7 +120,7 @@ impl Arguments {
         })
     }
 
-    /// The command that was typed; `run` when none was.
+    /// The given command; `run` by default.
     pub fn into_command(self) -> Command {
         self.command.unwrap_or(Command::Run(self.run))
     }

@@ -1,10 +1,10 @@
-//! Numbers as they are typed, and what is wanted where something else is.
+//! Parses numeric arguments, with error messages.
 
 use std::num::{IntErrorKind, ParseIntError};
 use std::str::FromStr;
 use std::time::Duration;
 
-/// A whole number of 1 or more: a type that has no others.
+/// A whole number of 1 or more, for types without 0.
 pub fn count<N: FromStr<Err = ParseIntError>>(text: &str) -> Result<N, String> {
     text.trim().parse().map_err(|error: ParseIntError| match error.kind() {
         IntErrorKind::PosOverflow => "it is larger than any that is taken here".into(),

@@ -1,4 +1,4 @@
-//! What commands about scenarios share: which ones, with what changes, checked and expanded.
+//! Selects, overrides, checks and expands scenarios for the commands that take them.
 
 use std::num::NonZero;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use stiction::scenario::{DEFAULT_MAX_RUNS, Diagnostic, parse_override};
 use super::machine::MessageFormat;
 use super::{Exit, colour, inputs, numbers, terminal};
 
-/// Runs that are expanded when nothing is said.
+/// Default limit of expanded runs.
 const MOST_RUNS: NonZero<usize> = NonZero::new(DEFAULT_MAX_RUNS).expect("it is above 0");
 
 /// Scenarios, and which part of their runs.
@@ -43,14 +43,14 @@ pub struct Selection {
     strict: bool,
 }
 
-/// Tells why there is nothing to prepare, if messages are wanted; returns how to end.
+/// Prints a diagnostic message if messages are enabled; returns the exit code.
 fn tell(format: MessageFormat, severity: &'static str, words: &str, exit: Exit) -> Exit {
     let (message, rendered) = (words.to_owned(), format!("{severity}: {words}"));
     let told = DiagnosticMessage { severity, message, rendered, ..DiagnosticMessage::default() };
     format.tell(Message::Diagnostic(told)).err().unwrap_or(exit)
 }
 
-/// A value under its path, and the words that said so.
+/// A value under its path, with the typed text.
 #[derive(Clone, Debug)]
 struct Override {
     typed: String,
@@ -63,7 +63,7 @@ impl Override {
     }
 }
 
-/// A part, and whether an array of Slurm was asked for it.
+/// A shard, and whether a Slurm job array selected it.
 #[derive(Clone, Copy, Debug)]
 struct Asked {
     shard: Shard,
@@ -78,8 +78,7 @@ impl Asked {
 }
 
 impl Scenarios {
-    /// Loads, expands and checks everything; shows what there is to say from this severity on, as messages too if
-    /// these are wanted.
+    /// Loads, expands and checks everything; reports findings, at most `notes` notes of them.
     pub fn prepare(&self, notes: usize, format: MessageFormat) -> Result<Plan, Exit> {
         let mut plan = self.selection.prepare(notes, format)?;
         if let Some(Asked { shard, by_array }) = self.shard {
@@ -108,7 +107,7 @@ pub fn only(plan: &Plan) -> Result<(), Exit> {
 }
 
 impl Selection {
-    /// See [`Scenarios::prepare`]: of all parts.
+    /// Like [`Scenarios::prepare`], for all shards.
     pub fn prepare(&self, notes: usize, format: MessageFormat) -> Result<Plan, Exit> {
         let say = |findings: &Findings| {
             terminal::show(findings, Severity::Note, notes);
@@ -163,7 +162,7 @@ impl Selection {
         Ok(plan)
     }
 
-    /// The same as arguments for another place: files by their absolute paths.
+    /// The selection as arguments for another machine, with absolute paths.
     pub fn words(&self) -> Result<Vec<String>, Exit> {
         let mut words: Vec<String> = self.overrides.iter().map(|o| format!("--set={}", o.typed)).collect();
         words.extend(self.filter.iter().map(|filter| format!("--filter={filter}")));

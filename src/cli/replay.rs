@@ -1,4 +1,4 @@
-//! `runner replay`: runs again from their records, compared bit for bit.
+//! `runner replay`: repeats runs from their records and compares them bit for bit.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -39,7 +39,7 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Runs each again and says what came of it.
+    /// Repeats each run and reports the comparison.
     pub fn execute(self) -> Result<Exit, Exit> {
         let mut all: Vec<RecordedRun> = Vec::new();
         for what in &self.what {
@@ -58,7 +58,7 @@ impl Replay {
                 Ok(true) => same += 1,
                 Ok(false) => differ += 1,
                 Err(Exit::Interrupted) => return Err(asked.exit()),
-                // Others may be made again all the same.
+                // Continue with the other runs.
                 Err(exit) => unknown.push(exit),
             }
         }
@@ -74,7 +74,7 @@ impl Replay {
         Ok(worst.unwrap_or(if differ == 0 { Exit::Success } else { Exit::Failed }))
     }
 
-    /// Makes one run again; did it give the same?
+    /// Repeats one run; true if nothing differs.
     fn is_same(&self, left: &RecordedRun, running: &Mutex<Option<Interrupter>>) -> Result<bool, Exit> {
         let temporary = tempfile::tempdir().map_err(|error| refuse(format!("no temporary folder: {error}")))?;
         let output: &Path = self.output.as_deref().unwrap_or(temporary.path());
@@ -113,7 +113,7 @@ impl Replay {
     }
 }
 
-/// The running run is cancelled: what it would leave is of no use.
+/// Cancels the active run, whose output would be useless.
 fn stop(running: &Mutex<Option<Interrupter>>, exit: Exit) {
     let slot = running.lock().ok().and_then(|slot| slot.clone());
     match slot {
@@ -137,7 +137,7 @@ fn refuse(why: impl Into<Refusal>) -> Exit {
                 show(findings, Severity::Error, 0);
             }
             complain_of(&error);
-            // Folder and threads are looked at before anything runs; what comes later is the disk.
+            // Folder and threads are checked before anything runs; later errors come from the disk.
             match &error {
                 ReplayError::Batch(BatchError::Record(cause)) => Exit::of_writing(cause),
                 _ => Exit::Invalid,

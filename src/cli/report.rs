@@ -1,4 +1,4 @@
-//! `runner report`: summary and page from the records.
+//! `runner report`: rewrites summary and page from the records.
 
 use std::path::PathBuf;
 
@@ -64,7 +64,7 @@ impl Report {
         Ok(Exit::Success)
     }
 
-    /// The places of the runs that the keys name, each of which must name some, and their keys.
+    /// Positions and keys of the runs that the arguments name; each argument must match a run.
     fn pictured(&self, listing: &Listing) -> Result<(Vec<usize>, Pictured), Exit> {
         if self.runs.is_empty() {
             return Ok((Vec::new(), Pictured::Few));

@@ -1,4 +1,4 @@
-//! `runner run`: simulate, judge, record.
+//! `runner run`: simulates scenarios, evaluates and records them.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -25,10 +25,10 @@ use super::signals::when_asked_to_end;
 use super::terminal::{complain, complain_of, counted, plural, print};
 use super::{Exit, numbers, terminal};
 
-/// Lines of one kind, such as notes, that are shown without `--verbose`.
+/// Maximum lines of one kind, such as notes, without `--verbose`.
 const MOST_LINES: usize = 20;
 
-/// Notes about robots and scenarios that are shown without `--verbose`.
+/// Maximum notes about robots and scenarios without `--verbose`.
 const MOST_NOTES: usize = 3;
 
 /// Which verdicts a table shows.
@@ -85,7 +85,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Checks everything, runs everything, and shows what came of it.
+    /// Checks and runs everything, and shows the results.
     pub fn execute(self) -> Result<Exit, Exit> {
         let format = self.format.message_format;
         let mut last = BatchFinished::default();
@@ -95,7 +95,7 @@ impl Run {
         done
     }
 
-    /// Does all of this, and leaves what there is to tell of it at the end.
+    /// Runs the batch and fills in its last message.
     fn batch(self, last: &mut BatchFinished) -> Result<Exit, Exit> {
         let format = self.format.message_format;
         let notes = if self.verbose { usize::MAX } else { MOST_NOTES };
@@ -118,7 +118,7 @@ impl Run {
         let side_by_side = options.jobs.min(runs + references);
         let started = BatchStarted { jobs: side_by_side, ..BatchStarted::new(&plan, &options) };
         let mut junit = self.junit.listener(&plan, &options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
-        // Runs are made even if nobody can be told of them: a line that was not taken is an error of the last one.
+        // Runs continue after a failed write; printing the last message then fails.
         let mut teller = MessageWriter::new(&options, |line| {
             let _ = print(&line);
         });
@@ -145,7 +145,7 @@ impl Run {
             &|job, wanted, cancel| simulate_with_clients(job, wanted, cancel, audience.as_deref()),
         );
         tell(audience.as_deref());
-        // Also when the batch came to a bad end: what finished is known.
+        // Written even if the batch failed: finished runs are known.
         let junit = junit.map(Junit::write);
         let report = report.map_err(|error| {
             if let Some(Err(error)) = &junit {
@@ -159,7 +159,7 @@ impl Run {
             ));
             exit
         })?;
-        // Test results that could not be written to the end leave the others as they are, and are told below them.
+        // An error in writing test results is reported after the other results.
         let (junit, unwritten) = match junit {
             Some(Ok(path)) => (Some(path), None),
             Some(Err(error)) => (None, Some(error)),
@@ -177,14 +177,14 @@ impl Run {
     }
 }
 
-/// Tells what went wrong with the batch as a whole, now and in the last message.
+/// Reports an error of the whole batch, now and in the last message.
 fn refuse(error: &dyn std::error::Error, last: &mut BatchFinished, exit: Exit) -> Exit {
     complain_of(error);
     last.error = Some(error.to_string());
     exit
 }
 
-/// What is there already, and why other runs are made again.
+/// Reports finished runs, and why others run again.
 fn resumed(resumed: &Resumed) {
     complain(&format!("resumed: {} done already", counted(resumed.runs(), resumed.references())));
     if resumed.other_builds() > 0 {
@@ -207,16 +207,16 @@ fn resumed(resumed: &Resumed) {
     }
 }
 
-/// What a summary on standard output shows.
+/// Contents of the summary on standard output.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shows<'a> {
-    /// The table of verdicts; none: only those that did not hold, in the lines of their runs.
+    /// The table of verdicts; none: only those that failed, in the lines of their runs.
     pub verdicts: Option<Verdicts>,
     /// Everything, run by run.
     pub verbose: bool,
-    /// Runs that took longer are named.
+    /// Wall-clock time above which runs are named as slow.
     pub slow: Option<Duration>,
-    /// Where test results were written.
+    /// File of the test results.
     pub junit: Option<&'a Path>,
 }
 
@@ -243,7 +243,7 @@ pub(super) fn summary(report: &Report, shows: Shows) -> String {
     let batch = [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page).map(PathBuf::as_path);
     let runs = report.references.iter().chain(&report.finished).filter(|_| shows.verbose).flat_map(|f| &f.files);
     for path in batch.chain(shows.junit).chain(runs.map(PathBuf::as_path)) {
-        // A String takes every write.
+        // Writing to a String cannot fail.
         let _ = writeln!(out, "  {}", visible_path(path));
     }
     if !shows.verbose {

@@ -1,4 +1,4 @@
-//! `runner schema`: formats for editors and other programs.
+//! `runner schema`: prints schemas of the formats for editors and other programs.
 
 use clap::{Args, ValueEnum};
 use stiction::schema_page::{Notation, page};

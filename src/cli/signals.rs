@@ -1,23 +1,23 @@
-//! Being asked to end: by Ctrl-C, and where there are signals by SIGTERM, which schedulers and servers send before they kill.
-//! SIGHUP is left alone, so that `nohup` and the like work as ever.
+//! Handles Ctrl-C and, on Unix, SIGTERM, which schedulers and servers send before they kill. SIGHUP
+//! keeps its default action, so that `nohup` works.
 
 use std::sync::{Arc, OnceLock};
 
 use super::Exit;
 use super::terminal::complain;
 
-/// How the program ends when it ends because it was asked to.
+/// Exit code of the first signal, once one arrived.
 #[derive(Clone, Default)]
 pub struct Asked(Arc<OnceLock<Exit>>);
 
 impl Asked {
-    /// By the first who asked.
+    /// Exit code of the first signal.
     pub fn exit(&self) -> Exit {
         self.0.get().copied().unwrap_or(Exit::Interrupted)
     }
 }
 
-/// Calls `act` each time that somebody asks. What cannot be heard is told, and ends the program at once as ever.
+/// Calls `act` on each signal. Warns of a signal that cannot be handled and so ends the program.
 pub fn when_asked_to_end(act: impl Fn(Exit) + Clone + Send + 'static) -> Asked {
     let asked = Asked::default();
     let hear = |exit: Exit| {

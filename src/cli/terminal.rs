@@ -1,4 +1,4 @@
-//! Standard output and standard error, which may be pipes that nobody reads any more.
+//! Writes to standard output and standard error, which may be closed pipes.
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -13,11 +13,10 @@ use super::{Exit, colour};
 /// Width of tables where there is no terminal, in characters.
 const WIDTH: usize = 1000;
 
-/// Has standard output failed to take something? What comes after a gap would mislead whoever reads it.
+/// Set once a write to standard output failed: output after a gap would mislead its reader.
 static GAP: AtomicBool = AtomicBool::new(false);
 
-/// Writes results to standard output. A pipe that was closed has had all it wanted; any other trouble is an error, which is
-/// told once and stays.
+/// Writes results to standard output. Only a closed pipe is no error; errors are reported once.
 pub fn print(text: &str) -> Result<(), Exit> {
     if GAP.load(Ordering::Relaxed) {
         return Err(Exit::Unfinished);
@@ -26,7 +25,7 @@ pub fn print(text: &str) -> Result<(), Exit> {
     written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }
 
-/// What became of something written to standard output, told if it is trouble.
+/// Checks the result of a write to standard output and reports an error.
 pub fn written(outcome: std::io::Result<()>) -> Result<(), Exit> {
     match outcome {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -38,23 +37,22 @@ pub fn written(outcome: std::io::Result<()>) -> Result<(), Exit> {
     }
 }
 
-/// Says something on standard error; if nobody listens, so be it. Names in it may have control characters, which are shown
-/// and not obeyed.
+/// Writes a line to standard error, ignoring failure; control characters are shown as escapes.
 pub fn complain(text: &str) {
     complain_drawn(&visible_lines(text));
 }
 
-/// The same of what is drawn already, with colours.
+/// Like [`complain`], for text already rendered with colours.
 pub fn complain_drawn(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Says what went wrong, as a diagnostic without a place is said.
+/// Reports an error as a diagnostic without a position.
 pub fn complain_of(wrong: impl Display) {
     complain_drawn(&Diagnostic::bare(&visible_lines(&wrong.to_string()), colour::on_stderr()));
 }
 
-/// Writes findings of at least this severity, of notes at most so many, then the numbers of errors and warnings.
+/// Writes findings from this severity on, at most `notes` notes, and counts errors and warnings.
 pub fn show(findings: &Findings, least: Severity, mut notes: usize) {
     let colour = colour::on_stderr();
     let hidden = if notes == 0 { 0 } else { findings.count(Severity::Note).saturating_sub(notes) };
@@ -80,7 +78,7 @@ pub fn show(findings: &Findings, least: Severity, mut notes: usize) {
     }
 }
 
-/// Columns that a table may take: of the variable COLUMNS, else of the terminal, else enough for a wide table in a file.
+/// Width of tables, columns: the variable COLUMNS, else the terminal, else enough for a wide table.
 pub fn width() -> usize {
     let set = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok()).filter(|columns| *columns > 0);
     set.or_else(|| terminal_size::terminal_size().map(|(width, _)| usize::from(width.0))).unwrap_or(WIDTH)

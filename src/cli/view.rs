@@ -1,4 +1,4 @@
-//! `runner view`: a run's log as a page on which it plays.
+//! `runner view`: shows a run's log as an animated page.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -68,7 +68,7 @@ impl View {
     }
 
     fn serve(self, runs: ViewableRuns) -> Result<Exit, Exit> {
-        // A log that stands alone is looked at before the page is; others when they are chosen.
+        // A single log is checked before serving; others are read when selected.
         if let [run] = runs.shown() {
             DrawnRun::read(&run.log).map_err(refuse)?;
         }
@@ -89,7 +89,7 @@ impl View {
     }
 }
 
-/// Opens an address with what the system has for that.
+/// Opens an address with the system's program for it.
 fn open(address: &str) {
     let program = match std::env::consts::OS {
         "macos" => "open",
