@@ -1,18 +1,18 @@
-//! Going to a time or an event of a recording: `jump`.
+//! Commands `jump` and `now`: select an instant of the recording, or return to the simulation.
 
+use crate::console::arguments::Arguments;
 use crate::console::error::ConsoleError;
-use crate::console::recording::Recording;
+use crate::console::recording_commands::Recording;
 use crate::console::session::Session;
-use crate::console::words::Words;
 use crate::export::{self, Selection, Values};
 use crate::log::{LoggedEvent, Trajectory};
 
-/// An instant of the recording.
+/// Selected instant of the recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cursor {
-    /// Its time, s: that of the event or the one asked for.
+    /// Selected time or time of the selected event, s.
     pub time: f64,
-    /// The instant of the log that is shown: the last one that is not after the time.
+    /// Index of the displayed log instant: the last one not after `time`.
     pub tick: usize,
 }
 
@@ -24,23 +24,23 @@ impl Cursor {
 }
 
 impl Session {
-    pub(super) fn jump(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
+    pub(super) fn jump(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
         let was = self.cursor.map(|cursor| cursor.time);
         let recording = self.finished_recording()?;
         let (first, last) = recording.span();
         let now = was.unwrap_or(first);
-        let mut told = String::new();
-        let word = words.need("a time, `start`, `end`, `next`, `previous`, `event` or `when`")?.to_owned();
+        let mut output = String::new();
+        let word = args.need("a time, `start`, `end`, `next`, `previous`, `event` or `when`")?.to_owned();
         let time = match word.as_str() {
             "start" => first,
             "end" => last,
             "next" | "previous" => {
-                let event = seek(recording, now, word == "next", was.is_none(), words)?;
-                told = line(event);
+                let event = seek(recording, now, word == "next", was.is_none(), args)?;
+                output = line(event);
                 event.time
             }
             "event" => {
-                let number = words.number("the number of an event")?;
+                let number = args.number("the number of an event")?;
                 let events = &recording.log.events;
                 let event = Some(number).filter(|n| n.fract() == 0.0 && *n >= 0.0).and_then(|n| events.get(n as usize));
                 let event = event.ok_or_else(|| {
@@ -49,21 +49,21 @@ impl Session {
                         events.len()
                     ))
                 })?;
-                told = line(event);
+                output = line(event);
                 event.time
             }
-            "when" => when(recording, now, was.is_none(), words)?,
+            "when" => when(recording, now, was.is_none(), args)?,
             text => relative(text, now)?,
         };
-        words.done()?;
+        args.done()?;
         if !(first - 1e-9..=last + 1e-9).contains(&time) {
             return Err(ConsoleError::usage(format!("{time} s is outside of the recording, {first} s to {last} s")));
         }
         let cursor = Cursor::at(&recording.log, time);
-        told += &format!("recording at {} s", recording.log.times[cursor.tick]);
+        output += &format!("recording at {} s", recording.log.times[cursor.tick]);
         self.player = None;
         self.cursor = Some(cursor);
-        Ok(told + "\n")
+        Ok(output + "\n")
     }
 
     pub(super) fn now(&mut self) -> String {
@@ -85,33 +85,36 @@ fn line(event: &LoggedEvent) -> String {
     format!("{} {}\n", event.time, words.join(" "))
 }
 
-/// `next KIND [SUBJECT]`: the next or the last event of a kind; any when no kind is said.
+/// `next|previous [KIND [SUBJECT]]`: the next or previous event of a kind; of any kind if not given.
 fn seek<'a>(
     recording: &'a Recording,
     now: f64,
     forward: bool,
     at_start: bool,
-    words: &mut Words,
+    args: &mut Arguments,
 ) -> Result<&'a LoggedEvent, ConsoleError> {
-    let kind = words.next().map(str::to_owned);
-    let subject = words.next().map(str::to_owned);
-    let meant = |e: &&LoggedEvent| {
+    let kind = args.next().map(str::to_owned);
+    let subject = args.next().map(str::to_owned);
+    let matching = |e: &&LoggedEvent| {
         kind.as_ref().is_none_or(|kind| *kind == e.kind) && subject.as_ref().is_none_or(|s| *s == e.subject)
     };
     let mut all = recording.log.events.iter();
     let beyond = |time: f64| time > now + 1e-9 || at_start && time >= now;
-    let found =
-        if forward { all.find(|e| beyond(e.time) && meant(e)) } else { all.rfind(|e| e.time < now - 1e-9 && meant(e)) };
+    let found = if forward {
+        all.find(|e| beyond(e.time) && matching(e))
+    } else {
+        all.rfind(|e| e.time < now - 1e-9 && matching(e))
+    };
     let what = [kind.as_deref().unwrap_or("event"), subject.as_deref().unwrap_or("")].join(" ");
     let way = if forward { "after" } else { "before" };
     found.ok_or_else(|| ConsoleError::usage(format!("no {} {way} {now} s", what.trim())))
 }
 
-/// `when COLUMN < VALUE`: the next instant at which this is so and was not before.
-fn when(recording: &Recording, now: f64, at_start: bool, words: &mut Words) -> Result<f64, ConsoleError> {
-    let column = words.need("a column")?.to_owned();
-    let sign = words.need("`<`, `>` or `=`")?.to_owned();
-    let wanted = words.need("a value")?.to_owned();
+/// `when COLUMN < VALUE`: the next instant at which the condition becomes true.
+fn when(recording: &Recording, now: f64, at_start: bool, args: &mut Arguments) -> Result<f64, ConsoleError> {
+    let column = args.need("a column")?.to_owned();
+    let sign = args.need("`<`, `>` or `=`")?.to_owned();
+    let wanted = args.need("a value")?.to_owned();
     let log = &recording.log;
     let table = export::series(log, &Selection { columns: vec![column.clone()], ..Selection::default() })?;
     let values = table.column(&column).ok_or_else(|| ConsoleError::usage(format!("`{column}` is a pattern")))?;

@@ -1,4 +1,4 @@
-//! Why a line at the console does nothing.
+//! Error type of the console.
 
 use std::path::PathBuf;
 
@@ -8,24 +8,24 @@ use crate::log::LogError;
 use crate::scenario::Diagnostics;
 use crate::sim::RunError;
 
-/// Why a line does nothing, or ends the session's run.
+/// Error of a command, or of the session's run.
 #[derive(Debug, thiserror::Error)]
 pub enum ConsoleError {
-    /// The line is not what the command wants.
+    /// Invalid arguments, or a command that is impossible at present.
     #[error("{0}")]
     Usage(String),
-    /// The scenario would not be sound.
+    /// The edited scenario would be invalid.
     #[error("{0}")]
     Scenario(Diagnostics),
-    /// The run has ended and goes on no more.
+    /// The run has terminated early.
     #[error("the run has ended at {time} s: {stop}; `undo` takes the last change back, `reset` begins anew")]
     Over {
-        /// When, s.
+        /// Time of termination, s.
         time: f64,
-        /// Why.
+        /// Cause.
         stop: RunError,
     },
-    /// A `expect` that does not hold.
+    /// An `expect` does not hold, or an event of `run until` did not occur.
     #[error("{0}")]
     Expectation(String),
     /// A recording cannot be written.
@@ -34,30 +34,30 @@ pub enum ConsoleError {
     /// A recording cannot be read.
     #[error(transparent)]
     Log(#[from] LogError),
-    /// Columns that are not there, or a file that cannot be written.
+    /// Unknown columns, or a table that cannot be written.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// The file system refuses.
+    /// Input or output error.
     #[error("{path}: {source}")]
     Io {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
 }
 
 impl ConsoleError {
-    /// Wrong words, with what is wanted.
-    pub(super) fn usage(words: impl Into<String>) -> Self {
-        ConsoleError::Usage(words.into())
+    /// A usage error with this text.
+    pub(super) fn usage(text: impl Into<String>) -> Self {
+        ConsoleError::Usage(text.into())
     }
 
-    /// For a person, with colours if they are wanted.
+    /// Text for the terminal, coloured if requested.
     pub fn render(&self, colour: bool) -> String {
         match self {
             ConsoleError::Scenario(diagnostics) => diagnostics.render(colour),
-            // On a command line it is an option.
+            // The export error names the option of `runner export`.
             _ => format!("error: {self}").replace("`--list-columns` shows", "`columns` shows"),
         }
     }

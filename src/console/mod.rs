@@ -1,30 +1,30 @@
-//! A session at the console: a scenario that is simulated step by step and changed while it goes on.
+//! Interactive session: simulates a scenario step by step and edits it at control ticks.
 //!
-//! ```text
-//! a line -> words -> the table of commands -> the scenario with one entry more -> read and built as any scenario
-//!                                                                              -> the simulation goes on as that one's
-//! ```
+//! Each command that changes the motion adds an entry to the scenario, such as an event, a task or a
+//! force, at the present control tick. The edited document is read and built like any scenario, and the
+//! simulation continues with it. So a session is a scenario at any time, and a saved session replays to
+//! the same bits.
 //!
-//! Whatever changes the motion is an entry of the scenario: an event, a task, a force, at the control tick at which it was typed.
-//! So the session is a scenario at any time, and what is saved of it replays to the same bits.
+//! Imports `scenario`, `assemble`, `sim`, `log`, `export`, `files`, `batch` (jobs, opening of logs, live
+//! clients) and rooms below them. Called by `cli` (`runner console`).
 
+mod arguments;
 mod commands;
-mod complete;
+mod completion;
 mod cursor;
-mod document;
-mod edit;
+mod displayed_log;
 mod error;
-mod motion;
 mod player;
 mod query;
-mod recording;
+mod recording_commands;
+mod run_control;
+mod scenario_document;
+mod scenario_edits;
 mod session;
-mod shown;
-mod tap;
-mod tasks;
-mod words;
+mod session_observer;
+mod task_commands;
 
 pub use commands::{COMMANDS, Command, reference};
-pub use complete::{Names, complete};
+pub use completion::{Names, complete};
 pub use error::ConsoleError;
 pub use session::Session;

@@ -1,71 +1,73 @@
-//! Playing a recording back: lines with chosen columns, at any rate.
+//! Command `play`: prints columns of a recording line by line, at a chosen speed.
 
 use std::time::{Duration, Instant};
 
+use crate::console::arguments::Arguments;
 use crate::console::cursor::Cursor;
+use crate::console::displayed_log::columns_at;
 use crate::console::error::ConsoleError;
 use crate::console::session::Session;
-use crate::console::shown::columns_at;
-use crate::console::words::Words;
 
-/// Columns that are shown when none are named.
-const USUAL: [&str; 4] = ["base_x_m", "base_z_m", "base_pitch_rad", "sole.*.state"];
+/// Columns shown by default.
+const DEFAULT_COLUMNS: [&str; 4] = ["base_x_m", "base_z_m", "base_pitch_rad", "sole.*.state"];
 
-/// A recording that is being played.
+/// State of a playback.
 #[derive(Clone, Debug)]
 pub struct Player {
     columns: Vec<String>,
-    /// Recorded seconds per second; below 0: backwards; none: without waiting.
+    /// Recorded seconds per second; negative: backwards; `None`: without waiting.
     speed: Option<f64>,
     /// Recorded time between lines, s.
     period: f64,
-    /// Where it began, and when.
-    begun: (f64, Instant),
-    /// Where it ends, s.
+    /// Recorded time, s, and wall time at the start.
+    start: (f64, Instant),
+    /// Recorded time of the end, s.
     to: f64,
-    /// Lines shown.
+    /// Number of lines shown.
     lines: u64,
 }
 
 impl Player {
     /// The recorded time of the next line, s.
     fn next(&self) -> f64 {
-        let way = self.lines as f64 * self.period;
-        self.begun.0 + if self.backwards() { -way } else { way }
+        let elapsed = self.lines as f64 * self.period;
+        self.start.0 + if self.backwards() { -elapsed } else { elapsed }
     }
 
+    /// Does the recorded time decrease?
     fn backwards(&self) -> bool {
-        self.speed.is_some_and(|speed| speed < 0.0) || self.to < self.begun.0
+        self.speed.is_some_and(|speed| speed < 0.0) || self.to < self.start.0
     }
 
-    fn over(&self) -> bool {
+    /// Is the end passed?
+    fn finished(&self) -> bool {
         let next = self.next();
         if self.backwards() { next < self.to - 1e-9 } else { next > self.to + 1e-9 }
     }
 
-    /// How long until the next line.
+    /// Time until the next line is due.
     pub fn due(&self) -> Duration {
         let Some(speed) = self.speed else { return Duration::ZERO };
-        let at = (self.next() - self.begun.0).abs() / speed.abs();
-        Duration::try_from_secs_f64(at).unwrap_or(Duration::MAX).saturating_sub(self.begun.1.elapsed())
+        let at = (self.next() - self.start.0).abs() / speed.abs();
+        Duration::try_from_secs_f64(at).unwrap_or(Duration::MAX).saturating_sub(self.start.1.elapsed())
     }
 }
 
 impl Session {
     /// `play [SPEED|free] [COLUMN ...] [rate=HZ] [from=S] [to=S]`
-    pub(super) fn play(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
+    pub(super) fn play(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
         self.hold();
         let mut speed = Some(1.0);
-        if words.take("free") {
+        if args.take("free") {
             speed = None;
-        } else if let Some(number) = words.some_number() {
+        } else if let Some(number) = args.some_number() {
             if number == 0.0 {
                 return Err(ConsoleError::usage("at speed 0 nothing would move: `jump` shows an instant"));
             }
             speed = Some(number);
         }
         let (mut columns, mut rate, mut from, mut to) = (Vec::new(), 10.0, None, None);
-        for word in words.rest() {
+        for word in args.rest() {
             let Some((key, value)) = word.split_once('=') else {
                 columns.push(word);
                 continue;
@@ -86,26 +88,26 @@ impl Session {
         let recording = self.finished_recording()?;
         let (first, last) = recording.span();
         let (start, end) = if backwards { (last, first) } else { (first, last) };
-        // From where one has jumped to, unless that is where it would end at once.
+        // Start at the cursor, unless playback would end there immediately.
         let from = from.or(at.filter(|at| (at - end).abs() > 1e-9)).unwrap_or(start).clamp(first, last);
         let to = to.unwrap_or(end).clamp(first, last);
         if columns.is_empty() {
-            columns = USUAL.map(str::to_owned).to_vec();
+            columns = DEFAULT_COLUMNS.map(str::to_owned).to_vec();
         }
-        // Names are looked at before anything is shown.
+        // Check the column names before any output.
         let names: Vec<String> = columns_at(&recording.log, 0, &columns)?.into_iter().map(|(name, _)| name).collect();
         if backwards && to > from || !backwards && to < from {
             return Err(ConsoleError::usage(format!("from {from} s to {to} s is the other way round")));
         }
-        self.player = Some(Player { columns, speed, period: 1.0 / rate, begun: (from, Instant::now()), to, lines: 0 });
+        self.player = Some(Player { columns, speed, period: 1.0 / rate, start: (from, Instant::now()), to, lines: 0 });
         Ok(names.join(" ") + "\n")
     }
 
     /// Shows the lines that are due.
-    pub(super) fn play_on(&mut self, show: &mut dyn FnMut(&str)) -> Result<(), ConsoleError> {
+    pub(super) fn continue_playback(&mut self, show: &mut dyn FnMut(&str)) -> Result<(), ConsoleError> {
         let begun = Instant::now();
         while let (Some(player), Some(recording)) = (&mut self.player, &self.recording) {
-            if player.over() {
+            if player.finished() {
                 self.player = None;
                 break;
             }

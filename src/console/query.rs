@@ -1,32 +1,34 @@
-//! What can be asked of the state: joints, centre of mass, zero-moment point, contact, frames, Jacobians, columns.
+//! Query commands: joints, base, centre of mass, zero-moment point, contact, frames, Jacobians, columns,
+//! events and expectations.
 
 use std::fmt::Write;
 
 use nalgebra::{Isometry3, Vector3};
 
+use crate::console::arguments::Arguments;
+use crate::console::displayed_log::{digits, motion, state};
 use crate::console::error::ConsoleError;
 use crate::console::session::Session;
-use crate::console::shown::{digits, motion, state};
-use crate::console::words::Words;
 use crate::dynamics::{Workspace, crba, jacobian, kinematics};
 use crate::log::Trajectory;
 use crate::robot::LinkId;
 use crate::text::pattern::matches;
 use crate::text::suggest;
 
-/// What a query gives.
-type Found<T> = Result<T, ConsoleError>;
+/// Result of a query.
+type QueryResult<T> = Result<T, ConsoleError>;
 
-fn three(v: &Vector3<f64>) -> String {
+/// Formats a vector with six decimals.
+fn vector_text(v: &Vector3<f64>) -> String {
     format!("{:.6} {:.6} {:.6}", v.x, v.y, v.z)
 }
 
 impl Session {
     /// `joints [PATTERN]`
-    pub(super) fn joints(&mut self, words: &mut Words) -> Found<String> {
-        let pattern = words.next().unwrap_or("*").to_owned();
-        words.done()?;
-        self.shown(|_, log, tick| {
+    pub(super) fn joints(&mut self, args: &mut Arguments) -> QueryResult<String> {
+        let pattern = args.next().unwrap_or("*").to_owned();
+        args.done()?;
+        self.with_displayed_log(|_, log, tick| {
             let all = &motion(log)?.joints;
             let joints: Vec<_> = all.iter().filter(|joint| matches(&pattern, &joint.name)).collect();
             if all.is_empty() && pattern == "*" {
@@ -56,60 +58,65 @@ impl Session {
     }
 
     /// `base`
-    pub(super) fn base(&mut self) -> Found<String> {
-        self.shown(|_, log, tick| {
+    pub(super) fn base(&mut self) -> QueryResult<String> {
+        self.with_displayed_log(|_, log, tick| {
             let m = motion(log)?;
             let (roll, pitch, yaw) = m.base_orientation[tick].euler_angles();
             Ok(format!(
                 "position {} m\nroll pitch yaw {roll:.6} {pitch:.6} {yaw:.6} rad\nvelocity {} m/s\nangular velocity {} rad/s\n",
-                three(&m.base_position[tick]),
-                three(&m.base_linear_velocity[tick]),
-                three(&m.base_angular_velocity[tick])
+                vector_text(&m.base_position[tick]),
+                vector_text(&m.base_linear_velocity[tick]),
+                vector_text(&m.base_angular_velocity[tick])
             ))
         })
     }
 
     /// `com`
-    pub(super) fn com(&mut self) -> Found<String> {
-        self.shown(|_, log, tick| {
+    pub(super) fn com(&mut self) -> QueryResult<String> {
+        self.with_displayed_log(|_, log, tick| {
             let m = motion(log)?;
-            Ok(format!("position {} m\nvelocity {} m/s\n", three(&m.com[tick]), three(&m.com_velocity[tick])))
+            Ok(format!(
+                "position {} m\nvelocity {} m/s\n",
+                vector_text(&m.com[tick]),
+                vector_text(&m.com_velocity[tick])
+            ))
         })
     }
 
     /// `zmp`
-    pub(super) fn zmp(&mut self) -> Found<String> {
-        self.shown(|_, log, tick| {
+    pub(super) fn zmp(&mut self) -> QueryResult<String> {
+        self.with_displayed_log(|_, log, tick| {
             let m = motion(log)?;
-            let point = |p: &Option<Vector3<f64>>| p.as_ref().map_or("none".to_owned(), |p| format!("{} m", three(p)));
+            let point =
+                |p: &Option<Vector3<f64>>| p.as_ref().map_or("none".to_owned(), |p| format!("{} m", vector_text(p)));
             let mut out = format!("zero-moment point {}\n", point(&m.cop[tick]));
             let _ = writeln!(out, "point of optimal stability {}", point(&m.stable_point[tick]));
             for corner in &m.support_polygon[tick] {
-                let _ = writeln!(out, "support polygon {} m", three(corner));
+                let _ = writeln!(out, "support polygon {} m", vector_text(corner));
             }
             Ok(out)
         })
     }
 
     /// `contact [SOLE]`
-    pub(super) fn contact(&mut self, words: &mut Words) -> Found<String> {
-        let wanted = words.next().map(str::to_owned);
-        words.done()?;
-        self.shown(|_, log, tick| {
+    pub(super) fn contact(&mut self, args: &mut Arguments) -> QueryResult<String> {
+        let name = args.next().map(str::to_owned);
+        args.done()?;
+        self.with_displayed_log(|_, log, tick| {
             let soles = log.soles.as_ref();
             let soles = soles
                 .ok_or_else(|| ConsoleError::usage("the recording holds no contact: its topics lack \"contact\""))?;
-            let meant: Vec<_> = soles.iter().filter(|s| wanted.as_ref().is_none_or(|name| *name == s.name)).collect();
-            if let (Some(name), true) = (&wanted, meant.is_empty()) {
+            let selected: Vec<_> = soles.iter().filter(|s| name.as_ref().is_none_or(|name| *name == s.name)).collect();
+            if let (Some(name), true) = (&name, selected.is_empty()) {
                 let names = soles.iter().map(|sole| sole.name.as_str());
                 return Err(ConsoleError::usage(format!("there is no sole `{name}`; {}", suggest(name, names))));
             }
             let mut out = String::new();
-            for sole in meant {
-                let _ = writeln!(out, "{} {} force {} N", sole.name, sole.state[tick], three(&sole.force[tick]));
+            for sole in selected {
+                let _ = writeln!(out, "{} {} force {} N", sole.name, sole.state[tick], vector_text(&sole.force[tick]));
                 for (i, v) in sole.vertices.iter().enumerate() {
                     let held = if v.clamped[tick] { "clamped" } else { "free" };
-                    let (at, force) = (three(&v.position[tick]), three(&v.force[tick]));
+                    let (at, force) = (vector_text(&v.position[tick]), vector_text(&v.force[tick]));
                     let _ = writeln!(out, "  vertex {i} {held} at {at} m, force {force} N");
                 }
             }
@@ -121,10 +128,10 @@ impl Session {
     }
 
     /// `frame LINK`
-    pub(super) fn frame(&mut self, words: &mut Words) -> Found<String> {
-        let name = words.need("a link")?.to_owned();
-        words.done()?;
-        self.shown(|session, log, tick| {
+    pub(super) fn frame(&mut self, args: &mut Arguments) -> QueryResult<String> {
+        let name = args.need("a link")?.to_owned();
+        args.done()?;
+        self.with_displayed_log(|session, log, tick| {
             let (link, pose) = session.link(&name)?;
             let ws = session.workspace(log, tick)?;
             let own = &ws.links[link.0];
@@ -135,14 +142,14 @@ impl Session {
             let velocity = jacobian::link_twist(&ws, link, &position);
             Ok(format!(
                 "position {} m\nroll pitch yaw {roll:.6} {pitch:.6} {yaw:.6} rad\nvelocity {} m/s\nangular velocity {} rad/s\n",
-                three(&position),
-                three(&velocity.linear),
-                three(&velocity.angular)
+                vector_text(&position),
+                vector_text(&velocity.linear),
+                vector_text(&velocity.angular)
             ))
         })
     }
 
-    fn link(&self, name: &str) -> Found<(LinkId, Isometry3<f64>)> {
+    fn link(&self, name: &str) -> QueryResult<(LinkId, Isometry3<f64>)> {
         let model = self.model();
         let names = || crate::script::links(model).map(|(name, ..)| name).collect::<Vec<_>>();
         model.link(name).ok_or_else(|| {
@@ -151,7 +158,7 @@ impl Session {
         })
     }
 
-    fn workspace(&self, log: &Trajectory, tick: usize) -> Found<Workspace> {
+    fn workspace(&self, log: &Trajectory, tick: usize) -> QueryResult<Workspace> {
         let model = self.model();
         let state = state(model, log, tick)?;
         let mut ws = Workspace::new(model);
@@ -161,15 +168,15 @@ impl Session {
     }
 
     /// `jacobian com|LINK [X Y Z]`
-    pub(super) fn jacobian(&mut self, words: &mut Words) -> Found<String> {
-        let name = words.need("`com` or a link")?.to_owned();
-        let at = if words.peek().is_some() { words.vector("the point")? } else { [0.0; 3] };
-        words.done()?;
-        self.shown(|session, log, tick| {
+    pub(super) fn jacobian(&mut self, args: &mut Arguments) -> QueryResult<String> {
+        let name = args.need("`com` or a link")?.to_owned();
+        let at = if args.peek().is_some() { args.vector("the point")? } else { [0.0; 3] };
+        args.done()?;
+        self.with_displayed_log(|session, log, tick| {
             let ws = session.workspace(log, tick)?;
             let model = session.model();
             let nv = model.nv();
-            // A link of that name is meant before the centre of mass.
+            // A link named `com` takes precedence over the centre of mass.
             let (rows, values): (&[&str], _) = if name == "com" && model.link("com").is_none() {
                 let mut values = vec![0.0; 3 * nv];
                 jacobian::center_of_mass(&ws, &mut values);
@@ -197,10 +204,10 @@ impl Session {
     }
 
     /// `columns [PATTERN]`
-    pub(super) fn columns(&mut self, words: &mut Words) -> Found<String> {
-        let pattern = words.next().unwrap_or("*").to_owned();
-        words.done()?;
-        self.shown(|_, log, _| {
+    pub(super) fn columns(&mut self, args: &mut Arguments) -> QueryResult<String> {
+        let pattern = args.next().unwrap_or("*").to_owned();
+        args.done()?;
+        self.with_displayed_log(|_, log, _| {
             let names = crate::export::column_names(log);
             let found: String =
                 names.iter().filter(|name| matches(&pattern, name)).map(|name| format!("{name}\n")).collect();
@@ -213,21 +220,21 @@ impl Session {
     }
 
     /// `value COLUMN ...`
-    pub(super) fn value(&mut self, words: &mut Words) -> Found<String> {
-        let names = words.rest();
+    pub(super) fn value(&mut self, args: &mut Arguments) -> QueryResult<String> {
+        let names = args.rest();
         if names.is_empty() {
             return Err(ConsoleError::usage("a column is missing (`columns`)"));
         }
-        let values = self.columns_now(&names)?;
+        let values = self.displayed_columns(&names)?;
         let time = "time_s".to_owned();
-        let asked = |name: &String| *name != time || names.contains(&time);
-        Ok(values.iter().filter(|(name, _)| asked(name)).map(|(name, value)| format!("{name} {value}\n")).collect())
+        let selected = |name: &String| *name != time || names.contains(&time);
+        Ok(values.iter().filter(|(name, _)| selected(name)).map(|(name, value)| format!("{name} {value}\n")).collect())
     }
 
     /// `events [NUMBER]`
-    pub(super) fn events(&mut self, words: &mut Words) -> Found<String> {
-        let most = words.some_number().unwrap_or(20.0).max(0.0) as usize;
-        words.done()?;
+    pub(super) fn events(&mut self, args: &mut Arguments) -> QueryResult<String> {
+        let most = args.some_number().unwrap_or(20.0).max(0.0) as usize;
+        args.done()?;
         if let (Some(cursor), Some(recording)) = (&self.cursor, &self.recording) {
             let past = recording.log.events.partition_point(|e| e.time <= cursor.time + 1e-9);
             let line = |(i, e): (usize, &crate::log::LoggedEvent)| {
@@ -237,15 +244,15 @@ impl Session {
             let from = past.saturating_sub(most);
             return Ok(recording.log.events.iter().enumerate().take(past).skip(from).map(line).collect());
         }
-        let events: Vec<_> = self.tap.events.iter().collect();
-        Ok(Session::told(&events[events.len().saturating_sub(most)..]))
+        let events: Vec<_> = self.observer.events.iter().collect();
+        Ok(Session::event_lines(&events[events.len().saturating_sub(most)..]))
     }
 
     /// `expect COLUMN [min=X] [max=X] [value=X tolerance=X]`
-    pub(super) fn expect(&mut self, words: &mut Words) -> Found<String> {
-        let column = words.need("a column")?.to_owned();
+    pub(super) fn expect(&mut self, args: &mut Arguments) -> QueryResult<String> {
+        let column = args.need("a column")?.to_owned();
         let (mut min, mut max, mut value, mut tolerance, mut word) = (None, None, None, None, None);
-        for (key, given) in words.assignments()? {
+        for (key, given) in args.assignments()? {
             let slot = match key.as_str() {
                 "min" => &mut min,
                 "max" => &mut max,
@@ -253,7 +260,7 @@ impl Session {
                 "tolerance" => &mut tolerance,
                 _ => return Err(ConsoleError::usage(format!("`{key}` is none of min, max, value, tolerance"))),
             };
-            *slot = crate::console::document::as_number(&given);
+            *slot = crate::console::scenario_document::as_number(&given);
             if slot.is_none() {
                 match given {
                     toml::Value::String(text) if key == "value" => word = Some(text),
@@ -262,10 +269,10 @@ impl Session {
             }
         }
         if let Some(word) = word {
-            let found = self.columns_now(std::slice::from_ref(&column))?;
+            let found = self.displayed_columns(std::slice::from_ref(&column))?;
             let found = found.into_iter().find(|(name, _)| *name == column).map(|(_, value)| value).unwrap_or_default();
             let holds = found == word;
-            return judged(holds, &column, &found, &format!("= {word}"));
+            return expectation(holds, &column, &found, &format!("= {word}"));
         }
         if value.is_some() && tolerance.is_none() {
             return Err(ConsoleError::usage("`value` of a number needs a `tolerance`"));
@@ -279,30 +286,31 @@ impl Session {
         {
             return Err(ConsoleError::usage(format!("nothing is above {min} and below {max}")));
         }
-        let found = self.column_now(&column)?;
+        let found = self.displayed_value(&column)?;
         let shown = found.map_or("none".to_owned(), |x| x.to_string());
-        let mut wanted = Vec::new();
+        let mut conditions = Vec::new();
         let mut holds = found.is_some();
         let x = found.unwrap_or(f64::NAN);
         if let Some(min) = min {
             holds &= x >= min;
-            wanted.push(format!(">= {min}"));
+            conditions.push(format!(">= {min}"));
         }
         if let Some(max) = max {
             holds &= x <= max;
-            wanted.push(format!("<= {max}"));
+            conditions.push(format!("<= {max}"));
         }
         if let (Some(value), Some(tolerance)) = (value, tolerance) {
             holds &= (x - value).abs() <= tolerance;
-            wanted.push(format!("within {tolerance} of {value}"));
+            conditions.push(format!("within {tolerance} of {value}"));
         }
-        judged(holds, &column, &shown, &wanted.join(" and "))
+        expectation(holds, &column, &shown, &conditions.join(" and "))
     }
 }
 
-fn judged(holds: bool, column: &str, found: &str, wanted: &str) -> Found<String> {
+/// Result of an expectation.
+fn expectation(holds: bool, column: &str, found: &str, condition: &str) -> QueryResult<String> {
     if holds {
-        return Ok(format!("{column} {found}, {wanted}\n"));
+        return Ok(format!("{column} {found}, {condition}\n"));
     }
-    Err(ConsoleError::Expectation(format!("expected {column} {wanted}, found {found}")))
+    Err(ConsoleError::Expectation(format!("expected {column} {condition}, found {found}")))
 }

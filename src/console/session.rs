@@ -1,4 +1,4 @@
-//! The scenario, its simulation, and how they stay one.
+//! Session: keeps a scenario document and its simulation consistent under edits, `undo` and `reset`.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -11,83 +11,84 @@ use tempfile::TempDir;
 
 use crate::assemble::setup;
 use crate::batch::{Job, LiveClients};
+use crate::console::arguments::Arguments;
 use crate::console::commands::{COMMANDS, find};
 use crate::console::cursor::Cursor;
-use crate::console::document::Document;
 use crate::console::error::ConsoleError;
-use crate::console::motion::Goal;
 use crate::console::player::Player;
-use crate::console::recording::Recording;
-use crate::console::tap::Tap;
-use crate::console::words::Words;
+use crate::console::recording_commands::Recording;
+use crate::console::run_control::Goal;
+use crate::console::scenario_document::ScenarioDocument;
+use crate::console::session_observer::SessionObserver;
 use crate::robot::{Model, Robot};
 use crate::scenario::{Run, Scenario};
 use crate::sim::{Observer, Outcome, RunError, SimEvent, Simulation};
 
-/// A session at the console.
+/// A console session.
 ///
-/// [`execute`](Self::execute) takes a line. What takes time is then done piece by piece: while [`due`](Self::due) says when,
-/// [`work`](Self::work) is called.
+/// [`execute`](Self::execute) executes a line. Runs and playback then advance by [`work`](Self::work),
+/// which the caller calls as long as [`due`](Self::due) returns a waiting time.
 pub struct Session {
-    pub(super) document: Document,
-    /// What `reset` returns to.
-    first: Document,
-    /// What `undo` returns to: the scenarios before each change, and when it was made, s.
-    earlier: Vec<(Document, f64)>,
+    pub(super) document: ScenarioDocument,
+    /// Initial document, for `reset`.
+    initial: ScenarioDocument,
+    /// ScenarioDocument before each edit, and the time of the edit, s; for `undo`.
+    history: Vec<(ScenarioDocument, f64)>,
     pub(super) robot: Arc<Robot>,
     pub(super) run: Run,
     pub(super) simulation: Simulation,
-    pub(super) tap: Tap,
-    /// Why it goes on no more.
-    pub(super) over: Option<RunError>,
-    /// How far it is to run.
+    pub(super) observer: SessionObserver,
+    /// Cause of the run's early termination.
+    pub(super) termination: Option<RunError>,
+    /// Target of the active run.
     pub(super) goal: Option<Goal>,
-    /// Simulated seconds per second; none: as fast as it goes.
+    /// Simulated seconds per second; `None`: as fast as possible.
     pub(super) pace: Option<f64>,
-    /// A moment and the simulated time it had, s, since the pace was set or the run went on.
+    /// Wall time and simulated time, s, when the pace was set or the run started.
     pub(super) clock: Option<(Instant, f64)>,
     pub(super) player: Option<Player>,
-    /// What was recorded or loaded, and where in it queries look.
+    /// Last recording made or loaded, and the instant of it that queries show.
     pub(super) recording: Option<Recording>,
     pub(super) cursor: Option<Cursor>,
-    /// Recordings that nobody has saved yet.
+    /// Temporary folder of recordings that are not saved.
     pub(super) folder: TempDir,
     pub(super) recordings: usize,
-    /// Raised to end the run between two steps.
+    /// Set by the caller to cancel the run between two steps.
     pub(super) cancel: Option<Arc<AtomicBool>>,
-    /// People who look on, and how many have come.
-    audience: Option<Box<dyn LiveClients>>,
+    /// Live clients, and the number of connections so far.
+    live_clients: Option<Box<dyn LiveClients>>,
     arrivals: u64,
-    /// Notes told so far.
-    told: BTreeSet<String>,
-    left: bool,
+    /// Notes already shown.
+    shown_notes: BTreeSet<String>,
+    /// Has `quit` been executed?
+    quit: bool,
 }
 
 impl Session {
-    /// Begins with a run, which may be as long as `end` seconds and is paused at its start. Without `pace` it runs as fast as it
-    /// goes.
+    /// Starts a session, held at the start of the run, with the longest duration `end`, s. Without
+    /// `pace` it runs as fast as possible.
     ///
     /// # Errors
-    /// The run's robot is somewhere else; what the run needs is not there.
+    /// The robot is that of a backend, or the simulation cannot be built.
     pub fn new(job: Job, end: f64, pace: Option<f64>) -> Result<Self, ConsoleError> {
         if job.run.scenario.robot.backend.is_some() {
             let why = "the scenario's robot is somewhere else (`robot.backend`): the console is where it is simulated";
             return Err(ConsoleError::usage(why));
         }
-        let document = Document::of(&job.run, end);
+        let document = ScenarioDocument::of(&job.run, end);
         let run = document.run()?;
         let simulation = simulation(&document, &run, &job.robot)?;
         let io = |source| ConsoleError::Io { path: std::env::temp_dir(), source };
         let folder = tempfile::Builder::new().prefix("stiction-console-").tempdir().map_err(io)?;
         Ok(Session {
-            first: document.clone(),
-            earlier: Vec::new(),
+            initial: document.clone(),
+            history: Vec::new(),
             document,
             robot: job.robot,
             run,
             simulation,
-            tap: Tap::default(),
-            over: None,
+            observer: SessionObserver::default(),
+            termination: None,
             goal: None,
             pace,
             clock: None,
@@ -97,68 +98,69 @@ impl Session {
             folder,
             recordings: 0,
             cancel: None,
-            audience: None,
+            live_clients: None,
             arrivals: 0,
-            told: BTreeSet::new(),
-            left: false,
+            shown_notes: BTreeSet::new(),
+            quit: false,
         })
     }
 
-    /// Ends the run between two steps when the flag is raised, wherever in a tick that is: it goes on no more then.
-    pub fn end_by(&mut self, flag: Arc<AtomicBool>) {
+    /// Cancels the run between two steps, also within a tick, when `flag` is set.
+    pub fn cancel_on(&mut self, flag: Arc<AtomicBool>) {
         self.cancel = Some(flag);
     }
 
-    /// Shows the session to people who look on, at the rate and with the topics of `[log]`.
+    /// Streams the session to live clients, at the rate and with the topics of `[log]`.
     ///
     /// # Errors
-    /// What is shown cannot be opened.
-    pub fn show_to(&mut self, audience: Box<dyn LiveClients>, cancel: &AtomicBool) -> Result<(), ConsoleError> {
-        self.audience = Some(audience);
-        self.open_stage()?;
-        self.audience.iter().for_each(|audience| audience.wait(cancel));
-        self.show_again()
+    /// The stream cannot be opened.
+    pub fn stream_to(&mut self, clients: Box<dyn LiveClients>, cancel: &AtomicBool) -> Result<(), ConsoleError> {
+        self.live_clients = Some(clients);
+        self.open_stream()?;
+        self.live_clients.iter().for_each(|clients| clients.wait(cancel));
+        self.refresh_stream()
     }
 
-    /// Shows the present to those who have come while nothing moved.
+    /// Sends the present to clients that have connected while the run was held.
     ///
     /// # Errors
     /// The present cannot be computed.
-    pub fn show_again(&mut self) -> Result<(), ConsoleError> {
-        let arrivals = self.audience.as_ref().map_or(0, |audience| audience.arrivals());
-        if arrivals == self.arrivals || self.tap.shown.is_none() || self.over.is_some() {
+    pub fn refresh_stream(&mut self) -> Result<(), ConsoleError> {
+        let arrivals = self.live_clients.as_ref().map_or(0, |clients| clients.arrivals());
+        if arrivals == self.arrivals || self.observer.live_log.is_none() || self.termination.is_some() {
             return Ok(());
         }
         self.arrivals = arrivals;
-        let present = self.begun_look()?;
-        self.tap.shown.as_mut().map_or(Ok(()), |shown| shown.snapshot(&present)).map_err(ConsoleError::usage)
+        let present = self.present_snapshot()?;
+        self.observer.live_log.as_mut().map_or(Ok(()), |live| live.snapshot(&present)).map_err(ConsoleError::usage)
     }
 
-    /// Ends what is shown; gives what there is to tell a person of it.
-    pub fn end_show(&mut self) -> Vec<String> {
-        self.tap.shown = None;
-        let audience = self.audience.take();
-        audience.iter().for_each(|audience| audience.farewell());
-        audience.iter().flat_map(|audience| audience.told()).collect()
+    /// Ends the stream; returns messages for the user.
+    pub fn end_stream(&mut self) -> Vec<String> {
+        self.observer.live_log = None;
+        let clients = self.live_clients.take();
+        clients.iter().for_each(|clients| clients.farewell());
+        clients.iter().flat_map(|clients| clients.told()).collect()
     }
 
-    fn open_stage(&mut self) -> Result<(), ConsoleError> {
-        if let Some(audience) = &self.audience {
+    fn open_stream(&mut self) -> Result<(), ConsoleError> {
+        if let Some(clients) = &self.live_clients {
             let topics = crate::batch::topics(&self.run.scenario.log.topics);
-            self.tap.shown = Some(self.log_to((None, Some(audience.outlet())), topics)?);
+            self.observer.live_log = Some(self.log_to((None, Some(clients.outlet())), topics)?);
         }
         Ok(())
     }
 
-    /// Does what a line says, or begins to. Gives what there is to show, with its line end; an empty line does nothing.
+    /// Executes a line, or starts its run or playback. Returns the output with line ends. An empty line
+    /// does nothing.
     ///
     /// # Errors
-    /// The session is then as it was.
+    /// The line is invalid or its command fails; the session is then unchanged.
     pub fn execute(&mut self, line: &str) -> Result<String, ConsoleError> {
-        let mut words = Words::of(line)?;
-        let Some(name) = words.next().map(str::to_owned) else { return Ok(String::new()) };
+        let mut args = Arguments::of(line)?;
+        let Some(name) = args.next().map(str::to_owned) else { return Ok(String::new()) };
         let command = find(&name)?;
-        (command.act)(self, &mut words).map_err(|error| match error {
+        (command.execute)(self, &mut args).map_err(|error| match error {
             ConsoleError::Usage(why) => {
                 ConsoleError::Usage(format!("{}: {why}; it is `{}`", command.name, command.usage))
             }
@@ -166,9 +168,9 @@ impl Session {
         })
     }
 
-    /// Has `quit` been said?
+    /// Has `quit` been executed?
     pub fn has_ended(&self) -> bool {
-        self.left
+        self.quit
     }
 
     /// Simulated time, s.
@@ -176,7 +178,7 @@ impl Session {
         self.simulation.plant().state.time
     }
 
-    /// For the prompt: the time, and what queries look at.
+    /// Prompt: time of the simulation or of the displayed recording.
     pub fn prompt(&self) -> String {
         match &self.cursor {
             Some(cursor) => format!("recording {} s> ", cursor.time),
@@ -184,23 +186,23 @@ impl Session {
         }
     }
 
-    /// The robot.
+    /// Robot model of the simulation.
     pub(super) fn model(&self) -> &Model {
         &self.simulation.plant().model
     }
 
-    /// The scenario with what its events have changed until now.
+    /// Scenario after the events up to now.
     pub(super) fn present(&self) -> &Scenario {
         let past = self.run.events.iter().take_while(|event| event.at <= self.time());
         past.last().map_or(&self.run.scenario, |event| &event.after.scenario)
     }
 
-    /// Changes the scenario; the simulation goes on as the new one's, or nothing is changed.
+    /// Edits the scenario and continues the simulation with it; on an error nothing changes.
     pub(super) fn edit(
         &mut self,
-        change: impl FnOnce(&mut Document) -> Result<(), ConsoleError>,
+        change: impl FnOnce(&mut ScenarioDocument) -> Result<(), ConsoleError>,
     ) -> Result<String, ConsoleError> {
-        self.alive()?;
+        self.check_running()?;
         let mut document = self.document.clone();
         change(&mut document)?;
         let run = document.run()?;
@@ -208,21 +210,21 @@ impl Session {
             let mut setup = setup(&run, &self.robot).map_err(|found| document.wrong(found))?;
             let notes = std::mem::take(&mut setup.notes);
             if let Err(stop) = self.simulation.continue_as(setup) {
-                return Err(self.end(stop));
+                return Err(self.terminate(stop));
             }
-            self.remember(document, run);
-            Ok(self.news(notes))
+            self.adopt(document, run);
+            Ok(self.new_notes(notes))
         } else {
-            self.is_of_a_session(&run)?;
+            self.check_fixed_keys(&run)?;
             let simulation = simulation(&document, &run, &self.robot)?;
-            self.remember(document, run);
+            self.adopt(document, run);
             self.simulation = simulation;
             Ok(String::new())
         }
     }
 
-    /// What was loaded or decided when the session began stays.
-    fn is_of_a_session(&self, run: &Run) -> Result<(), ConsoleError> {
+    /// Rejects a run that changes a key which is fixed for a session.
+    fn check_fixed_keys(&self, run: &Run) -> Result<(), ConsoleError> {
         let (new, old) = (&run.scenario, &self.run.scenario);
         let same = [
             ("robot.model", new.robot.model == old.robot.model),
@@ -241,15 +243,16 @@ impl Session {
         }
     }
 
-    fn remember(&mut self, document: Document, run: Run) {
+    /// Adopts an edited document and its run; keeps the former for `undo`.
+    fn adopt(&mut self, document: ScenarioDocument, run: Run) {
         let time = self.time();
-        self.earlier.push((std::mem::replace(&mut self.document, document), time));
+        self.history.push((std::mem::replace(&mut self.document, document), time));
         self.run = run;
     }
 
-    /// Takes the last change back: what was before it is simulated again, up to where it was made.
+    /// Reverts the last edit: re-simulates the former document up to the time of the edit.
     pub(super) fn undo(&mut self) -> Result<String, ConsoleError> {
-        let Some((document, time)) = self.earlier.last().cloned() else {
+        let Some((document, time)) = self.history.last().cloned() else {
             return Err(ConsoleError::usage("nothing has been changed"));
         };
         self.hold();
@@ -257,50 +260,50 @@ impl Session {
         let run = document.run()?;
         self.simulation = simulation(&document, &run, &self.robot)?;
         (self.document, self.run) = (document, run);
-        (self.tap, self.over, self.cursor) = (Tap::default(), None, None);
-        self.earlier.pop();
-        self.open_stage()?;
+        (self.observer, self.termination, self.cursor) = (SessionObserver::default(), None, None);
+        self.history.pop();
+        self.open_stream()?;
         while self.time() < time {
-            self.tick().map_err(|stop| self.end(stop))?;
+            self.tick().map_err(|stop| self.terminate(stop))?;
         }
         Ok(format!("{} s\n", self.time()))
     }
 
-    /// Begins anew.
+    /// Restarts the session from its initial document.
     pub(super) fn reset(&mut self) -> Result<String, ConsoleError> {
         self.hold();
         self.stop_recording()?;
-        let run = self.first.run()?;
-        self.simulation = simulation(&self.first, &run, &self.robot)?;
-        (self.document, self.run) = (self.first.clone(), run);
-        self.earlier.clear();
-        (self.tap, self.over, self.clock, self.cursor) = (Tap::default(), None, None, None);
-        self.open_stage()?;
+        let run = self.initial.run()?;
+        self.simulation = simulation(&self.initial, &run, &self.robot)?;
+        (self.document, self.run) = (self.initial.clone(), run);
+        self.history.clear();
+        (self.observer, self.termination, self.clock, self.cursor) = (SessionObserver::default(), None, None, None);
+        self.open_stream()?;
         Ok(String::new())
     }
 
-    pub(super) fn leave(&mut self) {
-        self.left = true;
+    pub(super) fn quit(&mut self) {
+        self.quit = true;
     }
 
-    /// Complains if the run goes on no more.
-    pub(super) fn alive(&self) -> Result<(), ConsoleError> {
-        match &self.over {
+    /// Error if the run has terminated.
+    pub(super) fn check_running(&self) -> Result<(), ConsoleError> {
+        match &self.termination {
             Some(stop) => Err(ConsoleError::Over { time: self.time(), stop: stop.clone() }),
             None => Ok(()),
         }
     }
 
-    /// Remembers that the run goes on no more.
-    pub(super) fn end(&mut self, stop: RunError) -> ConsoleError {
+    /// Records the termination of the run; returns its error.
+    pub(super) fn terminate(&mut self, stop: RunError) -> ConsoleError {
         self.goal = None;
-        self.over = Some(stop.clone());
+        self.termination = Some(stop.clone());
         ConsoleError::Over { time: self.time(), stop }
     }
 
-    /// Notes that nobody has seen.
-    fn news(&mut self, notes: Vec<String>) -> String {
-        let fresh = notes.into_iter().filter(|note| self.told.insert(note.clone()));
+    /// Text of notes that have not been shown yet.
+    fn new_notes(&mut self, notes: Vec<String>) -> String {
+        let fresh = notes.into_iter().filter(|note| self.shown_notes.insert(note.clone()));
         fresh.map(|note| format!("note: {note}\n")).collect()
     }
 
@@ -308,7 +311,7 @@ impl Session {
         let scenario = self.present();
         let mut out = String::new();
         let ticks = (self.time() * scenario.control.rate).round();
-        let what = match (&self.over, &self.goal) {
+        let what = match (&self.termination, &self.goal) {
             (Some(stop), _) => format!("ended: {}", stop.message),
             (None, Some(goal)) => format!("running until {goal}"),
             (None, None) => "held".to_owned(),
@@ -324,13 +327,13 @@ impl Session {
         out + &self.recording_status()
     }
 
-    /// The words of events, one a line.
-    pub(super) fn told(events: &[&SimEvent]) -> String {
+    /// Text of events, one per line.
+    pub(super) fn event_lines(events: &[&SimEvent]) -> String {
         let line = |e: &&SimEvent| format!("{:.6} {} {} {}", e.time, e.kind, e.subject, e.message);
         events.iter().map(|e| line(e).split_whitespace().collect::<Vec<_>>().join(" ") + "\n").collect()
     }
 
-    /// Files begin where the program was started.
+    /// Path of a file argument, relative to the working directory.
     pub(super) fn path(word: &str) -> PathBuf {
         PathBuf::from(word)
     }
@@ -343,12 +346,12 @@ impl Session {
             return Ok(format!("{list}`help COMMAND` says more.\n"));
         };
         let command = find(word)?;
-        Ok(format!("{}\n  {}.\n{}", command.usage, command.short, command.more()))
+        Ok(format!("{}\n  {}.\n{}", command.usage, command.short, command.details()))
     }
 }
 
-/// The run, ready to begin.
-pub(super) fn simulation(document: &Document, run: &Run, robot: &Robot) -> Result<Simulation, ConsoleError> {
+/// Builds the simulation of a run.
+pub(super) fn simulation(document: &ScenarioDocument, run: &Run, robot: &Robot) -> Result<Simulation, ConsoleError> {
     let setup = setup(run, robot).map_err(|found| document.wrong(found))?;
     Simulation::new(setup).map_err(|stop| match stop.outcome {
         Outcome::Error => ConsoleError::usage(stop.message),

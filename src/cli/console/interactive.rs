@@ -1,4 +1,4 @@
-//! A person at a terminal: lines are edited, completed and remembered, and what runs goes on meanwhile.
+//! Interactive terminal: line editing, completion and history, while the run continues.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
@@ -15,8 +15,8 @@ use super::super::terminal::{complain, complain_of};
 use super::super::{Exit, colour};
 use super::{Interruption, exit_of, worse};
 
-/// What the person does.
-enum Typed {
+/// Input at the terminal.
+enum Input {
     Line(String),
     /// Ctrl-C.
     Hold,
@@ -24,26 +24,26 @@ enum Typed {
     End,
 }
 
-/// What both threads know: names for completion, and the prompt.
+/// State shared by the two threads: names for completion, and the prompt.
 #[derive(Default)]
-struct Known {
+struct Shared {
     names: Names,
     prompt: String,
 }
 
-struct Assistant {
-    known: Arc<Mutex<Known>>,
+struct LineHelper {
+    known: Arc<Mutex<Shared>>,
     files: FilenameCompleter,
 }
 
-impl Helper for Assistant {}
-impl rustyline::highlight::Highlighter for Assistant {}
-impl rustyline::hint::Hinter for Assistant {
+impl Helper for LineHelper {}
+impl rustyline::highlight::Highlighter for LineHelper {}
+impl rustyline::hint::Hinter for LineHelper {
     type Hint = String;
 }
-impl rustyline::validate::Validator for Assistant {}
+impl rustyline::validate::Validator for LineHelper {}
 
-impl Completer for Assistant {
+impl Completer for LineHelper {
     type Candidate = Pair;
 
     fn complete(&self, line: &str, end: usize, context: &Context) -> rustyline::Result<(usize, Vec<Pair>)> {
@@ -54,33 +54,33 @@ impl Completer for Assistant {
     }
 }
 
-/// Where lines are remembered, where the system says that such things are kept.
-fn history() -> Option<PathBuf> {
+/// History file, in the state folder of the XDG base directory specification.
+fn history_file() -> Option<PathBuf> {
     let state = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
     let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local/state"));
     Some(state.filter(|path| path.is_absolute()).or_else(home)?.join("stiction").join("console-history"))
 }
 
-/// Reads lines until the person has enough.
-pub fn talk(session: &mut Session, stop: &Interruption) -> Result<Exit, Exit> {
+/// Executes lines from the terminal until the session ends.
+pub fn execute_lines(session: &mut Session, stop: &Interruption) -> Result<Exit, Exit> {
     let cannot = |error: ReadlineError| {
         complain_of(format!("the terminal cannot be used: {error}"));
         Exit::Unfinished
     };
     let config = Config::builder().auto_add_history(true).build();
-    let mut editor: Editor<Assistant, FileHistory> = Editor::with_config(config).map_err(cannot)?;
-    let known = Arc::new(Mutex::new(Known { names: session.names(), prompt: session.prompt() }));
-    editor.set_helper(Some(Assistant { known: known.clone(), files: FilenameCompleter::new() }));
+    let mut editor: Editor<LineHelper, FileHistory> = Editor::with_config(config).map_err(cannot)?;
+    let known = Arc::new(Mutex::new(Shared { names: session.names(), prompt: session.prompt() }));
+    editor.set_helper(Some(LineHelper { known: known.clone(), files: FilenameCompleter::new() }));
     let mut printer = editor.create_external_printer().map_err(cannot)?;
     let (lines, typed) = mpsc::channel();
-    // One line at a time: the next prompt comes when this one has been done or has begun.
+    // The next prompt appears when the command has finished, or its run has started.
     let (go, may_go) = mpsc::channel();
     let shared = known.clone();
     let reader = std::thread::Builder::new().name("lines".into()).spawn(move || read(editor, &shared, &lines, &may_go));
     reader.map_err(|error| cannot(ReadlineError::Io(error)))?;
     complain("`help` lists the commands; Ctrl-C holds, Ctrl-D ends");
     let mut end = Exit::Success;
-    let mut say = |text: &str| {
+    let mut show = |text: &str| {
         if !text.is_empty() && printer.print(text.to_owned()).is_err() {
             complain(text.trim_end());
         }
@@ -92,28 +92,28 @@ pub fn talk(session: &mut Session, stop: &Interruption) -> Result<Exit, Exit> {
         }
         let word = match next(&typed, session.due()) {
             Ok(word) => word,
-            // The reader is gone.
+            // The reader thread has ended.
             Err(()) => break,
         };
-        let typed_something = word.is_some();
+        let has_input = word.is_some();
         let done = match word {
-            Some(Typed::Line(line)) => session.execute(&line).map(|shown| say(&shown)),
-            Some(Typed::Hold) => {
-                say(&session.hold());
+            Some(Input::Line(line)) => session.execute(&line).map(|output| show(&output)),
+            Some(Input::Hold) => {
+                show(&session.hold());
                 Ok(())
             }
-            Some(Typed::End) => break,
-            None => session.show_again().and_then(|()| session.work(&mut say)),
+            Some(Input::End) => break,
+            None => session.refresh_stream().and_then(|()| session.work(&mut show)),
         };
         if let Err(error) = done {
-            say(&(error.render(colour::on_stderr()) + "\n"));
-            // A person sees what is wrong and goes on.
+            show(&(error.render(colour::on_stderr()) + "\n"));
+            // The session continues after an error.
             if exit_of(&error) == Exit::Failed {
                 end = worse(end, Exit::Failed);
             }
         }
-        if typed_something {
-            let now = Known { names: session.names(), prompt: session.prompt() };
+        if has_input {
+            let now = Shared { names: session.names(), prompt: session.prompt() };
             *known.lock().unwrap_or_else(PoisonError::into_inner) = now;
             let _ = go.send(());
         }
@@ -121,9 +121,9 @@ pub fn talk(session: &mut Session, stop: &Interruption) -> Result<Exit, Exit> {
     Ok(end)
 }
 
-/// What was typed, or none when there is something to do.
-fn next(typed: &Receiver<Typed>, due: Option<Duration>) -> Result<Option<Typed>, ()> {
-    // Signals are looked for now and then.
+/// The next input, or `None` when work is due.
+fn next(typed: &Receiver<Input>, due: Option<Duration>) -> Result<Option<Input>, ()> {
+    // Wake up regularly to check for signals.
     let wait = due.unwrap_or(Duration::from_millis(200)).min(Duration::from_millis(200));
     match typed.recv_timeout(wait) {
         Ok(word) => Ok(Some(word)),
@@ -132,21 +132,21 @@ fn next(typed: &Receiver<Typed>, due: Option<Duration>) -> Result<Option<Typed>,
     }
 }
 
-/// The thread that has the terminal.
-fn read(mut editor: Editor<Assistant, FileHistory>, known: &Mutex<Known>, to: &Sender<Typed>, may_go: &Receiver<()>) {
-    let history = history();
+/// Reads the terminal; runs on a thread of its own.
+fn read(mut editor: Editor<LineHelper, FileHistory>, known: &Mutex<Shared>, to: &Sender<Input>, may_go: &Receiver<()>) {
+    let history = history_file();
     if let Some(path) = &history {
-        // The first session has none.
+        // The first session has no history.
         let _ = editor.load_history(path);
     }
     while may_go.recv().is_ok() {
         let prompt = known.lock().unwrap_or_else(PoisonError::into_inner).prompt.clone();
         let word = match editor.readline(&prompt) {
-            Ok(line) => Typed::Line(line),
-            Err(ReadlineError::Interrupted) => Typed::Hold,
-            Err(_) => Typed::End,
+            Ok(line) => Input::Line(line),
+            Err(ReadlineError::Interrupted) => Input::Hold,
+            Err(_) => Input::End,
         };
-        if let (Some(path), Typed::Line(_)) = (&history, &word) {
+        if let (Some(path), Input::Line(_)) = (&history, &word) {
             let kept = path.parent().map_or(Ok(()), std::fs::create_dir_all);
             if kept.is_ok() {
                 let _ = editor.append_history(path);

@@ -1,4 +1,4 @@
-//! `runner console`: a scenario simulated step by step, changed and asked while it goes on.
+//! `runner console`: simulates one run interactively or from a script of console commands.
 
 mod interactive;
 mod script;
@@ -20,10 +20,10 @@ use super::prepare::{Selection, only};
 use super::signals::{Asked, when_asked_to_end};
 use super::terminal::{complain, complain_drawn, complain_of, print};
 use super::{Exit, colour, motor_server, numbers};
-use script::Coming;
+use script::LineReader;
 
-/// How long a session may be if nothing else is said, s, unless its scenario is longer.
-const LONG: f64 = 600.0;
+/// Longest session by default, s, unless the scenario is longer.
+const DEFAULT_DURATION: f64 = 600.0;
 
 /// Arguments of `console`.
 #[derive(Args, Debug)]
@@ -50,13 +50,13 @@ pub struct Console {
 }
 
 impl Console {
-    /// Reads lines and does what they say.
+    /// Executes the lines of all sources in turn.
     pub fn execute(self) -> Result<Exit, Exit> {
         let plan = self.scenarios.prepare(usize::MAX, MessageFormat::Human)?;
         only(&plan)?;
         if let Some(path) = &self.save {
-            // Before an hour is spent on what then cannot be kept.
-            may_replace(path, Made::Session).map_err(|error| refuse(&error.into()))?;
+            // Check before a long session whose result could not be saved.
+            may_replace(path, Made::Session).map_err(|error| report_error(&error.into()))?;
         }
         let person = self.file.is_none() && std::io::stdin().is_terminal();
         let pace = match self.rate {
@@ -64,26 +64,26 @@ impl Console {
             Some(Pace::Times(times)) => Some(times),
             None => person.then_some(1.0),
         };
-        let audience = self.live.start(&plan, None).map_err(|error| {
+        let live_clients = self.live.start(&plan, None).map_err(|error| {
             complain_of(error);
             Exit::Invalid
         })?;
         let job = plan.job(0);
-        let end = self.duration.unwrap_or(job.run.scenario.duration.max(LONG));
-        let mut session = Session::new(job, end, pace).map_err(|error| refuse(&error))?;
+        let end = self.duration.unwrap_or(job.run.scenario.duration.max(DEFAULT_DURATION));
+        let mut session = Session::new(job, end, pace).map_err(|error| report_error(&error))?;
         let interrupted = Arc::new(AtomicBool::new(false));
         let flag = interrupted.clone();
-        session.end_by(interrupted.clone());
+        session.cancel_on(interrupted.clone());
         let asked = when_asked_to_end(move |_| flag.store(true, Ordering::Relaxed));
-        if let Some(audience) = audience {
-            session.show_to(audience, &interrupted).map_err(|error| refuse(&error))?;
+        if let Some(live_clients) = live_clients {
+            session.stream_to(live_clients, &interrupted).map_err(|error| report_error(&error))?;
         }
         let stop = Interruption { interrupted, asked };
         let done = self.lines(&mut session, person, &stop);
-        session.end_show().iter().for_each(|line| complain(line));
+        session.end_stream().iter().for_each(|line| complain(line));
         if let Some(path) = &self.save {
-            // However it ended: what was done until then is worth as much.
-            let saved = session.save_session(path).map_err(|error| refuse(&error));
+            // Save after any outcome.
+            let saved = session.save_session(path).map_err(|error| report_error(&error));
             saved.map(|saved| print(&saved))??;
         }
         done
@@ -91,11 +91,11 @@ impl Console {
 
     fn lines(&self, session: &mut Session, person: bool, stop: &Interruption) -> Result<Exit, Exit> {
         let typed = self.commands.iter().map(|line| Ok(line.clone()));
-        let exit = script::lines(session, "--command", typed, stop)?;
+        let exit = script::execute_lines(session, "--command", typed, stop)?;
         if session.has_ended() || !self.commands.is_empty() && self.file.is_none() && !person {
             return Ok(exit);
         }
-        let more = if person { interactive::talk(session, stop) } else { self.script(session, stop) };
+        let more = if person { interactive::execute_lines(session, stop) } else { self.script(session, stop) };
         Ok(worse(exit, more?))
     }
 
@@ -103,18 +103,18 @@ impl Console {
         let file = self.file.clone().filter(|path| path.as_os_str() != "-");
         let from = file.as_ref().map_or("standard input".into(), |path| path.display().to_string());
         let lines = match file {
-            Some(path) => Coming::of(move || File::open(path).map(BufReader::new), stop),
-            None => Coming::of(|| Ok(BufReader::new(std::io::stdin())), stop),
+            Some(path) => LineReader::new(move || File::open(path).map(BufReader::new), stop),
+            None => LineReader::new(|| Ok(BufReader::new(std::io::stdin())), stop),
         };
         let lines = lines.map_err(|error| {
             complain_of(format!("cannot read {from}: {error}"));
             Exit::Unfinished
         })?;
-        script::lines(session, &from, lines, stop)
+        script::execute_lines(session, &from, lines, stop)
     }
 }
 
-/// Has somebody asked the program to end?
+/// Interruption of the program by a signal.
 struct Interruption {
     interrupted: Arc<AtomicBool>,
     asked: Asked,
@@ -126,12 +126,12 @@ impl Interruption {
     }
 }
 
-/// The one that is told of two ends.
+/// Exit code that reports both of two outcomes.
 fn worse(a: Exit, b: Exit) -> Exit {
     if b == Exit::Success { a } else { b }
 }
 
-/// What an error means for the end of a script.
+/// Exit code of a script that ends with an error.
 fn exit_of(error: &ConsoleError) -> Exit {
     match error {
         ConsoleError::Expectation(_) => Exit::Failed,
@@ -145,7 +145,7 @@ fn exit_of(error: &ConsoleError) -> Exit {
     }
 }
 
-fn refuse(error: &ConsoleError) -> Exit {
+fn report_error(error: &ConsoleError) -> Exit {
     complain_drawn(&error.render(colour::on_stderr()));
     exit_of(error)
 }

@@ -1,4 +1,4 @@
-//! Lines from a file, a pipe or the command line: one is done before the next is read.
+//! Executes lines from a file, a pipe or the command line, each before the next is read.
 
 use std::io::{self, BufRead};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -10,18 +10,19 @@ use super::super::terminal::{complain, complain_drawn, complain_of, print};
 use super::super::{Exit, colour};
 use super::{Interruption, exit_of};
 
-/// Lines as they come, read on a thread of their own: whoever waits for one can still be asked to end.
-pub struct Coming<'a> {
+/// Reads lines on a thread of its own, so that waiting for a line can be interrupted.
+pub struct LineReader<'a> {
     lines: Receiver<io::Result<String>>,
     stop: &'a Interruption,
 }
 
-impl<'a> Coming<'a> {
-    /// Of what `open` opens, which may be a pipe that nobody writes to yet. A line is read when it is wanted.
+impl<'a> LineReader<'a> {
+    /// Reads from the result of `open`, which may block on a pipe without a writer. The reader is at most
+    /// one line ahead.
     ///
     /// # Errors
-    /// There is no room for a thread.
-    pub fn of<R: BufRead>(
+    /// The thread cannot be started.
+    pub fn new<R: BufRead>(
         open: impl FnOnce() -> io::Result<R> + Send + 'static,
         stop: &'a Interruption,
     ) -> io::Result<Self> {
@@ -32,15 +33,15 @@ impl<'a> Coming<'a> {
                 Ok(lines) => (Some(lines), None),
                 Err(error) => (None, Some(Err(error))),
             };
-            // Nobody listens any more once the session has ended.
+            // Sending fails once the session has ended.
             let _ = wrong.into_iter().chain(lines.into_iter().flatten()).try_for_each(|line| to.send(line));
         };
         std::thread::Builder::new().name("lines".into()).spawn(read)?;
-        Ok(Coming { lines, stop })
+        Ok(LineReader { lines, stop })
     }
 }
 
-impl Iterator for Coming<'_> {
+impl Iterator for LineReader<'_> {
     type Item = io::Result<String>;
 
     fn next(&mut self) -> Option<io::Result<String>> {
@@ -55,8 +56,9 @@ impl Iterator for Coming<'_> {
     }
 }
 
-/// Does all lines. An expectation that does not hold is told and kept in mind; any other mistake is the end.
-pub fn lines(
+/// Executes all lines. A failed expectation is reported and sets the exit code; any other error ends
+/// the script.
+pub fn execute_lines(
     session: &mut Session,
     from: &str,
     lines: impl Iterator<Item = io::Result<String>>,
@@ -68,7 +70,7 @@ pub fn lines(
             complain_of(format!("cannot read {from}: {error}"));
             Exit::Invalid
         })?;
-        if let Err(error) = obey(session, &line, stop)? {
+        if let Err(error) = execute_line(session, &line, stop)? {
             complain_drawn(&format!("{from}:{}: {}", i + 1, error.render(colour::on_stderr())));
             end = exit_of(&error);
             if end != Exit::Failed {
@@ -86,10 +88,10 @@ pub fn lines(
     Ok(end)
 }
 
-/// Does a line to its end.
-fn obey(session: &mut Session, line: &str, stop: &Interruption) -> Result<Result<(), ConsoleError>, Exit> {
+/// Executes a line and waits for its end.
+fn execute_line(session: &mut Session, line: &str, stop: &Interruption) -> Result<Result<(), ConsoleError>, Exit> {
     match session.execute(line) {
-        Ok(shown) => print(&shown)?,
+        Ok(output) => print(&output)?,
         Err(error) => return Ok(Err(error)),
     }
     while let Some(due) = session.due() {
@@ -100,9 +102,9 @@ fn obey(session: &mut Session, line: &str, stop: &Interruption) -> Result<Result
         if !due.is_zero() {
             std::thread::sleep(due.min(Duration::from_millis(100)));
         }
-        let mut shown = String::new();
-        let worked = session.work(&mut |text| shown += text);
-        print(&shown)?;
+        let mut output = String::new();
+        let worked = session.work(&mut |text| output += text);
+        print(&output)?;
         if let Err(error) = worked {
             if let Some(exit) = stop.exit() {
                 complain("interrupted");

@@ -1,12 +1,12 @@
-//! Completion of a line, from the table of commands and from what the session has.
+//! Completes a line from the command table and the names of the session.
 
-use crate::console::commands::{COMMANDS, Kind, find};
+use crate::console::commands::{ArgumentKind, COMMANDS, find};
 use crate::console::session::Session;
 use crate::export::column_names;
 use crate::scenario::{ForceSpec, TaskSpec};
 use crate::task::server::TaskState;
 
-/// Names that completion offers, taken from a session once after each command.
+/// Names offered by completion; collected from the session after each command.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
     joints: Vec<String>,
@@ -19,9 +19,9 @@ pub struct Names {
 }
 
 impl Session {
-    /// The names that there are now.
+    /// Collects the names known at present.
     pub fn names(&mut self) -> Names {
-        let columns = self.shown(|_, log, _| Ok(column_names(log))).unwrap_or_default();
+        let columns = self.with_displayed_log(|_, log, _| Ok(column_names(log))).unwrap_or_default();
         let model = self.model();
         let alive =
             self.simulation.tasks().states().enumerate().filter(|(_, (_, _, stand))| *stand != TaskState::Ended);
@@ -37,7 +37,8 @@ impl Session {
     }
 }
 
-/// Where the word that ends at `end` begins, and what it may become; none for files, which the file system knows.
+/// Start of the word that ends at `end`, and its candidates; `None` for file names, which the
+/// caller completes.
 pub fn complete(names: &Names, line: &str, end: usize) -> (usize, Option<Vec<String>>) {
     let before = line.get(..end).unwrap_or(line);
     let begin = before.rfind(char::is_whitespace).map_or(0, |at| at + 1);
@@ -47,24 +48,24 @@ pub fn complete(names: &Names, line: &str, end: usize) -> (usize, Option<Vec<Str
         return (begin, Some(matching(word, COMMANDS.iter().map(|command| command.name.to_owned()))));
     };
     let Ok(command) = find(first) else { return (begin, Some(Vec::new())) };
-    let kind = command.words.get(rest.len()).or(command.words.last()).copied().unwrap_or(Kind::Free);
+    let kind = command.arguments.get(rest.len()).or(command.arguments.last()).copied().unwrap_or(ArgumentKind::Free);
     let own = |list: &[String]| matching(word, list.iter().cloned());
     let fixed = |list: &[&str]| matching(word, list.iter().map(|word| (*word).to_owned()));
     let found = match kind {
-        Kind::Files => return (begin, None),
-        Kind::Free => Vec::new(),
-        Kind::Of(list) => fixed(list),
-        Kind::Commands => matching(word, COMMANDS.iter().map(|command| command.name.to_owned())),
-        Kind::Joints => own(&names.joints),
-        Kind::JointValues => matching(word, names.joints.iter().map(|joint| format!("{joint}="))),
-        Kind::Links => own(&names.links),
-        Kind::Soles => own(&names.soles),
-        Kind::Tasks => own(&names.tasks),
-        Kind::States => own(&names.states),
-        Kind::Columns => own(&names.columns),
-        Kind::TaskTypes => fixed(TaskSpec::TYPES),
-        Kind::ForceTypes => fixed(ForceSpec::TYPES),
-        Kind::Keys => matching(word, keys(names)),
+        ArgumentKind::Files => return (begin, None),
+        ArgumentKind::Free => Vec::new(),
+        ArgumentKind::Of(list) => fixed(list),
+        ArgumentKind::Commands => matching(word, COMMANDS.iter().map(|command| command.name.to_owned())),
+        ArgumentKind::Joints => own(&names.joints),
+        ArgumentKind::JointValues => matching(word, names.joints.iter().map(|joint| format!("{joint}="))),
+        ArgumentKind::Links => own(&names.links),
+        ArgumentKind::Soles => own(&names.soles),
+        ArgumentKind::Tasks => own(&names.tasks),
+        ArgumentKind::States => own(&names.states),
+        ArgumentKind::Columns => own(&names.columns),
+        ArgumentKind::TaskTypes => fixed(TaskSpec::TYPES),
+        ArgumentKind::ForceTypes => fixed(ForceSpec::TYPES),
+        ArgumentKind::Keys => matching(word, keys(names)),
     };
     (begin, Some(found))
 }

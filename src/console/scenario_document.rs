@@ -1,43 +1,43 @@
-//! The scenario that a session is.
+//! TOML scenario of a session: edited by commands, built like any scenario, saved with `stop.at`.
 
 use std::path::{Component, Path, PathBuf};
 
 use toml::{Table, Value};
 
 use crate::console::ConsoleError;
-use crate::console::words::segments;
+use crate::console::arguments::segments;
 use crate::files::{Made, RecordError, SESSION, write_named};
 use crate::scenario::{self, Diagnostics, Run};
 use std::io::Write;
 
-/// Parts of a file that are of a batch, not of one run, and rules that would end a session.
+/// Keys of a batch, and rules that would end a session; removed from the scenario.
 const NOT_OF_A_SESSION: [&str; 4] = ["sweep", "compare", "expect", "stop"];
 
-/// Keys that name files, by the list they are in.
+/// Lists whose entries have a path in the key `file`.
 const FILES: [&str; 2] = ["task", "force"];
 
-/// See the module.
+/// Scenario of a session as a TOML table.
 #[derive(Clone, Debug)]
-pub struct Document {
+pub struct ScenarioDocument {
     pub table: Table,
-    /// Where its paths begin: the file that it began with.
+    /// The scenario file; paths in the table are relative to its folder.
     pub file: PathBuf,
 }
 
-impl Document {
-    /// A run's scenario as that of a session that may last for `end` seconds.
+impl ScenarioDocument {
+    /// Scenario of a session from that of a run, with the longest duration `end`, s.
     pub fn of(run: &Run, end: f64) -> Self {
         let mut table = run.written();
         NOT_OF_A_SESSION.iter().for_each(|key| drop(table.remove(*key)));
         table.insert("duration".into(), Value::Float(end));
-        // What a repetition changed.
+        // A repetition has a seed of its own.
         table.insert("seed".into(), Value::Integer(i64::try_from(run.scenario.seed).unwrap_or(i64::MAX)));
-        let mut document = Document { table, file: run.file.clone() };
+        let mut document = ScenarioDocument { table, file: run.file.clone() };
         let control = document.table.entry("control").or_insert_with(|| Value::Table(Table::new()));
         if let Value::Table(control) = control {
             control.insert("idle_ticks".into(), Value::Boolean(true));
         }
-        // What is drawn for all of a run stays what it was.
+        // Random pushes are drawn for their whole span, so keep the span of the original run.
         let span = run.scenario.duration;
         for force in document.list("force") {
             let Value::Table(force) = force else { continue };
@@ -51,7 +51,7 @@ impl Document {
         document
     }
 
-    /// The entries of a list of tables, which is made if there is none.
+    /// Entries of a list of tables; an absent list is created.
     pub fn list(&mut self, key: &str) -> &mut Vec<Value> {
         let list = self.table.entry(key).or_insert_with(|| Value::Array(Vec::new()));
         if !list.is_array() {
@@ -59,19 +59,19 @@ impl Document {
         }
         match list {
             Value::Array(entries) => entries,
-            _ => unreachable!("it was made one"),
+            _ => unreachable!("replaced by an array above"),
         }
     }
 
-    /// As TOML.
+    /// TOML text.
     pub fn text(&self) -> String {
         let mut table = self.table.clone();
-        // An empty list is none.
+        // Omit empty lists.
         table.retain(|_, value| value.as_array().is_none_or(|list| !list.is_empty()));
         table.to_string()
     }
 
-    /// The run it describes.
+    /// Reads the document as a scenario and returns its run.
     pub fn run(&self) -> Result<Run, ConsoleError> {
         let wrong = |found| self.wrong(found);
         let file = scenario::parse(&self.file, self.text()).map_err(wrong)?;
@@ -81,30 +81,30 @@ impl Document {
         only.ok_or_else(|| ConsoleError::usage("the scenario has no run"))
     }
 
-    /// What is wrong stands in the text of the session, not in the file that it began with.
+    /// Attributes diagnostics of the scenario file to the session, whose text differs from the file.
     pub fn wrong(&self, mut found: Diagnostics) -> ConsoleError {
         let file = self.file.display().to_string();
         found.0.iter_mut().filter(|one| one.file == file).for_each(|one| one.file = "session".to_owned());
         ConsoleError::Scenario(found)
     }
 
-    /// Writes it as a scenario that ends at `time` seconds. Its paths begin where the file is.
+    /// Writes a scenario that ends at `time`, s, with paths relative to the folder of `path`.
     pub fn save(&self, path: &Path, time: f64) -> Result<(), ConsoleError> {
         let mut saved = self.clone();
         saved.table.insert("stop".into(), Value::Table(Table::from_iter([("at".into(), Value::Float(time))])));
         let (from, to) = (folder(&self.file), folder(path));
         std::fs::create_dir_all(&to).map_err(|source| ConsoleError::Io { path: to.clone(), source })?;
-        let lead = |value: Option<&mut Value>| {
+        let rebase = |value: Option<&mut Value>| {
             if let Some(Value::String(written)) = value {
-                *written = leading(&from, &to, written);
+                *written = rebased(&from, &to, written);
             }
         };
         if let Some(Value::Table(robot)) = saved.table.get_mut("robot") {
-            lead(robot.get_mut("model"));
-            lead(robot.get_mut("backend_key"));
+            rebase(robot.get_mut("model"));
+            rebase(robot.get_mut("backend_key"));
         }
         for list in FILES {
-            saved.list(list).iter_mut().for_each(|entry| lead(entry.get_mut("file")));
+            saved.list(list).iter_mut().for_each(|entry| rebase(entry.get_mut("file")));
         }
         let name = self.file.file_name().unwrap_or_default().to_string_lossy();
         let text = format!("{SESSION} that began with {name}.\n\n{}", saved.text());
@@ -113,7 +113,7 @@ impl Document {
     }
 }
 
-/// Puts a value under a dotted key, into the tables that are there.
+/// Sets the value of a dotted key; absent tables are created.
 pub fn put(table: &mut Table, key: &str, value: Value) -> Result<(), ConsoleError> {
     let mut segments = segments(key)?;
     let last = segments.pop().unwrap_or_default();
@@ -129,7 +129,7 @@ pub fn put(table: &mut Table, key: &str, value: Value) -> Result<(), ConsoleErro
     Ok(())
 }
 
-/// A TOML number, whole or not.
+/// Value of a TOML float or integer.
 pub fn as_number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
 }
@@ -139,12 +139,12 @@ fn folder(file: &Path) -> PathBuf {
     std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned())
 }
 
-/// A path written for one folder, as it is written in another.
-fn leading(from: &Path, to: &Path, written: &str) -> String {
+/// Rewrites a path relative to the folder `from` as relative to the folder `to`.
+fn rebased(from: &Path, to: &Path, written: &str) -> String {
     if Path::new(written).is_absolute() || from == to {
         return written.to_owned();
     }
-    // Behind links `..` leads elsewhere than it seems.
+    // Resolve symbolic links: `..` after a link is not the folder that contains the link.
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| plain(path));
     let (target, to) = (real(&from.join(written)), real(to));
     let (mut a, mut b) = (target.components().peekable(), to.components().peekable());
@@ -152,7 +152,7 @@ fn leading(from: &Path, to: &Path, written: &str) -> String {
         a.next();
         b.next();
     }
-    // On other drives there is no relative way.
+    // There is no relative path between drives.
     if b.clone().any(|part| matches!(part, Component::Prefix(_))) {
         return target.to_string_lossy().into_owned();
     }
@@ -161,7 +161,7 @@ fn leading(from: &Path, to: &Path, written: &str) -> String {
     up.chain(down).collect::<Vec<_>>().join("/")
 }
 
-/// The path without `.` and `..`.
+/// Removes `.` and `..` from a path.
 fn plain(path: &Path) -> PathBuf {
     path.components().fold(PathBuf::new(), |mut plain, part| {
         match part {
@@ -178,16 +178,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_lead_where_they_led() {
-        let way = |from: &str, to: &str, written: &str| leading(Path::new(from), Path::new(to), written);
-        assert_eq!(way("/a/scenarios", "/a/scenarios", "../robots/x.toml"), "../robots/x.toml");
-        assert_eq!(way("/a/scenarios", "/a", "../robots/x.toml"), "robots/x.toml");
-        assert_eq!(way("/a/scenarios", "/b/c", "./t.luau"), "../../a/scenarios/t.luau");
-        assert_eq!(way("/a", "/b", "/r/x.toml"), "/r/x.toml");
+    fn rebased_paths_name_the_same_files() {
+        let path = |from: &str, to: &str, written: &str| rebased(Path::new(from), Path::new(to), written);
+        assert_eq!(path("/a/scenarios", "/a/scenarios", "../robots/x.toml"), "../robots/x.toml");
+        assert_eq!(path("/a/scenarios", "/a", "../robots/x.toml"), "robots/x.toml");
+        assert_eq!(path("/a/scenarios", "/b/c", "./t.luau"), "../../a/scenarios/t.luau");
+        assert_eq!(path("/a", "/b", "/r/x.toml"), "/r/x.toml");
     }
 
     #[test]
-    fn values_are_put_into_tables() {
+    fn put_sets_values_of_dotted_keys() {
         let mut table = Table::new();
         put(&mut table, "a.b", Value::Integer(1)).unwrap();
         put(&mut table, "a.c", Value::Integer(2)).unwrap();

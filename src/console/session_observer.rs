@@ -1,41 +1,41 @@
-//! What a session hears of its simulation.
+//! Observer of a session's simulation: keeps the newest events, writes the recording and the live stream.
 
 use std::collections::VecDeque;
 
 use crate::log::LogWriter;
 use crate::sim::{Observer, SimEvent, Snapshot};
 
-/// Events that are kept for `events`.
-const MOST: usize = 10_000;
+/// Most events kept for `events`.
+const MAX_EVENTS: usize = 10_000;
 
-/// See the module.
+/// Observer of a session's simulation.
 #[derive(Default)]
-pub struct Tap {
-    /// The recording that is being made.
+pub struct SessionObserver {
+    /// Active recording.
     pub log: Option<LogWriter>,
-    /// What people who look on are told.
-    pub shown: Option<LogWriter>,
-    /// Instants in it.
+    /// Log streamed to live clients.
+    pub live_log: Option<LogWriter>,
+    /// Number of instants in the recording.
     pub instants: u64,
-    /// Time of the last of them, s.
+    /// Time of its last instant, s.
     pub last: Option<f64>,
     /// The newest events.
     pub events: VecDeque<SimEvent>,
-    /// How many there have been.
+    /// Number of events so far.
     pub count: u64,
 }
 
-impl Tap {
-    /// The events since the count was `since`, those that are still kept.
+impl SessionObserver {
+    /// Events after the first `since` ones, as far as they are kept.
     pub fn since(&self, since: u64) -> impl Iterator<Item = &SimEvent> {
         let new = (self.count - since).min(self.events.len() as u64) as usize;
         self.events.iter().skip(self.events.len() - new)
     }
 }
 
-impl Observer for Tap {
+impl Observer for SessionObserver {
     fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
-        self.shown.as_mut().map_or(Ok(()), |shown| shown.snapshot(snapshot))?;
+        self.live_log.as_mut().map_or(Ok(()), |live| live.snapshot(snapshot))?;
         let Some(log) = &mut self.log else { return Ok(()) };
         self.instants += 1;
         self.last = Some(snapshot.time);
@@ -43,12 +43,12 @@ impl Observer for Tap {
     }
 
     fn event(&mut self, event: &SimEvent) -> Result<(), String> {
-        if self.events.len() == MOST {
+        if self.events.len() == MAX_EVENTS {
             self.events.pop_front();
         }
         self.events.push_back(event.clone());
         self.count += 1;
-        self.shown.as_mut().map_or(Ok(()), |shown| shown.event(event))?;
+        self.live_log.as_mut().map_or(Ok(()), |live| live.event(event))?;
         self.log.as_mut().map_or(Ok(()), |log| log.event(event))
     }
 }

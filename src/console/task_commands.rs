@@ -1,47 +1,47 @@
-//! Starting, ending and changing tasks, and bringing joints to a posture.
+//! Commands for tasks: `tasks`, `start`, `stop`, `change`, `drive`.
 
 use toml::{Table, Value};
 
-use crate::console::document::put;
+use crate::console::arguments::Arguments;
 use crate::console::error::ConsoleError;
+use crate::console::scenario_document::put;
 use crate::console::session::Session;
-use crate::console::words::Words;
 use crate::task::server::TaskState;
 use crate::text::suggest;
 
 impl Session {
     pub(super) fn tasks(&self) -> String {
         let tasks = self.simulation.tasks().states().enumerate();
-        let line = |(i, (name, start, stand)): (usize, (&str, f64, TaskState))| {
-            let stand = match stand {
+        let line = |(i, (name, start, state)): (usize, (&str, f64, TaskState))| {
+            let state = match state {
                 TaskState::Waiting => "waits",
                 TaskState::Running => "runs",
                 TaskState::Ended => "has ended",
             };
-            format!("{i} {name}: {stand}, start {start} s\n")
+            format!("{i} {name}: {state}, start {start} s\n")
         };
         let lines: String = tasks.map(line).collect();
         if lines.is_empty() { "no tasks\n".to_owned() } else { lines }
     }
 
     /// `start TYPE [KEY=VALUE ...]`
-    pub(super) fn start(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let kind = words.need("the type of a task")?.to_owned();
-        let values = words.assignments()?;
+    pub(super) fn start(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let kind = args.need("the type of a task")?.to_owned();
+        let values = args.assignments()?;
         self.begin_task(&kind, values)
     }
 
     fn begin_task(&mut self, kind: &str, values: Vec<(String, Value)>) -> Result<String, ConsoleError> {
         let entry = self.entry(kind, values)?;
         let number = self.present().task.len();
-        let news = self.edit(|document| {
+        let notes = self.edit(|document| {
             document.list("task").push(Value::Table(entry));
             Ok(())
         })?;
-        Ok(format!("{news}task {number}, {kind}, from {} s\n", self.time()))
+        Ok(format!("{notes}task {number}, {kind}, from {} s\n", self.time()))
     }
 
-    /// An entry of a type that starts now, with these values.
+    /// Scenario entry of a task or force that starts now.
     pub(super) fn entry(&self, kind: &str, values: Vec<(String, Value)>) -> Result<Table, ConsoleError> {
         let mut entry = Table::from_iter([("type".to_owned(), Value::String(kind.to_owned()))]);
         entry.insert("start".to_owned(), Value::Float(self.time()));
@@ -54,16 +54,16 @@ impl Session {
         Ok(entry)
     }
 
-    /// The task that a word means: its number, or a type of which one has not ended.
+    /// Index of a task given by number, or by a type of which exactly one task has not ended.
     fn task(&self, word: &str) -> Result<usize, ConsoleError> {
-        let stands: Vec<_> = self.simulation.tasks().states().map(|(_, _, stand)| stand).collect();
+        let states: Vec<_> = self.simulation.tasks().states().map(|(_, _, state)| state).collect();
         if let Ok(number) = word.parse::<usize>() {
-            let there = (number < stands.len()).then_some(number);
+            let there = (number < states.len()).then_some(number);
             return there.ok_or_else(|| ConsoleError::usage(format!("there is no task {number} (`tasks`)")));
         }
         let specs = self.run.scenario.task.iter();
         let kinds: Vec<&str> = specs.map(|spec| spec.type_name()).collect();
-        let alive = |i: &usize| kinds[*i] == word && stands.get(*i) != Some(&TaskState::Ended);
+        let alive = |i: &usize| kinds[*i] == word && states.get(*i) != Some(&TaskState::Ended);
         let found: Vec<usize> = (0..kinds.len()).filter(alive).collect();
         match found[..] {
             [only] => Ok(only),
@@ -74,12 +74,12 @@ impl Session {
     }
 
     /// `stop TASK|all`
-    pub(super) fn stop(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let word = words.need("a task, or `all`")?.to_owned();
-        words.done()?;
+    pub(super) fn stop(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let word = args.need("a task, or `all`")?.to_owned();
+        args.done()?;
         let numbers: Vec<usize> = if word == "all" {
-            let stands = self.simulation.tasks().states().enumerate();
-            stands.filter(|(_, (_, _, stand))| *stand != TaskState::Ended).map(|(i, _)| i).collect()
+            let states = self.simulation.tasks().states().enumerate();
+            states.filter(|(_, (_, _, state))| *state != TaskState::Ended).map(|(i, _)| i).collect()
         } else {
             vec![self.task(&word)?]
         };
@@ -97,10 +97,10 @@ impl Session {
     }
 
     /// `change TASK KEY=VALUE ...`
-    pub(super) fn change(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let word = words.need("a task")?.to_owned();
+    pub(super) fn change(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let word = args.need("a task")?.to_owned();
         let number = self.task(&word)?;
-        let values = words.assignments()?;
+        let values = args.assignments()?;
         if values.is_empty() {
             return Err(ConsoleError::usage("new values are missing, such as speed=0.5"));
         }
@@ -117,35 +117,35 @@ impl Session {
             let Value::Array(list) = list else {
                 return Err(ConsoleError::usage(format!("`task.{number}.change` is no list")));
             };
-            // Those to come stay behind it.
-            let at = |v: &Value| v.get("at").and_then(crate::console::document::as_number).unwrap_or(0.0);
-            let place = list.iter().take_while(|other| at(other) <= now).count();
-            list.insert(place, Value::Table(change));
+            // Keep the list ordered by time.
+            let at = |v: &Value| v.get("at").and_then(crate::console::scenario_document::as_number).unwrap_or(0.0);
+            let index = list.iter().take_while(|other| at(other) <= now).count();
+            list.insert(index, Value::Table(change));
             Ok(())
         })
     }
 
     /// `drive JOINT=VALUE ... [in SECONDS]`, or `drive home`
-    pub(super) fn drive(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
+    pub(super) fn drive(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
         let mut joints = Table::new();
-        if words.take("home") {
+        if args.take("home") {
             let model = self.model();
             let home = model.joints.iter().zip(&model.home);
             joints.extend(home.map(|(joint, q)| (joint.name.clone(), Value::Float(*q))));
         }
-        while let Some(word) = words.peek().map(str::to_owned) {
+        while let Some(word) = args.peek().map(str::to_owned) {
             if word == "in" {
                 break;
             }
-            words.next();
+            args.next();
             let (joint, value) = crate::scenario::parse_override(&word).map_err(ConsoleError::usage)?;
             joints.insert(joint, value);
         }
         if joints.is_empty() {
             return Err(ConsoleError::usage("no joint is named"));
         }
-        let seconds = if words.take("in") { words.number("a time")? } else { 1.0 };
-        words.done()?;
+        let seconds = if args.take("in") { args.number("a time")? } else { 1.0 };
+        args.done()?;
         let values = vec![("joints".to_owned(), Value::Table(joints)), ("duration".to_owned(), Value::Float(seconds))];
         self.begin_task("posture", values)
     }

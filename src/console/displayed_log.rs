@@ -1,9 +1,9 @@
-//! What queries look at: the present state, or an instant of a recording; both as a log has them, so that the columns are those
-//! of `runner export`.
+//! Log displayed by queries: the present state, or an instant of a recording. The present is written as
+//! a log too, so that columns are those of `runner export`.
 
 use crate::console::error::ConsoleError;
 use crate::console::session::{Session, simulation};
-use crate::console::tap::Tap;
+use crate::console::session_observer::SessionObserver;
 use crate::dynamics::State;
 use crate::export::{self, Selection, Values};
 use crate::log::{LogWriter, Motion, TopicGroups, Trajectory};
@@ -11,52 +11,51 @@ use crate::robot::{Base, Model};
 use crate::sim::{Observer, Snapshot};
 
 impl Session {
-    /// The log at which queries look, and the number of the instant in it.
-    pub(super) fn shown<T>(
+    /// Passes the displayed log and the index of the displayed instant to `query`.
+    pub(super) fn with_displayed_log<T>(
         &mut self,
-        look: impl FnOnce(&Self, &Trajectory, usize) -> Result<T, ConsoleError>,
+        query: impl FnOnce(&Self, &Trajectory, usize) -> Result<T, ConsoleError>,
     ) -> Result<T, ConsoleError> {
         match (&self.cursor, &self.recording) {
-            (Some(cursor), Some(recording)) => look(self, &recording.log, cursor.tick),
+            (Some(cursor), Some(recording)) => query(self, &recording.log, cursor.tick),
             _ => {
                 let present = self.present_log()?;
-                look(self, &present, 0)
+                query(self, &present, 0)
             }
         }
     }
 
-    /// A log with nothing but the present.
+    /// A log of the present instant only.
     fn present_log(&mut self) -> Result<Trajectory, ConsoleError> {
         let path = self.folder.path().join("present.mcap");
         let mut log: LogWriter = self.log_writer(&path, TopicGroups { state: true, contact: true, scene: false })?;
-        let snapshot = self.begun_look()?;
-        let told = log.snapshot(&snapshot);
-        told.map_err(ConsoleError::usage)?;
+        let snapshot = self.present_snapshot()?;
+        log.snapshot(&snapshot).map_err(ConsoleError::usage)?;
         log.finish()?;
         Ok(Trajectory::read(&path)?)
     }
 
-    /// The present. Contact states are chosen when the run begins, and until then all may still be changed: another run begins
-    /// to be looked at.
-    pub(super) fn begun_look(&mut self) -> Result<Snapshot, ConsoleError> {
+    /// Snapshot of the present. Contact states are selected when a run begins, and before that any value
+    /// may still be edited; so before the first step a copy of the simulation is begun and inspected.
+    pub(super) fn present_snapshot(&mut self) -> Result<Snapshot, ConsoleError> {
         if self.simulation.has_begun() {
             return Ok(self.simulation.inspect());
         }
         let mut begun = simulation(&self.document, &self.run, &self.robot)?;
-        begun.begin(&mut Tap::default()).map_err(|stop| ConsoleError::Over { time: 0.0, stop })?;
+        begun.begin(&mut SessionObserver::default()).map_err(|stop| ConsoleError::Over { time: 0.0, stop })?;
         Ok(begun.inspect())
     }
 
-    /// The values of columns at the instant looked at, by names and patterns; all of them when there are none.
-    pub(super) fn columns_now(&mut self, names: &[String]) -> Result<Vec<(String, String)>, ConsoleError> {
-        self.shown(|_, log, tick| columns_at(log, tick, names))
+    /// Names and values of columns at the displayed instant, by names and patterns; without names all.
+    pub(super) fn displayed_columns(&mut self, names: &[String]) -> Result<Vec<(String, String)>, ConsoleError> {
+        self.with_displayed_log(|_, log, tick| columns_at(log, tick, names))
     }
 
-    /// The value of one column, as a number.
-    pub(super) fn column_now(&mut self, name: &str) -> Result<Option<f64>, ConsoleError> {
+    /// Value of one column as a number.
+    pub(super) fn displayed_value(&mut self, name: &str) -> Result<Option<f64>, ConsoleError> {
         let time = |log: &Trajectory, tick: usize| log.times[tick];
         let names = [name.to_owned()];
-        self.shown(|_, log, tick| {
+        self.with_displayed_log(|_, log, tick| {
             let at = Some(time(log, tick));
             let table = export::series(log, &Selection { columns: names.to_vec(), rate: None, from: at, to: at })?;
             match table.columns().iter().find(|(found, _)| found == name).map(|(_, values)| values) {
@@ -81,18 +80,18 @@ pub fn columns_at(log: &Trajectory, tick: usize, names: &[String]) -> Result<Vec
     Ok(table.columns().iter().map(|(name, values)| (name.clone(), value(values))).collect())
 }
 
-/// A number with all its digits, and no rows of zeros.
+/// A number with all its digits, with an exponent if very small or large.
 pub fn digits(x: f64) -> String {
     let plain = x == 0.0 || (1e-5..1e15).contains(&x.abs());
     if plain { x.to_string() } else { format!("{x:e}") }
 }
 
-/// The motion of a log, which must have one.
+/// Motion of a log; an error if the log has none.
 pub fn motion(log: &Trajectory) -> Result<&Motion, ConsoleError> {
     log.motion.as_ref().ok_or_else(|| ConsoleError::usage("the recording holds no motion: its topics lack \"state\""))
 }
 
-/// The robot's state at an instant of a log, without lagging actuators.
+/// Robot state at an instant of a log, without actuator states.
 pub fn state(model: &Model, log: &Trajectory, tick: usize) -> Result<State, ConsoleError> {
     let motion = motion(log)?;
     let named = motion.joints.iter().map(|joint| &joint.name);

@@ -1,13 +1,13 @@
-//! Recordings: logs as every run leaves them, begun and ended by hand, kept, loaded and written as tables.
+//! Commands for recordings, which are ordinary logs: `record`, `save`, `load`, `export`.
 
 use crate::files::names;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::batch::open_log_of;
+use crate::console::arguments::Arguments;
 use crate::console::error::ConsoleError;
 use crate::console::session::Session;
-use crate::console::words::Words;
 use crate::export::{self, Selection, TableFormat, TextFormat};
 use crate::files::input;
 use crate::files::{Made, RecordError, write_named};
@@ -15,14 +15,16 @@ use crate::log::{LogWriter, MessageSink, TopicGroups, Trajectory};
 use crate::scenario;
 use crate::sim::Observer;
 
-/// A recording that is whole.
+/// A finished recording.
 pub struct Recording {
-    /// Where it is.
+    /// Log file.
     pub path: PathBuf,
+    /// Content of the log.
     pub log: Trajectory,
 }
 
 impl Recording {
+    /// Reads a log that has at least one instant.
     pub fn read(path: &Path) -> Result<Self, ConsoleError> {
         let log = Trajectory::read(path)?;
         if log.times.is_empty() {
@@ -38,12 +40,12 @@ impl Recording {
 }
 
 impl Session {
-    /// A log of this session.
+    /// Opens a log file for this session.
     pub(super) fn log_writer(&self, path: &Path, topics: TopicGroups) -> Result<LogWriter, ConsoleError> {
         self.log_to((Some(path), None), topics)
     }
 
-    /// The same, to somebody who looks on.
+    /// Opens a log for this session that writes to a file, to live clients, or both.
     pub(super) fn log_to(
         &self,
         to: (Option<&Path>, Option<Box<dyn MessageSink>>),
@@ -55,17 +57,17 @@ impl Session {
         Ok(open_log_of(to, &self.run, &key, &self.robot, (&plant.model, &plant.floor), method, topics)?)
     }
 
-    pub(super) fn record(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        if words.take("stop") {
-            words.done()?;
+    pub(super) fn record(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        if args.take("stop") {
+            args.done()?;
             return match self.stop_recording()? {
                 true => Ok(self.recording_status()),
                 false => Err(ConsoleError::usage("nothing is being recorded")),
             };
         }
-        words.done()?;
-        self.alive()?;
-        if self.tap.log.is_some() {
+        args.done()?;
+        self.check_running()?;
+        if self.observer.log.is_some() {
             return Err(ConsoleError::usage("a recording is being made: `record stop` ends it"));
         }
         if self.run.scenario.log.rate == 0.0 {
@@ -73,29 +75,30 @@ impl Session {
         }
         self.recordings += 1;
         let path = self.folder.path().join(format!("{}.mcap", self.recordings));
-        self.tap.log = Some(self.log_writer(&path, crate::batch::topics(&self.run.scenario.log.topics))?);
-        (self.tap.instants, self.tap.last) = (0, None);
-        // An instant that the log has by its rate comes with the next step.
+        self.observer.log = Some(self.log_writer(&path, crate::batch::topics(&self.run.scenario.log.topics))?);
+        (self.observer.instants, self.observer.last) = (0, None);
+        // If an instant of the log rate is due now, the next step records it.
         if self.simulation.has_begun() && !self.simulation.snapshot_due() {
             let first = self.simulation.inspect();
-            let log = self.tap.log.as_mut().map_or(Ok(()), |log| log.snapshot(&first));
+            let log = self.observer.log.as_mut().map_or(Ok(()), |log| log.snapshot(&first));
             log.map_err(ConsoleError::usage)?;
-            (self.tap.instants, self.tap.last) = (1, Some(first.time));
+            (self.observer.instants, self.observer.last) = (1, Some(first.time));
         }
         Ok(format!("recording from {} s at {} Hz\n", self.time(), self.run.scenario.log.rate))
     }
 
-    /// Ends the recording that is being made; was there one?
+    /// Ends the active recording; returns whether there is one with content.
     pub(super) fn stop_recording(&mut self) -> Result<bool, ConsoleError> {
-        if self.tap.log.is_none() {
+        if self.observer.log.is_none() {
             return Ok(false);
         }
-        // The present is the last instant, as of every run.
-        if self.over.is_none() && self.tap.last != Some(self.time()) {
-            let last = if self.simulation.has_begun() { self.simulation.inspect_end() } else { self.begun_look()? };
-            self.tap.snapshot(&last).map_err(ConsoleError::usage)?;
+        // As in every run, the last instant of the log is the present.
+        if self.termination.is_none() && self.observer.last != Some(self.time()) {
+            let last =
+                if self.simulation.has_begun() { self.simulation.inspect_end() } else { self.present_snapshot()? };
+            self.observer.snapshot(&last).map_err(ConsoleError::usage)?;
         }
-        let Some(log) = self.tap.log.take().filter(|_| self.tap.instants > 0) else { return Ok(false) };
+        let Some(log) = self.observer.log.take().filter(|_| self.observer.instants > 0) else { return Ok(false) };
         log.finish()?;
         let path = self.folder.path().join(format!("{}.mcap", self.recordings));
         let recording = Recording::read(&path)?;
@@ -103,17 +106,18 @@ impl Session {
         Ok(true)
     }
 
-    /// The recording that commands are about: what is being made is ended for it.
+    /// The last recording; an active one is ended first.
     pub(super) fn finished_recording(&mut self) -> Result<&Recording, ConsoleError> {
         self.stop_recording()?;
         let none = "there is no recording: `record` makes one, `load FILE` reads one";
         self.recording.as_ref().ok_or_else(|| ConsoleError::usage(none))
     }
 
+    /// Status lines of the active and of the last recording.
     pub(super) fn recording_status(&self) -> String {
         let mut out = String::new();
-        if self.tap.log.is_some() {
-            out += &format!("recording, {} instants so far\n", self.tap.instants);
+        if self.observer.log.is_some() {
+            out += &format!("recording, {} instants so far\n", self.observer.instants);
         }
         if let Some(recording) = &self.recording {
             let (from, to) = recording.span();
@@ -124,10 +128,10 @@ impl Session {
         out
     }
 
-    pub(super) fn save(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let what = words.need("`session` or `recording`")?.to_owned();
-        let path = Session::path(words.need("a file")?);
-        words.done()?;
+    pub(super) fn save(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let what = args.need("`session` or `recording`")?.to_owned();
+        let path = Session::path(args.need("a file")?);
+        args.done()?;
         match what.as_str() {
             "session" => self.save_session(&path),
             "recording" => {
@@ -144,7 +148,7 @@ impl Session {
     /// Writes the session as a scenario that ends at the present time.
     ///
     /// # Errors
-    /// It has not begun, or the file cannot be written.
+    /// The session is at 0 s, or the file cannot be written.
     pub fn save_session(&mut self, path: &Path) -> Result<String, ConsoleError> {
         if self.time() == 0.0 {
             return Err(ConsoleError::usage("the session stands at 0 s: there is no run to be saved"));
@@ -153,9 +157,9 @@ impl Session {
         Ok(format!("{}: {} s, {} events\n", path.display(), self.time(), self.run.events.len()))
     }
 
-    pub(super) fn load(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let path = Session::path(words.need("a log")?);
-        words.done()?;
+    pub(super) fn load(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let path = Session::path(args.need("a log")?);
+        args.done()?;
         let path = if path.is_dir() { path.join(names::LOG) } else { path };
         let recording = Recording::read(&path)?;
         self.stop_recording()?;
@@ -164,12 +168,12 @@ impl Session {
     }
 
     /// `export FILE [COLUMN ...] [OPTION=VALUE ...]`
-    pub(super) fn export(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let path = Session::path(words.need("a file")?);
+    pub(super) fn export(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let path = Session::path(args.need("a file")?);
         let mut selection = Selection::default();
         let mut text = TextFormat::default();
         let (mut styled, mut kind, mut events) = (false, None, false);
-        for word in words.rest() {
+        for word in args.rest() {
             let Some((key, value)) = word.split_once('=') else {
                 selection.columns.push(word);
                 continue;

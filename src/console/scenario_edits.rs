@@ -1,14 +1,15 @@
-//! What is changed of floor, robot and forces while the run goes on, and states saved and restored.
+//! Commands that edit the scenario: values, floor, joint friction, payload, pushes, forces, and stored
+//! states.
 
 use toml::{Table, Value};
 
-use crate::console::document::put;
+use crate::console::arguments::{Arguments, segments};
 use crate::console::error::ConsoleError;
+use crate::console::scenario_document::put;
 use crate::console::session::Session;
-use crate::console::words::{Words, segments};
 
 impl Session {
-    /// An event at the present time.
+    /// A new event at the present time.
     pub(super) fn event(&self) -> Table {
         Table::from_iter([("at".to_owned(), Value::Float(self.time()))])
     }
@@ -20,11 +21,11 @@ impl Session {
         })
     }
 
-    /// Sets values: as those of the start before anything has moved, else by an event.
+    /// Sets values: in the scenario itself before the first step, later by an event.
     fn assign(&mut self, values: Vec<(String, Value)>) -> Result<String, ConsoleError> {
         if !self.simulation.has_begun() {
             return self
-                .edit(|document| values.into_iter().try_for_each(|(key, value)| set_first(document, &key, value)));
+                .edit(|document| values.into_iter().try_for_each(|(key, value)| set_initial(document, &key, value)));
         }
         let mut event = self.event();
         event.insert("set".into(), Value::Table(Table::from_iter(values)));
@@ -32,8 +33,8 @@ impl Session {
     }
 
     /// `set KEY=VALUE ...`
-    pub(super) fn set(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let values = words.assignments()?;
+    pub(super) fn set(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let values = args.assignments()?;
         if values.is_empty() {
             return Err(ConsoleError::usage("a value is missing, such as floor.friction=0.3"));
         }
@@ -41,9 +42,9 @@ impl Session {
     }
 
     /// `get KEY`
-    pub(super) fn get(&self, words: &mut Words) -> Result<String, ConsoleError> {
-        let key = words.need("a dotted key")?.to_owned();
-        words.done()?;
+    pub(super) fn get(&self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let key = args.need("a dotted key")?.to_owned();
+        args.done()?;
         let all = Table::try_from(self.present()).map_err(|error| ConsoleError::usage(error.to_string()))?;
         let mut value = &Value::Table(all);
         for segment in segments(&key)? {
@@ -57,24 +58,24 @@ impl Session {
         Ok(format!("{value}\n").replace("\n\n", "\n"))
     }
 
-    /// `floor STATIC [KINETIC]`
-    pub(super) fn floor(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        if words.peek().is_none() {
+    /// `floor [STATIC [KINETIC]]`
+    pub(super) fn floor(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        if args.peek().is_none() {
             let friction = self.present().floor.friction;
             return Ok(format!("static {}, kinetic {}\n", friction.static_, friction.kinetic));
         }
-        let rest = words.number("the coefficient of static friction")?;
-        let sliding = words.some_number().unwrap_or(rest);
-        words.done()?;
+        let static_ = args.number("the coefficient of static friction")?;
+        let kinetic = args.some_number().unwrap_or(static_);
+        args.done()?;
         let friction =
-            Table::from_iter([("static".to_owned(), Value::Float(rest)), ("kinetic".into(), sliding.into())]);
+            Table::from_iter([("static".to_owned(), Value::Float(static_)), ("kinetic".into(), kinetic.into())]);
         self.assign(vec![("floor.friction".into(), Value::Table(friction))])
     }
 
-    /// `friction JOINT KEY=VALUE ...`
-    pub(super) fn friction(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let joint = self.joint(words)?;
-        let values = words.assignments()?;
+    /// `friction JOINT [KEY=VALUE ...]`
+    pub(super) fn friction(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let joint = self.joint(args)?;
+        let values = args.assignments()?;
         if values.is_empty() {
             let law = self.model().joints[joint.0].friction_law();
             return Ok(format!(
@@ -90,9 +91,9 @@ impl Session {
         self.assign(vec![(key, Value::Table(friction))])
     }
 
-    /// Number and name of the joint that the next word is.
-    fn joint(&self, words: &mut Words) -> Result<(usize, String), ConsoleError> {
-        let name = words.need("a joint")?.to_owned();
+    /// Index and name of the joint named by the next argument.
+    fn joint(&self, args: &mut Arguments) -> Result<(usize, String), ConsoleError> {
+        let name = args.need("a joint")?.to_owned();
         let model = self.model();
         let unknown = || {
             let names = model.joints.iter().map(|joint| joint.name.as_str());
@@ -101,19 +102,19 @@ impl Session {
         model.joint(&name).map(|id| (id.0, name.clone())).ok_or_else(unknown)
     }
 
-    /// `payload LINK MASS [X Y Z]`; mass 0 takes it off.
-    pub(super) fn payload(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
+    /// `payload [LINK MASS [X Y Z]]`; mass 0 removes the payload.
+    pub(super) fn payload(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
         let written = |spec: &crate::scenario::PayloadSpec| Value::try_from(spec);
         let wrong = |error: toml::ser::Error| ConsoleError::usage(error.to_string());
         let present: Result<Vec<Value>, _> = self.present().robot.payload.iter().map(written).collect();
         let mut list = present.map_err(wrong)?;
-        if words.peek().is_none() {
+        if args.peek().is_none() {
             return Ok(list.iter().map(|value| format!("{value}\n")).collect());
         }
-        let link = words.need("a link")?.to_owned();
-        let mass = words.number("the mass")?;
-        let position = if words.peek().is_some() { words.vector("the position")? } else { [0.0; 3] };
-        words.done()?;
+        let link = args.need("a link")?.to_owned();
+        let mass = args.number("the mass")?;
+        let position = if args.peek().is_some() { args.vector("the position")? } else { [0.0; 3] };
+        args.done()?;
         list.retain(|other| other.get("link").and_then(Value::as_str) != Some(&link));
         if mass != 0.0 {
             let position = position.map(Value::Float).to_vec();
@@ -127,28 +128,28 @@ impl Session {
     }
 
     /// `push LINK FX FY FZ [for SECONDS] [at X Y Z] [KEY=VALUE ...]`
-    pub(super) fn push(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let link = words.need("a link")?.to_owned();
-        let force = words.vector("the force")?;
+    pub(super) fn push(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let link = args.need("a link")?.to_owned();
+        let force = args.vector("the force")?;
         let mut values = vec![("link".to_owned(), Value::String(link)), ("force".to_owned(), vector(force))];
         let mut seconds = 0.1;
         loop {
-            if words.take("for") {
-                seconds = words.number("a time")?;
-            } else if words.take("at") {
-                values.push(("point".to_owned(), vector(words.vector("the point")?)));
+            if args.take("for") {
+                seconds = args.number("a time")?;
+            } else if args.take("at") {
+                values.push(("point".to_owned(), vector(args.vector("the point")?)));
             } else {
                 break;
             }
         }
         values.push(("duration".to_owned(), Value::Float(seconds)));
-        values.extend(words.assignments()?);
+        values.extend(args.assignments()?);
         self.add_force("push", values)
     }
 
-    /// `force TYPE KEY=VALUE ...`; without words what there is.
-    pub(super) fn force(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let Some(kind) = words.next().map(str::to_owned) else {
+    /// `force [TYPE KEY=VALUE ...]`; without arguments lists the forces.
+    pub(super) fn force(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let Some(kind) = args.next().map(str::to_owned) else {
             let forces = self.present().force.iter().enumerate();
             let lines: String = forces.map(|(i, force)| format!("{i} {}\n", force.type_name())).collect();
             return Ok(if lines.is_empty() { "no forces\n".to_owned() } else { lines });
@@ -157,7 +158,7 @@ impl Session {
             let why = "a script begins with the run: it can be added before the first step, and changed later";
             return Err(ConsoleError::usage(why));
         }
-        let values = words.assignments()?;
+        let values = args.assignments()?;
         self.add_force(&kind, values)
     }
 
@@ -171,17 +172,17 @@ impl Session {
             entry.remove("start");
         }
         let number = self.present().force.len();
-        let news = self.edit(|document| {
+        let notes = self.edit(|document| {
             document.list("force").push(Value::Table(entry));
             Ok(())
         })?;
-        Ok(format!("{news}force {number}, {kind}, from {} s\n", self.time()))
+        Ok(format!("{notes}force {number}, {kind}, from {} s\n", self.time()))
     }
 
     /// `store NAME`
-    pub(super) fn store(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let name = words.need("a name")?.to_owned();
-        words.done()?;
+    pub(super) fn store(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let name = args.need("a name")?.to_owned();
+        args.done()?;
         let mut event = self.event();
         event.insert("save".into(), Value::String(name.clone()));
         self.add_event(event)?;
@@ -189,9 +190,9 @@ impl Session {
     }
 
     /// `restore NAME`
-    pub(super) fn restore(&mut self, words: &mut Words) -> Result<String, ConsoleError> {
-        let name = words.need("a name")?.to_owned();
-        words.done()?;
+    pub(super) fn restore(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
+        let name = args.need("a name")?.to_owned();
+        args.done()?;
         let mut event = self.event();
         event.insert("restore".into(), Value::String(name.clone()));
         self.add_event(event)
@@ -204,8 +205,12 @@ impl Session {
     }
 }
 
-/// Sets a value of the start; lists are entered by number.
-fn set_first(document: &mut crate::console::document::Document, key: &str, value: Value) -> Result<(), ConsoleError> {
+/// Sets an initial value; list entries are addressed by index.
+fn set_initial(
+    document: &mut crate::console::scenario_document::ScenarioDocument,
+    key: &str,
+    value: Value,
+) -> Result<(), ConsoleError> {
     let path = segments(key)?;
     if let [list, number, rest @ ..] = &path[..]
         && let Some(entry) = number.parse::<usize>().ok().and_then(|i| document.list(list).get_mut(i))
@@ -226,7 +231,7 @@ fn joined(segments: &[String]) -> String {
     segments.iter().map(|segment| quoted(segment)).collect::<Vec<_>>().join(".")
 }
 
-/// A name as a segment of a dotted key.
+/// A name as a segment of a dotted key, quoted if needed.
 fn quoted(name: &str) -> String {
     let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
     if plain { name.to_owned() } else { Value::String(name.to_owned()).to_string() }

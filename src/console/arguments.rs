@@ -1,21 +1,21 @@
-//! The words of a line: separated by blanks that stand in no quotes and no brackets. `#` begins a comment.
+//! Splits a line into arguments at blanks outside quotes and brackets. `#` begins a comment.
 
 use crate::console::ConsoleError;
 
-/// The words of one line, taken from the front.
+/// Arguments of a line, consumed from the front.
 #[derive(Debug)]
-pub struct Words {
+pub struct Arguments {
     words: Vec<String>,
     next: usize,
 }
 
-impl Words {
-    /// Takes a line apart.
+impl Arguments {
+    /// Splits a line.
     pub fn of(line: &str) -> Result<Self, ConsoleError> {
         let (mut words, mut word) = (Vec::new(), String::new());
         let (mut quote, mut open): (Option<char>, Vec<char>) = (None, Vec::new());
         let mut escaped = false;
-        // Editors put a mark before the first character.
+        // Skip a byte order mark.
         for c in line.trim_start_matches('\u{feff}').chars() {
             match (quote, c) {
                 (Some('"'), '\\') if !escaped => {
@@ -48,65 +48,66 @@ impl Words {
         if !word.is_empty() {
             words.push(word);
         }
-        Ok(Words { words, next: 0 })
+        Ok(Arguments { words, next: 0 })
     }
 
-    /// The next word, its quotes taken off if all of it stands in them.
+    /// Takes the next argument, without its quotes if they enclose all of it.
     pub fn next(&mut self) -> Option<&str> {
         let word = self.words.get(self.next)?;
         self.next += 1;
-        Some(bare(word))
+        Some(unquoted(word))
     }
 
-    /// The next word, left where it is.
+    /// The next argument, not consumed.
     pub fn peek(&self) -> Option<&str> {
-        self.words.get(self.next).map(|word| bare(word))
+        self.words.get(self.next).map(|word| unquoted(word))
     }
 
-    /// Takes the next word if it is this one.
+    /// Takes the next argument if it equals `word`.
     pub fn take(&mut self, word: &str) -> bool {
         let is = self.peek() == Some(word);
         self.next += usize::from(is);
         is
     }
 
-    /// The next word, which is wanted for `what`.
+    /// Takes the next argument, named `what` in the error text.
     pub fn need(&mut self, what: &str) -> Result<&str, ConsoleError> {
         self.next().ok_or_else(|| ConsoleError::usage(format!("{what} is missing")))
     }
 
-    /// The next word as a finite number.
+    /// Takes the next argument, a finite number.
     pub fn number(&mut self, what: &str) -> Result<f64, ConsoleError> {
         let word = self.need(what)?;
         number(word).ok_or_else(|| ConsoleError::usage(format!("{what} must be a number, not `{word}`")))
     }
 
-    /// The next word as a number, if it is one.
+    /// Takes the next argument if it is a finite number.
     pub fn some_number(&mut self) -> Option<f64> {
         let found = number(self.peek()?)?;
         self.next += 1;
         Some(found)
     }
 
-    /// Three numbers.
+    /// Takes three numbers.
     pub fn vector(&mut self, what: &str) -> Result<[f64; 3], ConsoleError> {
         Ok([self.number(what)?, self.number(what)?, self.number(what)?])
     }
 
-    /// The words that are left, as they were typed.
+    /// Takes the remaining arguments, with their quotes.
     pub fn rest(&mut self) -> Vec<String> {
         let rest = self.words[self.next..].to_vec();
         self.next = self.words.len();
         rest
     }
 
-    /// `KEY=VALUE` words that are left: dotted keys and TOML values, words that are no TOML value being strings.
+    /// Takes the remaining arguments as `KEY=VALUE`: dotted keys and TOML values; a value that is not TOML
+    /// is a string.
     pub fn assignments(&mut self) -> Result<Vec<(String, toml::Value)>, ConsoleError> {
         let read = |word: String| crate::scenario::parse_override(&word).map_err(ConsoleError::usage);
         self.rest().into_iter().map(read).collect()
     }
 
-    /// Complains about words that nobody took.
+    /// Error if arguments remain.
     pub fn done(&mut self) -> Result<(), ConsoleError> {
         match self.next() {
             None => Ok(()),
@@ -119,13 +120,14 @@ fn number(word: &str) -> Option<f64> {
     word.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-fn bare(word: &str) -> &str {
+/// Removes quotes that enclose all of a word.
+fn unquoted(word: &str) -> &str {
     let quoted = |q: char| word.strip_prefix(q).and_then(|rest| rest.strip_suffix(q));
     let whole = |inner: &&str| !inner.contains(['"', '\'']);
     quoted('"').or_else(|| quoted('\'')).filter(whole).unwrap_or(word)
 }
 
-/// The segments of a dotted key as TOML writes them.
+/// Segments of a dotted TOML key.
 pub fn segments(key: &str) -> Result<Vec<String>, ConsoleError> {
     let wrong = || ConsoleError::usage(format!("`{key}` is no dotted key"));
     let mut table = format!("{key} = 0").parse::<toml::Table>().map_err(|_| wrong())?;
@@ -145,11 +147,11 @@ mod tests {
     use super::*;
 
     fn words(line: &str) -> Vec<String> {
-        Words::of(line).unwrap().rest()
+        Arguments::of(line).unwrap().rest()
     }
 
     #[test]
-    fn blanks_in_quotes_and_brackets_belong_to_words() {
+    fn blanks_in_quotes_and_brackets_do_not_split_arguments() {
         assert_eq!(words("  set a=1\tb = # 2"), ["set", "a=1", "b", "="]);
         assert_eq!(
             words("start sine joints={ a = { amplitude = 1 } } x"),
@@ -157,22 +159,22 @@ mod tests {
         );
         assert_eq!(words(r#"load "a b#c.mcap" 'it"s'"#), ["load", "\"a b#c.mcap\"", "'it\"s'"]);
         assert_eq!(words(r#"x="a \" b" y"#), [r#"x="a \" b""#, "y"]);
-        assert!(Words::of("a [1, 2").is_err() && Words::of("a }").is_err() && Words::of("\"a").is_err());
+        assert!(Arguments::of("a [1, 2").is_err() && Arguments::of("a }").is_err() && Arguments::of("\"a").is_err());
     }
 
     #[test]
-    fn words_give_themselves() {
-        let mut words = Words::of("push \"left foot\" 1 -2e1 .5 for 0.1").unwrap();
-        assert_eq!(words.next(), Some("push"));
-        assert_eq!(words.next(), Some("left foot"));
-        assert_eq!(words.vector("force").unwrap(), [1.0, -20.0, 0.5]);
-        assert!(!words.take("at") && words.take("for"));
-        assert_eq!(words.some_number(), Some(0.1));
-        assert!(words.done().is_ok() && words.number("x").is_err());
+    fn arguments_are_taken_in_order() {
+        let mut args = Arguments::of("push \"left foot\" 1 -2e1 .5 for 0.1").unwrap();
+        assert_eq!(args.next(), Some("push"));
+        assert_eq!(args.next(), Some("left foot"));
+        assert_eq!(args.vector("force").unwrap(), [1.0, -20.0, 0.5]);
+        assert!(!args.take("at") && args.take("for"));
+        assert_eq!(args.some_number(), Some(0.1));
+        assert!(args.done().is_ok() && args.number("x").is_err());
     }
 
     #[test]
-    fn keys_are_taken_apart_as_toml_does() {
+    fn dotted_keys_are_split_as_in_toml() {
         assert_eq!(segments("a.\"b c\".d").unwrap(), ["a", "b c", "d"]);
         assert!(segments("a b").is_err() && segments("").is_err());
     }
